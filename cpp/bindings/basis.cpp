@@ -1,0 +1,166 @@
+#include "bindings.hpp"
+#include "cogging/basis/spline_harmonics.hpp"
+
+using namespace cogging;
+
+namespace {
+
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+Rows design_matrix(const BSpline& spline, const Eigen::VectorXd& positions) {
+  Rows matrix = Rows::Zero(positions.size(), spline.control_points());
+  BSpline::Active<double> active;
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
+    spline.evaluate(positions[i], active);
+    for (int j = 0; j < spline.order(); ++j) matrix(i, active.first + j) = active.weight[j];
+  }
+  return matrix;
+}
+
+Rows regressor(const SplineHarmonics& basis, const Eigen::VectorXd& positions) {
+  Rows matrix = Rows::Zero(positions.size(), basis.coefficients());
+  SplineHarmonics::Active<double> active;
+  for (Eigen::Index i = 0; i < positions.size(); ++i) {
+    basis.evaluate(positions[i], active);
+    for (int j = 0; j < basis.spline().order(); ++j)
+      for (int c = 0; c < basis.columns(); ++c)
+        matrix(i, (active.spline.first + j) * basis.columns() + c) =
+            active.spline.weight[j] * active.harmonic[c];
+  }
+  return matrix;
+}
+
+std::pair<int, std::vector<double>> active_regressor(const SplineHarmonics& basis, double position) {
+  SplineHarmonics::Active<double> active;
+  basis.evaluate(position, active);
+  std::vector<double> values;
+  for (int j = 0; j < basis.spline().order(); ++j)
+    for (int c = 0; c < basis.columns(); ++c) values.push_back(active.spline.weight[j] * active.harmonic[c]);
+  return {active.spline.first * basis.columns(), values};
+}
+
+SplineHarmonics make_basis(std::optional<double> pitch, std::optional<std::vector<int>> harmonics,
+                           std::optional<std::vector<double>> periods, int order, double origin,
+                           int control_points) {
+  if (harmonics.has_value() == periods.has_value())
+    refuse("harmonics, periods", "exactly one of them must be given", harmonics ? "both" : "neither");
+  if (!pitch && (harmonics || control_points > 1)) refuse("pitch", "must be given", "nothing");
+  const BSpline spline(order, origin, pitch.value_or(1.0), control_points);
+  if (harmonics) return SplineHarmonics::of_harmonics(*pitch, *harmonics, spline);
+  return SplineHarmonics::of_periods(*periods, spline);
+}
+
+// Rows of the model file: one a term, one column a control point.
+CoggingModel<> make_model(const SplineHarmonics& basis, const Rows& sine, const Rows& cosine) {
+  const int points = basis.spline().control_points();
+  const auto check = [&](const Rows& rows, const char* name) {
+    if (rows.rows() != basis.terms() || rows.cols() != points)
+      refuse(
+          name,
+          "must have " + format(basis.terms()) + " rows (terms) of " + format(points) + " (control points)",
+          format(double(rows.rows())) + " rows of " + format(double(rows.cols())));
+    for (Eigen::Index i = 0; i < rows.size(); ++i) require_finite(name, rows.data()[i]);
+  };
+  check(sine, "sine");
+  check(cosine, "cosine");
+  std::vector<double> coefficients(basis.coefficients());
+  for (int c = 0; c < points; ++c)
+    for (int i = 0; i < basis.terms(); ++i) {
+      coefficients[c * basis.columns() + 2 * i] = sine(i, c);
+      coefficients[c * basis.columns() + 2 * i + 1] = cosine(i, c);
+    }
+  return {basis, coefficients};
+}
+
+Rows amplitudes(const CoggingModel<>& model, int offset) {
+  const SplineHarmonics& basis = model.basis();
+  Rows rows(basis.terms(), basis.spline().control_points());
+  for (Eigen::Index c = 0; c < rows.cols(); ++c)
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      rows(i, c) = model.coefficients()[c * basis.columns() + 2 * i + offset];
+  return rows;
+}
+
+}  // namespace
+
+void bind_basis(py::module_& module) {
+  py::class_<BSpline>(module, "BSpline", R"(Uniform B-spline basis of order k with m control points.
+
+Lu et al. 2008, eq. 6: control point c (from 0) acts on [origin + (c + 1 - k) pitch, origin + (c + 1) pitch).
+Between `origin` and `end` the m - k + 1 spans carry k control points each and the basis sums to one; outside, a
+spline keeps its end value. One control point is a constant, whatever the order.
+
+Raises:
+    ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.)")
+      .def(py::init<int, double, double, int>(), py::kw_only(), py::arg("order"), py::arg("origin"),
+           py::arg("pitch"), py::arg("control_points"))
+      .def_property_readonly("order", &BSpline::order, "k: 1 piecewise constant, 2 linear, 3 quadratic")
+      .def_property_readonly("origin", &BSpline::origin, "first knot of the first full span, m")
+      .def_property_readonly("pitch", &BSpline::pitch, "distance of the knots, m")
+      .def_property_readonly("control_points", &BSpline::control_points, "m")
+      .def_property_readonly("end", &BSpline::end, "last knot of the last full span, m")
+      .def("design_matrix", &design_matrix, py::arg("positions"),
+           "N_{c,k}(x) for positions (n,), m: array (n, control_points).");
+
+  py::class_<SplineHarmonics>(module, "SplineHarmonics",
+                              R"(The regressor S_r(x) of the cogging model (Lu et al. 2008, eq. 3 to 7).
+
+F_r(x) = sum_i (f_Si(x) sin(2 pi h_i x / pitch) + f_Ci(x) cos(2 pi h_i x / pitch)), amplitudes f being B-splines; with
+`periods` in place of `harmonics`, sin(2 pi x / period). Coefficients A_r: one control point after the other, in each
+sine and cosine of every term.
+
+Raises:
+    ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.)")
+      .def(py::init(&make_basis), py::kw_only(), py::arg("pitch") = py::none(),
+           py::arg("harmonics") = py::none(), py::arg("periods") = py::none(), py::arg("order") = 3,
+           py::arg("origin") = 0.0, py::arg("control_points") = 1)
+      .def_property_readonly("pitch", &SplineHarmonics::pitch, "m; 0 with periods")
+      .def_property_readonly("harmonics", &SplineHarmonics::harmonics)
+      .def_property_readonly("periods", &SplineHarmonics::periods, "m")
+      .def_property_readonly("wavenumbers", &SplineHarmonics::wavenumbers, "2 pi / period of each term, 1/m")
+      .def_property_readonly("terms", &SplineHarmonics::terms, "number of harmonics or periods")
+      .def_property_readonly("coefficients", &SplineHarmonics::coefficients, "length of A_r")
+      .def_property_readonly("spline", &SplineHarmonics::spline, "the B-spline of the amplitudes")
+      .def("regressor", &regressor, py::arg("positions"),
+           "S_r(x) for positions (n,), m: array (n, coefficients), zero where a control point does not act.")
+      .def("active_regressor", &active_regressor, py::arg("position"),
+           "Index of the first active coefficient and the values of the active ones, at one position (m).");
+
+  py::class_<CoggingModel<>>(module, "CoggingModel",
+                             R"(A cogging force F_cogging(x) that opposes the command, V.
+
+sine, cosine: V, one row a term, one column a control point (Lu et al. 2008, eq. 3 to 7).
+
+Raises:
+    ValueError: wrong shape, or a value that is not finite.)")
+      .def(py::init(&make_model), py::arg("basis"), py::arg("sine"), py::arg("cosine"))
+      .def_property_readonly("basis", &CoggingModel<>::basis, "the SplineHarmonics it stands on")
+      .def_property_readonly(
+          "sine", [](const CoggingModel<>& m) { return amplitudes(m, 0); }, "V")
+      .def_property_readonly(
+          "cosine", [](const CoggingModel<>& m) { return amplitudes(m, 1); }, "V")
+      .def_property_readonly(
+          "coefficients", [](const CoggingModel<>& m) { return to_array(std::vector(m.coefficients())); },
+          "A_r of eq. 7, V")
+      .def("force", py::vectorize([](const CoggingModel<>* m, double x) { return m->force(x); }),
+           py::arg("position"), "F_cogging(x), V, at positions in m.")
+      .def("slope", py::vectorize([](const CoggingModel<>* m, double x) { return m->slope(x); }),
+           py::arg("position"), "dF_cogging/dx, V/m, at positions in m.")
+      .def(py::pickle(
+          [](const CoggingModel<>& m) {
+            const SplineHarmonics& b = m.basis();
+            return py::make_tuple(b.pitch() > 0.0 ? b.pitch() : b.spline().pitch(), b.harmonics(),
+                                  b.periods(), b.spline().order(), b.spline().origin(),
+                                  b.spline().control_points(), m.coefficients());
+          },
+          [](const py::tuple& t) {
+            const BSpline spline(t[3].cast<int>(), t[4].cast<double>(), t[0].cast<double>(),
+                                 t[5].cast<int>());
+            const auto harmonics = t[1].cast<std::vector<int>>();
+            const auto periods = t[2].cast<std::vector<double>>();
+            const SplineHarmonics basis =
+                harmonics.empty() ? SplineHarmonics::of_periods(periods, spline)
+                                  : SplineHarmonics::of_harmonics(t[0].cast<double>(), harmonics, spline);
+            return CoggingModel<>(basis, t[6].cast<std::vector<double>>());
+          }));
+}

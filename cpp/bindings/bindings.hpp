@@ -1,0 +1,114 @@
+#pragma once
+// What the binding files share: parameter structs and arrays, bound from what the core says of itself.
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cogging/parameters.hpp"
+
+namespace py = pybind11;
+
+void bind_basis(py::module_& module);
+void bind_reference(py::module_& module);
+void bind_plant(py::module_& module);
+void bind_control(py::module_& module);
+void bind_simulation(py::module_& module);
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// A numpy array that takes over the vector's memory.
+inline py::array_t<double> to_array(std::vector<double>&& values, std::vector<py::ssize_t> shape = {}) {
+  if (shape.empty()) shape = {static_cast<py::ssize_t>(values.size())};
+  auto* owned = new std::vector<double>(std::move(values));
+  py::capsule owner(owned, [](void* memory) { delete static_cast<std::vector<double>*>(memory); });
+  return py::array_t<double>(shape, owned->data(), owner);
+}
+
+inline std::vector<double> to_vector(const Array& array) {
+  return {array.data(), array.data() + array.size()};
+}
+
+/// Binds a read-only parameter struct: keyword constructor with the struct's own defaults and its validation,
+/// properties with unit and meaning, FIELDS (name -> (unit, meaning)), replace, equality, repr and pickle.
+template <class Struct>
+py::class_<Struct> bind_parameters(py::module_& module, const std::string& class_name, std::string doc) {
+  doc += "\n\nFields:\n";
+  const Struct defaults{};
+  cogging::for_each_field<Struct>([&](const auto& field) {
+    doc += "    " + std::string(field.name);
+    if (!field.unit.empty() && field.unit != "1") doc += " (" + std::string(field.unit) + ")";
+    doc += ": " + std::string(field.meaning) + "\n";
+  });
+  doc += "\nRaises:\n    ValueError: a value breaks its rule; the message names field, rule and value.";
+  py::class_<Struct> bound(module, class_name.c_str(), doc.c_str());
+
+  std::apply(
+      [&]<class... Member>(const cogging::Field<Struct, Member>&... field) {
+        bound.def(py::init([](Member... values) {
+                    Struct made{};
+                    std::apply([&](const auto&... f) { ((made.*(f.member) = std::move(values)), ...); },
+                               Struct::fields());
+                    made.validate();
+                    return made;
+                  }),
+                  py::kw_only(), (py::arg(field.name.data()) = defaults.*(field.member))...);
+      },
+      Struct::fields());
+
+  py::dict described;
+  cogging::for_each_field<Struct>([&](const auto& field) {
+    const auto member = field.member;
+    std::string text(field.meaning);
+    if (!field.unit.empty()) text += ", " + std::string(field.unit);
+    bound.def_property_readonly(
+        field.name.data(), [member](const Struct& self) { return self.*member; }, text.c_str());
+    described[py::str(std::string(field.name))] =
+        py::make_tuple(std::string(field.unit), std::string(field.meaning));
+  });
+  bound.attr("FIELDS") = described;
+
+  const auto to_dict = [](const Struct& self) {
+    py::dict values;
+    cogging::for_each_field<Struct>([&](const auto& field) {
+      values[py::str(std::string(field.name))] = py::cast(self.*(field.member));
+    });
+    return values;
+  };
+  const py::object type = bound;
+  bound.def("to_dict", to_dict, "All fields by name.");
+  bound.def(
+      "replace",
+      [to_dict](const py::object& self, const py::kwargs& changes) {
+        py::dict values = to_dict(self.cast<const Struct&>());
+        for (const auto& change : changes) values[change.first] = change.second;
+        return py::type::of(self)(**values).template cast<Struct>();
+      },
+      "A copy with the given fields changed.");
+  bound.def("__eq__", [to_dict](const Struct& self, const py::object& other) {
+    return py::isinstance<Struct>(other) && to_dict(self).equal(to_dict(other.cast<const Struct&>()));
+  });
+  bound.def("__repr__", [to_dict, class_name](const Struct& self) {
+    std::string text = class_name + "(";
+    bool first = true;
+    for (const auto& item : to_dict(self)) {
+      text +=
+          (first ? "" : ", ") + std::string(py::str(item.first)) + "=" + std::string(py::repr(item.second));
+      first = false;
+    }
+    return text + ")";
+  });
+  bound.def(py::pickle(
+      [to_dict](const Struct& self) { return to_dict(self); },
+      [](const py::dict& values) { return py::type::of<Struct>()(**values).template cast<Struct>(); }));
+  return bound;
+}

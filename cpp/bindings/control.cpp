@@ -1,0 +1,97 @@
+#include "bindings.hpp"
+#include "cogging/control/adaptive_robust.hpp"
+#include "cogging/control/cascade.hpp"
+#include "cogging/control/desired_compensation_condition.hpp"
+#include "cogging/control/pid.hpp"
+
+using namespace cogging;
+
+namespace {
+
+template <class C>
+void bind_controller(py::module_& module, const char* name, const char* doc) {
+  static_assert(Controller<C, double>);
+  py::class_<C>(module, name, doc)
+      .def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
+      .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
+      .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
+      .def_property_readonly(
+          "estimates",
+          [](const C& c) {
+            return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end()));
+          },
+          "What it believes now, (p,): a copy; empty for a controller that does not adapt.")
+      .def(
+          "command",
+          [](C& c, double position, double velocity, double acceleration, double reading) {
+            return c.command(ReferencePoint{position, velocity, acceleration}, reading);
+          },
+          py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
+          py::arg("reference_acceleration") = 0.0, py::arg("reading"),
+          "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).")
+      .def("update", &C::update, py::arg("applied"),
+           "Ends the sample: the command (V) that was really applied.")
+      .def("copy", [](const C& c) { return c; }, "A controller in the same state.");
+}
+
+}  // namespace
+
+void bind_control(py::module_& module) {
+  bind_parameters<PidParameters<>>(module, "PidParameters", "Gains and feedforward of a Pid.");
+  bind_controller<Pid<>>(module, "Pid", R"(PID with feedforward, from positions only.
+
+u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading - reference. The sum
+includes the current sample and starts at zero; e_prev = e in the first sample. With a command limit the sum does not
+take up an error that pushes further into it.)");
+
+  bind_parameters<CascadeParameters<>>(module, "CascadeParameters", "Gains and feedforward of a Cascade.");
+  bind_controller<Cascade<>>(
+      module, "Cascade",
+      "u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.");
+
+  bind_parameters<AdaptiveRobustParameters<>>(
+      module, "AdaptiveRobustParameters",
+      "Gains, bounds and initial estimates of Arc and Dcarc (Lu et al. 2008, eq. 11 to 30).");
+  bind_controller<Arc<>>(module, "Arc", R"(Adaptive robust control (Lu et al. 2008, eq. 15 to 23).
+
+u = -phi^T theta_hat - k_s1 p + u_s2 with p = e' + k_1 e, the regressor phi at the measured state;
+theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscous, coulomb, d_n, then A_r.)");
+  bind_controller<Dcarc<>>(module, "Dcarc",
+                           R"(Desired compensation adaptive robust control (Lu et al. 2008, eq. 24 to 30).
+
+As Arc, with the regressor on the reference in place of the measured state. Estimates: mass, viscous, coulomb, d_n,
+then A_r.)");
+
+  module.def(
+      "desired_compensation_matrix",
+      [](double feedback_gain, double error_gain, double mass, double viscous, double coulomb,
+         double friction_slope, double cogging_slope) {
+        const QuadraticForm form = desired_compensation_matrix(feedback_gain, error_gain, mass, viscous,
+                                                               coulomb, friction_slope, cogging_slope);
+        return Eigen::Matrix2d{{form.pp, form.pe}, {form.pe, form.ee}};
+      },
+      py::kw_only(), py::arg("feedback_gain"), py::arg("error_gain"), py::arg("mass"), py::arg("viscous"),
+      py::arg("coulomb"), py::arg("friction_slope"), py::arg("cogging_slope"),
+      R"(The matrix of Lu et al. 2008, eq. 29, at one point: array (2, 2).
+
+friction_slope is g_f of eq. 24, 1/(m/s); cogging_slope is theta_4b^T g_r of eq. 25, V/m.)");
+  module.def(
+      "desired_compensation_condition",
+      [](const AdaptiveRobustParameters<>& parameters, double friction_slope, double cogging_slope) {
+        const auto condition = desired_compensation_condition(parameters, friction_slope, cogging_slope);
+        return py::make_tuple(condition.smallest_eigenvalue, condition.decay_rate);
+      },
+      py::arg("parameters"), py::kw_only(), py::arg("friction_slope"), py::arg("cogging_slope"),
+      R"(Smallest eigenvalue of the matrix (29) over the bounds and slopes, and the decay rate (1/s) it gives.
+
+Over mass, viscous and Coulomb bounds, 0 <= g_f <= friction_slope (1/(m/s)), |theta_4b^T g_r| <= cogging_slope (V/m).
+Above zero, V = M p^2 / 2 + M k_1^2 e^2 / 2 obeys V' <= -rate V + epsilon. At or below zero k_s1 is too small.)");
+  module.def("friction_slope_max", &friction_slope_max, py::arg("coulomb_width"),
+             "Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).");
+  module.def(
+      "cogging_slope_max", &cogging_slope_max, py::arg("basis"), py::arg("amplitude"),
+      "Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).");
+  module.def("project", &project<double>, py::arg("rate"), py::arg("estimate"), py::arg("minimum"),
+             py::arg("maximum"),
+             "The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).");
+}

@@ -1,0 +1,125 @@
+#include "bindings.hpp"
+#include "cogging/control/adaptive_robust.hpp"
+#include "cogging/control/cascade.hpp"
+#include "cogging/control/pid.hpp"
+#include "cogging/simulation/batch.hpp"
+#include "cogging/simulation/closed_loop.hpp"
+#include "cogging/simulation/performance.hpp"
+
+using namespace cogging;
+
+namespace {
+
+using AnyController = std::variant<Pid<>, Cascade<>, Arc<>, Dcarc<>>;
+
+Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference,
+          const RunOptions& options) {
+  return std::visit([&](const auto& c) { return closed_loop<double>(plant, c, reference, options); },
+                    controller);
+}
+
+// Every column becomes a numpy array without copying.
+py::dict to_columns(Log<>&& log) {
+  const auto rows = static_cast<py::ssize_t>(log.time.size());
+  py::dict columns;
+  columns["time"] = to_array(std::move(log.time));
+  columns["position"] = to_array(std::move(log.position));
+  columns["command"] = to_array(std::move(log.command));
+  columns["reference"] = to_array(std::move(log.reference));
+  columns["reference_velocity"] = to_array(std::move(log.reference_velocity));
+  columns["reference_acceleration"] = to_array(std::move(log.reference_acceleration));
+  columns["true_position"] = to_array(std::move(log.true_position));
+  columns["true_velocity"] = to_array(std::move(log.true_velocity));
+  if (log.estimate_count > 0)
+    columns["estimates"] = to_array(std::move(log.estimates), {rows, log.estimate_count});
+  return columns;
+}
+
+RunOptions options_of(double duration, std::uint64_t seed, int steps_per_sample, bool record_estimates,
+                      std::optional<double> initial_position, double initial_velocity) {
+  return {duration, seed, steps_per_sample, record_estimates, initial_position, initial_velocity};
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  module.def(
+      "closed_loop",
+      [](const Plant<>& plant, const AnyController& controller, const Reference& reference, double duration,
+         std::uint64_t seed, int steps_per_sample, bool record_estimates,
+         std::optional<double> initial_position,
+         double initial_velocity) -> std::map<std::string, py::array_t<double>> {
+        const RunOptions options = options_of(duration, seed, steps_per_sample, record_estimates,
+                                              initial_position, initial_velocity);
+        Log<> log;
+        {
+          py::gil_scoped_release release;
+          log = run(plant, controller, reference, options);
+        }
+        return to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>();
+      },
+      py::arg("plant"), py::arg("controller"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
+      py::arg("seed") = 0, py::arg("steps_per_sample") = 1, py::arg("record_estimates") = false,
+      py::arg("initial_position") = py::none(), py::arg("initial_velocity") = 0.0,
+      R"(One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
+
+A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
+duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by
+`steps_per_sample` Runge-Kutta steps of fourth order. The axis starts at rest on the reference unless told otherwise.
+
+Raises:
+    ValueError: the reference leaves the travel, a motion without an end and no duration.
+    DivergedError: the state left the travel by half its length or is not finite; says when and where.)");
+
+  module.def(
+      "closed_loop_batch",
+      [](const std::vector<Plant<>>& plants, const std::vector<AnyController>& controllers,
+         const Reference& reference, double duration, const std::vector<std::uint64_t>& seeds,
+         int steps_per_sample, unsigned threads) {
+        require(controllers.size() == plants.size(), "controllers", "must be one for each plant",
+                static_cast<double>(controllers.size()));
+        require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
+                static_cast<double>(seeds.size()));
+        std::vector<Log<>> logs(plants.size());
+        {
+          py::gil_scoped_release release;
+          run_batch(plants.size(), threads, [&](std::size_t i) {
+            logs[i] =
+                run(plants[i], controllers[i], reference,
+                    options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0));
+          });
+        }
+        std::vector<std::map<std::string, py::array_t<double>>> result;
+        for (Log<>& log : logs)
+          result.push_back(to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>());
+        return result;
+      },
+      py::arg("plants"), py::arg("controllers"), py::arg("reference"), py::kw_only(),
+      py::arg("duration") = 0.0, py::arg("seeds") = std::vector<std::uint64_t>{},
+      py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
+      "Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the "
+      "number.");
+
+  py::class_<Performance>(module, "Performance", "The indexes of one run.")
+      .def_readonly("error_max", &Performance::error_max, "max |e|, m")
+      .def_readonly("error_rms", &Performance::error_rms, "sqrt(mean e^2), m")
+      .def_readonly("error_final_max", &Performance::error_final_max, "max |e| in the final window, m")
+      .def_readonly("command_rms", &Performance::command_rms, "sqrt(mean u^2), V")
+      .def_readonly("command_change_rms", &Performance::command_change_rms, "rms of u_k - u_(k-1), V")
+      .def_readonly("command_chatter", &Performance::command_chatter, "command_change_rms / command_rms");
+  module.def(
+      "performance",
+      [](const Array& time, const Array& error, const Array& command, double start, double stop,
+         double final_window) {
+        const auto view = [](const Array& a) {
+          return std::span<const double>(a.data(), std::size_t(a.size()));
+        };
+        return performance(view(time), view(error), view(command), start, stop, final_window);
+      },
+      py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(),
+      py::arg("start") = -std::numeric_limits<double>::infinity(),
+      py::arg("stop") = std::numeric_limits<double>::infinity(), py::arg("final_window") = 2.0,
+      R"(Indexes over the rows with start <= time < stop (s); arrays (n,): s, m, V.
+
+error_final_max looks at the last `final_window` seconds of them (Xu and Yao 2001, section 4.2).)");
+}

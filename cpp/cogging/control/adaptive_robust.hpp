@@ -1,0 +1,251 @@
+#pragma once
+// Adaptive robust control with the B-spline cogging model: ARC and DCARC (Lu et al. 2008, eq. 11 to 30).
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "cogging/basis/spline_harmonics.hpp"
+#include "cogging/control/controller.hpp"
+#include "cogging/control/projection.hpp"
+
+namespace cogging {
+
+/// What both laws are built from. Bounds and rates are belief: nothing here is read from a plant.
+template <class Scalar = double>
+struct AdaptiveRobustParameters {
+  using Bounds = std::array<double, 2>;
+
+  double sample_rate = 5000.0;  // Hz
+  Scalar error_gain = 200.0;    // 1/s
+  Scalar feedback_gain = 48.0;  // V/(m/s)
+  Scalar mass = 0.12;           // V/(m/s^2)
+  Bounds mass_bounds = {0.1, 0.2};
+  double mass_adaptation = 0.0;
+  Scalar viscous = 0.0;  // V/(m/s)
+  Bounds viscous_bounds = {0.0, 1.0};
+  double viscous_adaptation = 0.0;
+  Scalar coulomb = 0.0;  // V
+  Bounds coulomb_bounds = {0.0, 1.0};
+  double coulomb_adaptation = 0.0;
+  Scalar coulomb_width = 1.0 / 900.0;  // m/s
+  Scalar disturbance = 0.0;            // V
+  Bounds disturbance_bounds = {-1.0, 1.0};
+  double disturbance_adaptation = 0.0;
+  double cogging_pitch = 0.05;  // m
+  std::vector<int> cogging_harmonics{};
+  int cogging_order = 3;
+  double cogging_origin = 0.0;  // m
+  int cogging_control_points = 1;
+  Bounds cogging_bounds = {-0.1, 0.1};
+  double cogging_adaptation = 0.0;
+  std::vector<double> cogging_estimates{};
+  double epsilon = 0.0;            // V m/s
+  double disturbance_bound = 0.0;  // V
+  double command_limit = 0.0;      // V
+
+  static constexpr auto fields() {
+    using P = AdaptiveRobustParameters;
+    return std::tuple{
+        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
+        Field<P, Scalar>{"error_gain", &P::error_gain, "1/s", "k_1 of p = e' + k_1 e (eq. 15)"},
+        Field<P, Scalar>{"feedback_gain", &P::feedback_gain, "V/(m/s)",
+                         "k_s1 of u_s1 = -k_s1 p (eq. 19, 27)"},
+        Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "initial estimate of theta_1 = M"},
+        Field<P, Bounds>{"mass_bounds", &P::mass_bounds, "V/(m/s^2)", "theta_1 min and max (eq. 11)"},
+        Field<P, double>{"mass_adaptation", &P::mass_adaptation, "V/(m/s^2)/(V m/s) m/s", "Gamma of theta_1"},
+        Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "initial estimate of theta_2 = B"},
+        Field<P, Bounds>{"viscous_bounds", &P::viscous_bounds, "V/(m/s)", "theta_2 min and max"},
+        Field<P, double>{"viscous_adaptation", &P::viscous_adaptation, "V s/m^2", "Gamma of theta_2"},
+        Field<P, Scalar>{"coulomb", &P::coulomb, "V", "initial estimate of theta_3 = A_f"},
+        Field<P, Bounds>{"coulomb_bounds", &P::coulomb_bounds, "V", "theta_3 min and max"},
+        Field<P, double>{"coulomb_adaptation", &P::coulomb_adaptation, "V/m", "Gamma of theta_3"},
+        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s",
+                         "of S_f(v) = (2/pi) atan(v / width) (eq. 2)"},
+        Field<P, Scalar>{"disturbance", &P::disturbance, "V", "initial estimate of d_n = -theta_5"},
+        Field<P, Bounds>{"disturbance_bounds", &P::disturbance_bounds, "V", "d_n min and max"},
+        Field<P, double>{"disturbance_adaptation", &P::disturbance_adaptation, "V/m", "Gamma of theta_5"},
+        Field<P, double>{"cogging_pitch", &P::cogging_pitch, "m", "P of the harmonics and of the knots"},
+        Field<P, std::vector<int>>{"cogging_harmonics", &P::cogging_harmonics, "1",
+                                   "those compensated; empty = no cogging compensation"},
+        Field<P, int>{"cogging_order", &P::cogging_order, "1", "k of the B-splines (eq. 6)"},
+        Field<P, double>{"cogging_origin", &P::cogging_origin, "m", "first knot inside the travel"},
+        Field<P, int>{"cogging_control_points", &P::cogging_control_points, "1",
+                      "m of the B-splines; 1 = periodic, amplitudes constant along the travel"},
+        Field<P, Bounds>{"cogging_bounds", &P::cogging_bounds, "V",
+                         "min and max of every entry of theta_4b = A_r"},
+        Field<P, double>{"cogging_adaptation", &P::cogging_adaptation, "V/m", "Gamma of every entry of A_r"},
+        Field<P, std::vector<double>>{"cogging_estimates", &P::cogging_estimates, "V",
+                                      "initial A_r, one control point after the other; empty = zeros"},
+        Field<P, double>{"epsilon", &P::epsilon, "V m/s",
+                         "of the robust term u_s2 (eq. 20, 30); 0 = no such term"},
+        Field<P, double>{"disturbance_bound", &P::disturbance_bound, "V", "delta_d of eq. 12, for u_s2"},
+        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
+  }
+
+  SplineHarmonics cogging_basis() const {
+    if (cogging_harmonics.empty()) return {};
+    return SplineHarmonics::of_harmonics(
+        cogging_pitch, cogging_harmonics,
+        BSpline(cogging_order, cogging_origin, cogging_pitch, cogging_control_points));
+  }
+
+  void validate() const {
+    require_positive("sample_rate", sample_rate);
+    require_positive("error_gain", error_gain);
+    require_positive("feedback_gain", feedback_gain);
+    check_estimate("mass", mass, mass_bounds, mass_adaptation);
+    require_positive("mass_bounds", mass_bounds[0]);
+    check_estimate("viscous", viscous, viscous_bounds, viscous_adaptation);
+    check_estimate("coulomb", coulomb, coulomb_bounds, coulomb_adaptation);
+    require_not_negative("coulomb_width", coulomb_width);
+    check_estimate("disturbance", disturbance, disturbance_bounds, disturbance_adaptation);
+    const SplineHarmonics basis = cogging_basis();
+    require_ordered("cogging_bounds", cogging_bounds[0], cogging_bounds[1], true);
+    require_not_negative("cogging_adaptation", cogging_adaptation);
+    if (!cogging_estimates.empty())
+      require(
+          static_cast<int>(cogging_estimates.size()) == basis.coefficients(), "cogging_estimates",
+          "must hold control points times twice the harmonics = " + format(basis.coefficients()) + " values",
+          static_cast<double>(cogging_estimates.size()));
+    for (double value : cogging_estimates)
+      require(value >= cogging_bounds[0] && value <= cogging_bounds[1], "cogging_estimates",
+              "must lie within cogging_bounds", value);
+    require_not_negative("epsilon", epsilon);
+    require_not_negative("disturbance_bound", disturbance_bound);
+    require_not_negative("command_limit", command_limit);
+  }
+
+ private:
+  static void check_estimate(const std::string& name, double value, const Bounds& bounds, double adaptation) {
+    require_ordered(name + "_bounds", bounds[0], bounds[1], true);
+    require(value >= bounds[0] && value <= bounds[1], name,
+            "must lie within " + name + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]",
+            value);
+    require_not_negative(name + "_adaptation", adaptation);
+  }
+};
+
+/// u = u_a + u_s1 + u_s2 with p = e' + k_1 e, u_a = -phi^T theta_hat, u_s1 = -k_s1 p (eq. 15 to 19, 26, 27),
+/// and theta_hat' = Proj(Gamma phi p) (eq. 21, 28), stepped once a sample.
+///
+/// The two laws differ in where the regressor phi is evaluated: ARC at the measured state (eq. 16), DCARC on
+/// the reference (eq. 24 to 28). The velocity is the backward difference of the readings, 0 in the first
+/// sample.
+///
+/// u_s2 = -h tanh(0.2785 h p / epsilon), h = theta_range^T |phi| + delta_d, is smooth and satisfies (20) and
+/// (30): |s| - s tanh(0.2785 s / epsilon) <= epsilon for every s.
+template <class Scalar, bool desired_compensation>
+class AdaptiveRobust {
+ public:
+  using Parameters = AdaptiveRobustParameters<Scalar>;
+  static constexpr int plain = 4;  // mass, viscous, coulomb, disturbance come before the cogging coefficients
+
+  explicit AdaptiveRobust(const Parameters& parameters = {})
+      : parameters_(parameters),
+        basis_(parameters.cogging_basis()),
+        sample_time_(1.0 / parameters.sample_rate),
+        estimates_(plain + basis_.coefficients(), Scalar(0.0)) {
+    estimates_[0] = parameters.mass;
+    estimates_[1] = parameters.viscous;
+    estimates_[2] = parameters.coulomb;
+    estimates_[3] = parameters.disturbance;
+    for (std::size_t i = 0; i < parameters.cogging_estimates.size(); ++i)
+      estimates_[plain + i] = parameters.cogging_estimates[i];
+  }
+
+  const Parameters& parameters() const { return parameters_; }
+  double sample_rate() const { return parameters_.sample_rate; }
+  double command_limit() const { return parameters_.command_limit; }
+  /// mass, viscous, coulomb, d_n, then A_r one control point after the other.
+  std::span<const Scalar> estimates() const { return estimates_; }
+  const Scalar& sliding_variable() const { return p_; }
+
+  Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
+    const Scalar velocity = first_ ? Scalar(0.0) : (reading - reading_previous_) / sample_time_;
+    reading_previous_ = reading;
+    first_ = false;
+
+    const Scalar error = reading - reference.position;
+    const Scalar error_rate = velocity - reference.velocity;
+    p_ = error_rate + parameters_.error_gain * error;
+    if constexpr (desired_compensation) {
+      regress(Scalar(reference.position), Scalar(reference.velocity), Scalar(reference.acceleration));
+    } else {  // x_2eq' = x_d'' - k_1 e'
+      regress(reading, velocity, reference.acceleration - parameters_.error_gain * error_rate);
+    }
+    Scalar model = 0.0;  // u_a = -phi^T theta_hat
+    for (int i = 0; i < plain; ++i) model -= regressor_[i] * estimates_[i];
+    if (!basis_.empty()) model += basis_.value(active_, estimates_.data() + plain);
+    return model - parameters_.feedback_gain * p_ + robust_term();
+  }
+
+  void update(Scalar) noexcept {
+    const Parameters& q = parameters_;
+    adapt_plain(0, q.mass_adaptation, q.mass_bounds);
+    adapt_plain(1, q.viscous_adaptation, q.viscous_bounds);
+    adapt_plain(2, q.coulomb_adaptation, q.coulomb_bounds);
+    adapt_plain(3, q.disturbance_adaptation, q.disturbance_bounds);
+    if (basis_.empty() || q.cogging_adaptation == 0.0) return;
+    Scalar* coefficients = estimates_.data() + plain;
+    const Scalar rate = -q.cogging_adaptation * p_;
+    const Scalar minimum = q.cogging_bounds[0], maximum = q.cogging_bounds[1];
+    for (int j = 0; j < basis_.spline().order(); ++j) {
+      const Scalar row_rate = rate * active_.spline.weight[j];
+      const auto start = (active_.spline.first + j) * basis_.columns();
+      for (int c = 0; c < basis_.columns(); ++c)
+        scatter(coefficients + c, start,
+                adapt(gather(coefficients + c, start), row_rate * active_.harmonic[c], sample_time_, minimum,
+                      maximum));
+    }
+  }
+
+ private:
+  // phi = [-a, -v, -S_f(v), +1 on d_n, -S_r(x)]; d_n = -theta_5 turns the paper's -1 into +1.
+  void regress(const Scalar& position, const Scalar& velocity, const Scalar& acceleration) noexcept {
+    regressor_[0] = -acceleration;
+    regressor_[1] = -velocity;
+    regressor_[2] = -smooth_sign(velocity, parameters_.coulomb_width);
+    regressor_[3] = 1.0;
+    if (!basis_.empty()) basis_.evaluate(position, active_);
+  }
+
+  void adapt_plain(int i, double gain, const std::array<double, 2>& bounds) noexcept {
+    if (gain > 0.0)
+      estimates_[i] =
+          adapt(estimates_[i], gain * regressor_[i] * p_, sample_time_, Scalar(bounds[0]), Scalar(bounds[1]));
+  }
+
+  Scalar robust_term() const noexcept {
+    const Parameters& q = parameters_;
+    if (q.epsilon == 0.0) return 0.0;
+    const auto width = [](const std::array<double, 2>& bounds) { return bounds[1] - bounds[0]; };
+    Scalar h = width(q.mass_bounds) * abs(regressor_[0]) + width(q.viscous_bounds) * abs(regressor_[1]) +
+               width(q.coulomb_bounds) * abs(regressor_[2]) + width(q.disturbance_bounds) +
+               q.disturbance_bound;
+    if (!basis_.empty()) {
+      Scalar harmonics = 0.0;  // the weights of the active control points sum to one
+      for (int c = 0; c < basis_.columns(); ++c) harmonics += abs(active_.harmonic[c]);
+      h += width(q.cogging_bounds) * harmonics;
+    }
+    return -h * tanh(0.2785 * h * p_ / q.epsilon);
+  }
+
+  Parameters parameters_;
+  SplineHarmonics basis_;
+  double sample_time_;
+  std::vector<Scalar> estimates_;
+  SplineHarmonics::Active<Scalar> active_;
+  std::array<Scalar, plain> regressor_{};
+  Scalar reading_previous_ = 0.0, p_ = 0.0;
+  bool first_ = true;
+};
+
+template <class Scalar = double>
+using Arc = AdaptiveRobust<Scalar, false>;
+template <class Scalar = double>
+using Dcarc = AdaptiveRobust<Scalar, true>;
+
+}  // namespace cogging

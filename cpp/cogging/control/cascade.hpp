@@ -1,0 +1,77 @@
+#pragma once
+// A position loop around a velocity loop.
+
+#include <span>
+#include <string>
+#include <tuple>
+
+#include "cogging/control/controller.hpp"
+#include "cogging/control/feedforward.hpp"
+
+namespace cogging {
+
+template <class Scalar = double>
+struct CascadeParameters {
+  double sample_rate = 1000.0;  // Hz
+  Scalar kp = 0.0;              // 1/s
+  Scalar kv = 0.0;              // V/(m/s)
+  Scalar mass = 0.0;            // V/(m/s^2)
+  Scalar viscous = 0.0;         // V/(m/s)
+  Scalar coulomb = 0.0;         // V
+  Scalar coulomb_width = 0.0;   // m/s
+  std::string feedforward_velocity = "reference";
+  double command_limit = 0.0;  // V
+
+  static constexpr auto fields() {
+    using P = CascadeParameters;
+    return std::tuple{
+        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
+        Field<P, Scalar>{"kp", &P::kp, "1/s", "gain of the position loop"},
+        Field<P, Scalar>{"kv", &P::kv, "V/(m/s)", "gain of the velocity loop"},
+        Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)",
+                         "feedforward of the reference acceleration; 0 = none"},
+        Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity"},
+        Field<P, Scalar>{"coulomb", &P::coulomb, "V", "friction compensation"},
+        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn"},
+        Field<P, std::string>{"feedforward_velocity", &P::feedforward_velocity, "",
+                              "\"reference\" or \"measured\" (backward difference of the reading)"},
+        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
+  }
+
+  void validate() const {
+    require_positive("sample_rate", sample_rate);
+    require_not_negative("kp", kp);
+    require_not_negative("kv", kv);
+    validate_feedforward(*this);
+    require_not_negative("command_limit", command_limit);
+  }
+};
+
+/// u = kv (kp (reference - reading) - v) + mass a_r + viscous v_f + coulomb S(v_f); v is the backward
+/// difference of the reading, v_f what `feedforward_velocity` names.
+template <class Scalar = double>
+class Cascade {
+ public:
+  using Parameters = CascadeParameters<Scalar>;
+
+  explicit Cascade(const Parameters& parameters = {}) : parameters_(parameters), feedforward_(parameters) {}
+
+  const Parameters& parameters() const { return parameters_; }
+  double sample_rate() const { return parameters_.sample_rate; }
+  double command_limit() const { return parameters_.command_limit; }
+  std::span<const Scalar> estimates() const { return {}; }
+
+  Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
+    const Scalar forward = feedforward_(reference, reading);
+    const Scalar wanted = parameters_.kp * (reference.position - reading);
+    return parameters_.kv * (wanted - feedforward_.measured_velocity()) + forward;
+  }
+
+  void update(Scalar) noexcept {}
+
+ private:
+  Parameters parameters_;
+  Feedforward<Scalar> feedforward_;
+};
+
+}  // namespace cogging

@@ -1,0 +1,56 @@
+#pragma once
+// Feedforward of acceleration, velocity and friction, as `pid` and `cascade` add it.
+
+#include <string>
+
+#include "cogging/parameters.hpp"
+#include "cogging/reference/reference.hpp"
+#include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
+
+namespace cogging {
+
+template <class Parameters>
+void validate_feedforward(const Parameters& parameters) {
+  require_not_negative("mass", parameters.mass);
+  require_not_negative("viscous", parameters.viscous);
+  require_not_negative("coulomb", parameters.coulomb);
+  require_not_negative("coulomb_width", parameters.coulomb_width);
+  if (parameters.feedforward_velocity != "reference" && parameters.feedforward_velocity != "measured")
+    refuse("feedforward_velocity", "must be \"reference\" or \"measured\"", parameters.feedforward_velocity);
+}
+
+/// mass a_r + viscous v + coulomb S(v), v the reference's velocity or the backward difference of the reading.
+template <class Scalar>
+class Feedforward {
+ public:
+  template <class Parameters>
+  explicit Feedforward(const Parameters& parameters)
+      : mass_(parameters.mass),
+        viscous_(parameters.viscous),
+        coulomb_(parameters.coulomb),
+        coulomb_width_(parameters.coulomb_width),
+        sample_rate_(parameters.sample_rate),
+        measured_(parameters.feedforward_velocity == "measured") {}
+
+  /// The feedforward command, V. Call once a sample.
+  Scalar operator()(const ReferencePoint& reference, const Scalar& reading) noexcept {
+    measured_velocity_ = first_ ? Scalar(0.0) : (reading - reading_previous_) * sample_rate_;
+    reading_previous_ = reading;
+    first_ = false;
+    const Scalar velocity = measured_ ? measured_velocity_ : Scalar(reference.velocity);
+    return mass_ * reference.acceleration + viscous_ * velocity +
+           coulomb_ * smooth_sign(velocity, coulomb_width_);
+  }
+
+  /// Backward difference of the readings, m/s; 0 in the first sample.
+  const Scalar& measured_velocity() const { return measured_velocity_; }
+
+ private:
+  Scalar mass_, viscous_, coulomb_, coulomb_width_;
+  double sample_rate_;
+  bool measured_, first_ = true;
+  Scalar reading_previous_ = 0.0, measured_velocity_ = 0.0;
+};
+
+}  // namespace cogging

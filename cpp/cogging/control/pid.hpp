@@ -1,0 +1,101 @@
+#pragma once
+// PID with feedforward and friction compensation, from positions only.
+
+#include <limits>
+#include <span>
+#include <string>
+#include <tuple>
+
+#include "cogging/control/controller.hpp"
+#include "cogging/control/feedforward.hpp"
+
+namespace cogging {
+
+template <class Scalar = double>
+struct PidParameters {
+  double sample_rate = 5000.0;  // Hz
+  Scalar kp = 0.0;              // V/m
+  Scalar ki = 0.0;              // V/(m s)
+  Scalar kd = 0.0;              // V/(m/s)
+  Scalar mass = 0.0;            // V/(m/s^2)
+  Scalar viscous = 0.0;         // V/(m/s)
+  Scalar coulomb = 0.0;         // V
+  Scalar coulomb_width = 0.0;   // m/s
+  std::string feedforward_velocity = "reference";
+  double command_limit = 0.0;  // V
+
+  static constexpr auto fields() {
+    using P = PidParameters;
+    return std::tuple{
+        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
+        Field<P, Scalar>{"kp", &P::kp, "V/m", "proportional gain"},
+        Field<P, Scalar>{"ki", &P::ki, "V/(m s)", "integral gain"},
+        Field<P, Scalar>{"kd", &P::kd, "V/(m/s)", "derivative gain"},
+        Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)",
+                         "feedforward of the reference acceleration; 0 = none"},
+        Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity"},
+        Field<P, Scalar>{"coulomb", &P::coulomb, "V", "friction compensation"},
+        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn"},
+        Field<P, std::string>{"feedforward_velocity", &P::feedforward_velocity, "",
+                              "\"reference\" or \"measured\" (backward difference of the reading)"},
+        Field<P, double>{"command_limit", &P::command_limit, "V",
+                         "largest command, with anti-windup; 0 = none"}};
+  }
+
+  void validate() const {
+    require_positive("sample_rate", sample_rate);
+    require_not_negative("kp", kp);
+    require_not_negative("ki", ki);
+    require_not_negative("kd", kd);
+    validate_feedforward(*this);
+    require_not_negative("command_limit", command_limit);
+  }
+};
+
+/// u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading -
+/// reference.
+///
+/// The sum includes the current sample and starts at zero; e_prev = e in the first sample. Where the applied
+/// command was cut, the sum does not take up an error that pushes further into the limit. Feedforward and
+/// friction term as Xu and Yao 2001, eq. 57, when the velocity is "measured".
+template <class Scalar = double>
+class Pid {
+ public:
+  using Parameters = PidParameters<Scalar>;
+
+  explicit Pid(const Parameters& parameters = {})
+      : parameters_(parameters), feedforward_(parameters), sample_time_(1.0 / parameters.sample_rate) {}
+
+  const Parameters& parameters() const { return parameters_; }
+  double sample_rate() const { return parameters_.sample_rate; }
+  double command_limit() const { return parameters_.command_limit; }
+  std::span<const Scalar> estimates() const { return {}; }
+
+  Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
+    const Scalar error = reading - reference.position;
+    if (first_) error_previous_ = error;
+    sum_ += error * sample_time_;
+    step_ = error * sample_time_;
+    const Scalar rate = (error - error_previous_) / sample_time_;
+    computed_ = feedforward_(reference, reading) - parameters_.kp * error - parameters_.ki * sum_ -
+                parameters_.kd * rate;
+    error_previous_ = error;
+    first_ = false;
+    return computed_;
+  }
+
+  void update(Scalar applied) noexcept {
+    // (computed - applied) has the sign of the cut; -step is the way in which this sample moved the command.
+    const Scalar cut = computed_ - applied;
+    sum_ -= select(cut * step_ < 0.0, step_, Scalar(0.0));
+  }
+
+ private:
+  Parameters parameters_;
+  Feedforward<Scalar> feedforward_;
+  double sample_time_;
+  bool first_ = true;
+  Scalar error_previous_ = 0.0, sum_ = 0.0, step_ = 0.0, computed_ = 0.0;
+};
+
+}  // namespace cogging

@@ -1,0 +1,27 @@
+#pragma once
+// A first-order current loop.
+
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// time_constant df/dt = u - f, solved exactly for the held command; starts at 0 V.
+template <class Scalar = double>
+struct ActuatorLag {
+  static constexpr std::string_view name = "actuator_lag";
+  static constexpr std::string_view law = "u / (time_constant s + 1)";
+
+  Scalar time_constant = 0.0;  // s
+
+  static constexpr auto fields() {
+    using E = ActuatorLag;
+    return std::tuple{Field<E, Scalar>{"time_constant", &E::time_constant, "s", "of the current loop"}};
+  }
+  void validate() const { require_not_negative("time_constant", time_constant); }
+
+  Scalar lag_time_constant() const { return time_constant; }
+};
+
+}  // namespace cogging

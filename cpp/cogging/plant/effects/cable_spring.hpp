@@ -1,0 +1,32 @@
+#pragma once
+// A cable chain or bellows that pulls towards one position.
+
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// A force linear in position: -stiffness (x - center), V.
+template <class Scalar = double>
+struct CableSpring {
+  static constexpr std::string_view name = "cable_spring";
+  static constexpr std::string_view law = "-stiffness (x - center)";
+
+  Scalar stiffness = 0.0;  // V/m
+  Scalar center = 0.0;     // m
+
+  static constexpr auto fields() {
+    using E = CableSpring;
+    return std::tuple{Field<E, Scalar>{"stiffness", &E::stiffness, "V/m", "force a metre of distance"},
+                      Field<E, Scalar>{"center", &E::center, "m", "where the spring is slack"}};
+  }
+  void validate() const {
+    require_finite("stiffness", stiffness);
+    require_finite("center", center);
+  }
+
+  Scalar force(const Motion<Scalar>& motion) const { return stiffness * (center - motion.position); }
+};
+
+}  // namespace cogging

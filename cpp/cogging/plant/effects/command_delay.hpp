@@ -1,0 +1,28 @@
+#pragma once
+// The command acts later than it was computed.
+
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// A pure delay of any length, s: whole samples and the fraction of one. Until the first command arrives, 0 V
+/// act.
+template <class Scalar = double>
+struct CommandDelay {
+  static constexpr std::string_view name = "command_delay";
+  static constexpr std::string_view law = "u(t - delay)";
+
+  double delay = 0.0;  // s
+
+  static constexpr auto fields() {
+    using E = CommandDelay;
+    return std::tuple{Field<E, double>{"delay", &E::delay, "s", "from computed to acting"}};
+  }
+  void validate() const { require_not_negative("delay", delay); }
+
+  double command_delay() const { return delay; }
+};
+
+}  // namespace cogging

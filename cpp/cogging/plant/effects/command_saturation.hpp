@@ -1,0 +1,29 @@
+#pragma once
+// Large commands are cut.
+
+#include <limits>
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// The command cut to [-limit, limit], V. The controller does not know of it (its own is `command_limit`).
+template <class Scalar = double>
+struct CommandSaturation {
+  static constexpr std::string_view name = "command_saturation";
+  static constexpr std::string_view law = "min(max(u, -limit), limit)";
+
+  Scalar limit = std::numeric_limits<double>::infinity();  // V
+
+  static constexpr auto fields() {
+    using E = CommandSaturation;
+    return std::tuple{
+        Field<E, Scalar>{"limit", &E::limit, "V", "largest command that passes; infinite = none"}};
+  }
+  void validate() const { require(limit > 0.0, "limit", "must be above 0 (infinite = none)", limit); }
+
+  Scalar shape_command(const Scalar& command) const { return clamp(command, -limit, limit); }
+};
+
+}  // namespace cogging

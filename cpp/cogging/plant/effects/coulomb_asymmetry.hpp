@@ -1,0 +1,30 @@
+#pragma once
+// A Coulomb level that differs with direction.
+
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// Coulomb level Fc + difference/2 forward, Fc - difference/2 backward.
+template <class Scalar = double>
+struct CoulombAsymmetry {
+  static constexpr std::string_view name = "coulomb_asymmetry";
+  static constexpr std::string_view law = "-(difference / 2) sgn(v) S(v)";
+
+  Scalar difference = 0.0;  // V
+
+  static constexpr auto fields() {
+    using E = CoulombAsymmetry;
+    return std::tuple{
+        Field<E, Scalar>{"difference", &E::difference, "V", "forward level less backward level"}};
+  }
+  void validate() const { require_finite("difference", difference); }
+
+  Scalar friction_level(const Motion<Scalar>& motion) const {
+    return 0.5 * difference * sign(motion.direction);
+  }
+};
+
+}  // namespace cogging

@@ -1,0 +1,39 @@
+#pragma once
+// Friction that falls as speed rises from zero.
+
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// Adds static_excess exp(-|v / velocity|^exponent) to the Coulomb level (Xu and Yao 2001, eq. 3, with the
+/// sign that its eq. 4 needs: f_s - f_c is the excess).
+template <class Scalar = double>
+struct StribeckFriction {
+  static constexpr std::string_view name = "stribeck_friction";
+  static constexpr std::string_view law = "-static_excess exp(-|v / velocity|^exponent) S(v)";
+
+  Scalar static_excess = 0.0;  // V
+  Scalar velocity = 0.01;      // m/s
+  Scalar exponent = 2.0;
+
+  static constexpr auto fields() {
+    using E = StribeckFriction;
+    return std::tuple{
+        Field<E, Scalar>{"static_excess", &E::static_excess, "V", "static level above the Coulomb level"},
+        Field<E, Scalar>{"velocity", &E::velocity, "m/s", "speed at which the excess has fallen to 1/e"},
+        Field<E, Scalar>{"exponent", &E::exponent, "1", "shape of the fall: 1 exponential, 2 Gaussian"}};
+  }
+  void validate() const {
+    require_finite("static_excess", static_excess);
+    require_positive("velocity", velocity);
+    require_positive("exponent", exponent);
+  }
+
+  Scalar friction_level(const Motion<Scalar>& motion) const {
+    return static_excess * exp(-pow(abs(motion.velocity / velocity), exponent));
+  }
+};
+
+}  // namespace cogging

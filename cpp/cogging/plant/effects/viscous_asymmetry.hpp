@@ -1,0 +1,28 @@
+#pragma once
+// A viscous slope that differs with direction.
+
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// Viscous coefficient B + difference/2 forward, B - difference/2 backward.
+template <class Scalar = double>
+struct ViscousAsymmetry {
+  static constexpr std::string_view name = "viscous_asymmetry";
+  static constexpr std::string_view law = "-(difference / 2) |v|";
+
+  Scalar difference = 0.0;  // V/(m/s)
+
+  static constexpr auto fields() {
+    using E = ViscousAsymmetry;
+    return std::tuple{
+        Field<E, Scalar>{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope"}};
+  }
+  void validate() const { require_finite("difference", difference); }
+
+  Scalar force(const Motion<Scalar>& motion) const { return -0.5 * difference * abs(motion.velocity); }
+};
+
+}  // namespace cogging

@@ -1,0 +1,35 @@
+#pragma once
+// The encoder: reading = resolution round((x + noise) / resolution).
+
+#include <tuple>
+
+#include "cogging/parameters.hpp"
+#include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
+
+namespace cogging {
+
+struct EncoderParameters {
+  double resolution = 0.0;  // m
+  double noise = 0.0;       // m rms
+
+  static constexpr auto fields() {
+    using P = EncoderParameters;
+    return std::tuple{Field<P, double>{"resolution", &P::resolution, "m", "one count; 0 = ideal"},
+                      Field<P, double>{"noise", &P::noise, "m", "rms of the white noise before rounding"}};
+  }
+
+  void validate() const {
+    require_not_negative("resolution", resolution);
+    require_not_negative("noise", noise);
+  }
+};
+
+/// A position as the encoder shows it. `noise` is a standard normal number.
+template <class Scalar>
+Scalar read_encoder(const EncoderParameters& encoder, const Scalar& position, double noise) {
+  const Scalar seen = position + encoder.noise * noise;
+  return encoder.resolution > 0.0 ? encoder.resolution * round(seen / encoder.resolution) : seen;
+}
+
+}  // namespace cogging

@@ -1,0 +1,74 @@
+#pragma once
+// A motion given by its samples.
+
+#include <algorithm>
+#include <vector>
+
+#include "cogging/reference/reference.hpp"
+#include "cogging/require.hpp"
+
+namespace cogging {
+
+/// Samples of position and, where known, of velocity and acceleration. A missing derivative is differentiated
+/// from the one before it (second-order differences). Between samples: cubic Hermite in the position and its
+/// derivative; the acceleration is linear. Before the first and after the last sample: at rest there.
+class Sampled final : public Reference {
+ public:
+  Sampled(std::vector<double> time, std::vector<double> position, std::vector<double> velocity,
+          std::vector<double> acceleration)
+      : time_(std::move(time)),
+        position_(std::move(position)),
+        velocity_(std::move(velocity)),
+        acceleration_(std::move(acceleration)) {
+    require(time_.size() >= 3, "time", "must hold at least 3 samples", static_cast<double>(time_.size()));
+    require_finite("time", time_);
+    for (std::size_t i = 1; i < time_.size(); ++i)
+      require(time_[i] > time_[i - 1], "time", "must be strictly increasing", time_[i]);
+    check(position_, "position");
+    if (velocity_.empty()) velocity_ = differentiate(position_);
+    check(velocity_, "velocity");
+    if (acceleration_.empty()) acceleration_ = differentiate(velocity_);
+    check(acceleration_, "acceleration");
+  }
+
+  double end() const override { return time_.back(); }
+
+  ReferencePoint at(double time) const override {
+    if (time < time_.front()) return {position_.front(), 0.0, 0.0};
+    if (time > time_.back()) return {position_.back(), 0.0, 0.0};
+    const auto above = std::upper_bound(time_.begin(), time_.end(), time);
+    const std::size_t i = std::min(static_cast<std::size_t>(above - time_.begin()), time_.size() - 1) - 1;
+    const double h = time_[i + 1] - time_[i], s = (time - time_[i]) / h;
+    const double rise = (position_[i + 1] - position_[i]) / h;
+    const double curve = velocity_[i] + velocity_[i + 1] - 2.0 * rise;
+    const double bend = 3.0 * rise - 2.0 * velocity_[i] - velocity_[i + 1];
+    return {position_[i] + h * s * (velocity_[i] + s * (bend + s * curve)),
+            velocity_[i] + s * (2.0 * bend + 3.0 * s * curve),
+            acceleration_[i] + s * (acceleration_[i + 1] - acceleration_[i])};
+  }
+
+ private:
+  void check(const std::vector<double>& column, std::string_view name) const {
+    require(column.size() == time_.size(), name,
+            "must be as long as time (" + format(double(time_.size())) + ")",
+            static_cast<double>(column.size()));
+    require_finite(name, column);
+  }
+
+  std::vector<double> differentiate(const std::vector<double>& values) const {
+    const std::size_t n = values.size();
+    std::vector<double> slope(n);
+    const auto three_points = [&](std::size_t i, std::size_t at) {  // the parabola through i-1, i, i+1
+      const double h0 = time_[i] - time_[i - 1], h1 = time_[i + 1] - time_[i];
+      const double d0 = (values[i] - values[i - 1]) / h0, d1 = (values[i + 1] - values[i]) / h1;
+      const double second = (d1 - d0) / (h0 + h1);
+      return d0 + second * (2.0 * time_[at] - time_[i] - time_[i - 1]);
+    };
+    for (std::size_t i = 0; i < n; ++i) slope[i] = three_points(std::clamp<std::size_t>(i, 1, n - 2), i);
+    return slope;
+  }
+
+  std::vector<double> time_, position_, velocity_, acceleration_;
+};
+
+}  // namespace cogging

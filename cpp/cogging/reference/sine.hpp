@@ -1,0 +1,49 @@
+#pragma once
+// A sine about a centre.
+
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "cogging/parameters.hpp"
+#include "cogging/reference/reference.hpp"
+#include "cogging/require.hpp"
+
+namespace cogging {
+
+struct SineParameters {
+  double center = 0.0;     // m
+  double amplitude = 0.1;  // m
+  double frequency = 1.0;  // Hz
+
+  static constexpr auto fields() {
+    using P = SineParameters;
+    return std::tuple{Field<P, double>{"center", &P::center, "m", "middle of the motion"},
+                      Field<P, double>{"amplitude", &P::amplitude, "m", "half the stroke"},
+                      Field<P, double>{"frequency", &P::frequency, "Hz", "strokes there and back a second"}};
+  }
+
+  void validate() const {
+    require_finite("center", center);
+    require_not_negative("amplitude", amplitude);
+    require_positive("frequency", frequency);
+  }
+};
+
+/// x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis, at rest, does not.
+class Sine final : public Reference {
+ public:
+  explicit Sine(const SineParameters& parameters) : parameters_(parameters) { parameters_.validate(); }
+  const SineParameters& parameters() const { return parameters_; }
+
+  ReferencePoint at(double time) const override {
+    const double omega = 2.0 * std::numbers::pi * parameters_.frequency, a = parameters_.amplitude;
+    const double s = std::sin(omega * time), c = std::cos(omega * time);
+    return {parameters_.center + a * s, a * omega * c, -a * omega * omega * s};
+  }
+
+ private:
+  SineParameters parameters_;
+};
+
+}  // namespace cogging

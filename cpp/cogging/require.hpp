@@ -1,0 +1,60 @@
+#pragma once
+// The only place of the core that throws: one line that names the field, the rule and the value.
+
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cogging {
+
+/// A run whose state left the travel or stopped being finite; says when and where.
+class DivergedError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The shortest of %g and %.17g that reads back as the same number.
+inline std::string format(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%g", value);
+  if (std::isfinite(value) && std::stod(text) != value) std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+[[noreturn]] inline void refuse(std::string_view name, std::string_view rule, std::string_view value) {
+  throw std::invalid_argument(std::string(name) + ": " + std::string(rule) + ", got " + std::string(value));
+}
+
+inline void require(bool holds, std::string_view name, std::string_view rule, double value) {
+  if (!holds) refuse(name, rule, format(value));
+}
+
+inline void require_finite(std::string_view name, double value) {
+  require(std::isfinite(value), name, "must be a finite number", value);
+}
+
+inline void require_positive(std::string_view name, double value) {
+  require(std::isfinite(value) && value > 0.0, name, "must be finite and above 0", value);
+}
+
+inline void require_not_negative(std::string_view name, double value) {
+  require(std::isfinite(value) && value >= 0.0, name, "must be finite and at least 0", value);
+}
+
+inline void require_finite(std::string_view name, const std::vector<double>& values) {
+  for (double value : values) require_finite(name, value);
+}
+
+/// lower < upper (or lower <= upper where a point is allowed), both finite.
+inline void require_ordered(std::string_view name, double lower, double upper, bool point_allowed = false) {
+  const bool ordered = point_allowed ? lower <= upper : lower < upper;
+  if (!(std::isfinite(lower) && std::isfinite(upper) && ordered))
+    refuse(name,
+           point_allowed ? "needs minimum <= maximum, both finite" : "needs minimum < maximum, both finite",
+           "[" + format(lower) + ", " + format(upper) + "]");
+}
+
+}  // namespace cogging

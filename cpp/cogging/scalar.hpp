@@ -1,0 +1,62 @@
+#pragma once
+// What the hot code asks of its scalar, for `double`. A pack of lanes (lanes.hpp) answers the same questions.
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogging {
+
+using std::abs, std::atan, std::exp, std::pow, std::round, std::tanh;
+
+inline double select(bool condition, double if_true, double if_false) {
+  return condition ? if_true : if_false;
+}
+inline double clamp(double value, double lower, double upper) {
+  return value < lower ? lower : (value > upper ? upper : value);
+}
+inline void sin_cos(double angle, double& sine, double& cosine) {
+  sine = std::sin(angle);
+  cosine = std::cos(angle);
+}
+inline double sign(double value) {
+  return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
+}
+inline bool all_finite(double value) {
+  return std::isfinite(value);
+}
+inline bool all(bool condition) {
+  return condition;
+}
+
+/// The integer that goes with a scalar, for table look-up.
+template <class Scalar>
+struct IndexOf;
+template <>
+struct IndexOf<double> {
+  using type = int;
+};
+inline int floor_to_index(double value) {
+  return static_cast<int>(std::floor(value));
+}
+inline int clamp_index(int value, int lower, int upper) {
+  return std::clamp(value, lower, upper);
+}
+inline double from_index(int value) {
+  return static_cast<double>(value);
+}
+inline double gather(const double* table, int index) {
+  return table[index];
+}
+inline void scatter(double* table, int index, double value) {
+  table[index] = value;
+}
+
+/// S(v) = (2/pi) atan(v / width); width = 0 is sgn(v), with sgn(0) = 0.
+template <class Scalar>
+Scalar smooth_sign(const Scalar& velocity, const Scalar& width) {
+  constexpr double two_over_pi = 0.63661977236758134308;
+  if (all(width > 0.0)) return two_over_pi * atan(velocity / width);
+  return sign(velocity);
+}
+
+}  // namespace cogging

@@ -1,0 +1,144 @@
+#pragma once
+// One run: reference -> controller -> amplifier -> axis -> encoder -> log.
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "cogging/control/controller.hpp"
+#include "cogging/plant/amplifier.hpp"
+#include "cogging/plant/plant.hpp"
+#include "cogging/simulation/log.hpp"
+
+namespace cogging {
+
+struct RunOptions {
+  double duration = 0.0;     // s; 0 = the reference's own end
+  std::uint64_t seed = 0;    // of the noise
+  int steps_per_sample = 1;  // Runge-Kutta steps between two samples
+  bool record_estimates = false;
+  std::optional<double> initial_position;  // m; the reference's first position when not given
+  double initial_velocity = 0.0;           // m/s
+};
+
+namespace detail {
+
+inline std::size_t count_samples(const Reference& reference, const RunOptions& options, double sample_rate) {
+  const double duration = options.duration > 0.0 ? options.duration : reference.end();
+  require(std::isfinite(duration), "duration", "must be given for a reference without an end of its own",
+          duration);
+  const double samples = duration * sample_rate;
+  require(samples >= 1.0 && samples < 1e9, "duration", "must hold 1 to 1e9 samples", duration);
+  return static_cast<std::size_t>(std::floor(samples + 1e-6)) + 1;
+}
+
+template <class Scalar>
+void record_reference(Log<Scalar>& log, const Reference& reference, double sample_rate, const Range& travel) {
+  for (std::size_t k = 0; k < log.time.size(); ++k) {
+    log.time[k] = static_cast<double>(k) / sample_rate;
+    const ReferencePoint point = reference.at(log.time[k]);
+    if (!(point.position >= travel[0] && point.position <= travel[1]))
+      refuse("reference", "must stay within travel [" + format(travel[0]) + ", " + format(travel[1]) + "]",
+             format(point.position) + " at " + format(log.time[k]) + " s");
+    log.reference[k] = point.position;
+    log.reference_velocity[k] = point.velocity;
+    log.reference_acceleration[k] = point.acceleration;
+  }
+}
+
+// Half a travel beyond its ends, the run is over: a number from there would be no measurement of anything.
+template <class Scalar>
+void require_bounded(const AxisState<Scalar>& state, const Range& travel, double time) {
+  const double length = travel[1] - travel[0];
+  const double margin = std::isfinite(length) ? 0.5 * length : 0.0;
+  const double lower = std::isfinite(travel[0]) ? travel[0] - margin : -1e6;
+  const double upper = std::isfinite(travel[1]) ? travel[1] + margin : 1e6;
+  if (all(state.position > lower) && all(state.position < upper) && all_finite(state.velocity)) return;
+  std::string where = "a lane";
+  if constexpr (std::is_same_v<Scalar, double>)
+    where = "position " + format(state.position) + " m, velocity " + format(state.velocity) + " m/s";
+  throw DivergedError("the run diverged at " + format(time) + " s: " + where + "; the travel is [" +
+                      format(travel[0]) + ", " + format(travel[1]) + "] m");
+}
+
+}  // namespace detail
+
+/// Integrates the plant over one sample in pieces that end where the command switches or a force law jumps.
+template <class Scalar>
+void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state,
+                    double time, double time_next, const Scalar& force, int steps) {
+  const double sample_time = time_next - time;
+  double now = time;
+  while (now < time_next) {
+    Drive<Scalar> drive = amplifier.drive(now - time);
+    drive.force = force;
+    const double switch_time = time + amplifier.switch_offset();
+    double next = std::min(time_next, axis.next_event(now));
+    if (now < switch_time && switch_time < next) next = switch_time;
+    const bool whole = next == time_next && now == time;
+    const int pieces = whole ? steps : std::max(1, int(std::ceil(steps * (next - now) / sample_time)));
+    const double h = (next - now) / pieces;
+    for (int piece = 0; piece < pieces; ++piece) {
+      axis.advance(state, drive, now + piece * h, h);
+      amplifier.settle(drive, h);
+    }
+    now = next;
+  }
+}
+
+/// A pure function of its arguments: the controller is copied, and the noise comes from the seed.
+template <class Scalar, Controller<Scalar> C>
+Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Reference& reference,
+                        const RunOptions& options) {
+  require(options.steps_per_sample >= 1 && options.steps_per_sample <= 10000, "steps_per_sample",
+          "must be from 1 to 10000", options.steps_per_sample);
+  require(std::isfinite(options.duration) && options.duration >= 0.0, "duration",
+          "must be finite and above 0 (or left out)", options.duration);
+  require_finite("initial_velocity", options.initial_velocity);
+  if (options.initial_position) require_finite("initial_position", *options.initial_position);
+
+  const double sample_rate = controller.sample_rate(), sample_time = 1.0 / sample_rate;
+  const Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
+  Amplifier<Scalar> amplifier(plant.effects, sample_time);
+  ForceNoise force_noise(plant.noise, sample_time, options.seed);
+  NormalNumbers encoder_noise(options.seed ^ 0x9e3779b97f4a7c15ULL);
+
+  Log<Scalar> log;
+  const std::size_t rows = detail::count_samples(reference, options, sample_rate);
+  for (auto* column : {&log.time, &log.reference, &log.reference_velocity, &log.reference_acceleration})
+    column->resize(rows);
+  for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity})
+    column->resize(rows);
+  detail::record_reference(log, reference, sample_rate, plant.axis.travel);
+  if (options.record_estimates) {
+    log.estimate_count = static_cast<int>(controller.estimates().size());
+    log.estimates.reserve(rows * controller.estimates().size());
+  }
+
+  const double limit = controller.command_limit();
+  AxisState<Scalar> state{options.initial_position.value_or(log.reference.front()), options.initial_velocity};
+  for (std::size_t k = 0; k < rows; ++k) {
+    detail::require_bounded(state, plant.axis.travel, log.time[k]);
+    const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
+    const Scalar reading = read_encoder(plant.encoder, state.position, noise);
+    const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
+    if (options.record_estimates)
+      log.estimates.insert(log.estimates.end(), controller.estimates().begin(), controller.estimates().end());
+    Scalar command = controller.command(point, reading);
+    if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
+    controller.update(command);
+    log.position[k] = reading;
+    log.command[k] = command;
+    log.true_position[k] = state.position;
+    log.true_velocity[k] = state.velocity;
+    if (k + 1 == rows) break;
+    amplifier.accept(command);
+    advance_sample(axis, amplifier, state, log.time[k], log.time[k + 1], Scalar(force_noise()),
+                   options.steps_per_sample);
+  }
+  return log;
+}
+
+}  // namespace cogging
