@@ -24,8 +24,7 @@ Rows regressor(const SplineHarmonics& basis, const Eigen::VectorXd& positions) {
     basis.evaluate(positions[i], active);
     for (int j = 0; j < basis.spline().order(); ++j)
       for (int c = 0; c < basis.columns(); ++c)
-        matrix(i, (active.spline.first + j) * basis.columns() + c) =
-            active.spline.weight[j] * active.harmonic[c];
+        matrix(i, (active.spline.first + j) * basis.columns() + c) = active.spline.weight[j] * active.harmonic[c];
   }
   return matrix;
 }
@@ -40,8 +39,7 @@ std::pair<int, std::vector<double>> active_regressor(const SplineHarmonics& basi
 }
 
 SplineHarmonics make_basis(std::optional<double> pitch, std::optional<std::vector<int>> harmonics,
-                           std::optional<std::vector<double>> periods, int order, double origin,
-                           int control_points) {
+                           std::optional<std::vector<double>> periods, int order, double origin, int control_points) {
   if (harmonics.has_value() == periods.has_value())
     refuse("harmonics, periods", "exactly one of them must be given", harmonics ? "both" : "neither");
   if (!pitch && (harmonics || control_points > 1)) refuse("pitch", "must be given", "nothing");
@@ -55,10 +53,8 @@ CoggingModel<> make_model(const SplineHarmonics& basis, const Rows& sine, const 
   const int points = basis.spline().control_points();
   const auto check = [&](const Rows& rows, const char* name) {
     if (rows.rows() != basis.terms() || rows.cols() != points)
-      refuse(
-          name,
-          "must have " + format(basis.terms()) + " rows (terms) of " + format(points) + " (control points)",
-          format(double(rows.rows())) + " rows of " + format(double(rows.cols())));
+      refuse(name, "must have " + format(basis.terms()) + " rows (terms) of " + format(points) + " (control points)",
+             format(double(rows.rows())) + " rows of " + format(double(rows.cols())));
     for (Eigen::Index i = 0; i < rows.size(); ++i) require_finite(name, rows.data()[i]);
   };
   check(sine, "sine");
@@ -92,8 +88,8 @@ spline keeps its end value. One control point is a constant, whatever the order.
 
 Raises:
     ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.)")
-      .def(py::init<int, double, double, int>(), py::kw_only(), py::arg("order"), py::arg("origin"),
-           py::arg("pitch"), py::arg("control_points"))
+      .def(py::init<int, double, double, int>(), py::kw_only(), py::arg("order"), py::arg("origin"), py::arg("pitch"),
+           py::arg("control_points"))
       .def_property_readonly("order", &BSpline::order, "k: 1 piecewise constant, 2 linear, 3 quadratic")
       .def_property_readonly("origin", &BSpline::origin, "first knot of the first full span, m")
       .def_property_readonly("pitch", &BSpline::pitch, "distance of the knots, m")
@@ -111,9 +107,9 @@ sine and cosine of every term.
 
 Raises:
     ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.)")
-      .def(py::init(&make_basis), py::kw_only(), py::arg("pitch") = py::none(),
-           py::arg("harmonics") = py::none(), py::arg("periods") = py::none(), py::arg("order") = 3,
-           py::arg("origin") = 0.0, py::arg("control_points") = 1)
+      .def(py::init(&make_basis), py::kw_only(), py::arg("pitch") = py::none(), py::arg("harmonics") = py::none(),
+           py::arg("periods") = py::none(), py::arg("order") = 3, py::arg("origin") = 0.0,
+           py::arg("control_points") = 1)
       .def_property_readonly("pitch", &SplineHarmonics::pitch, "m; 0 with periods")
       .def_property_readonly("harmonics", &SplineHarmonics::harmonics)
       .def_property_readonly("periods", &SplineHarmonics::periods, "m")
@@ -142,25 +138,24 @@ Raises:
       .def_property_readonly(
           "coefficients", [](const CoggingModel<>& m) { return to_array(std::vector(m.coefficients())); },
           "A_r of eq. 7, V")
-      .def("force", py::vectorize([](const CoggingModel<>* m, double x) { return m->force(x); }),
-           py::arg("position"), "F_cogging(x), V, at positions in m.")
-      .def("slope", py::vectorize([](const CoggingModel<>* m, double x) { return m->slope(x); }),
-           py::arg("position"), "dF_cogging/dx, V/m, at positions in m.")
+      .def("force", py::vectorize([](const CoggingModel<>* m, double x) { return m->force(x); }), py::arg("position"),
+           "F_cogging(x), V, at positions in m.")
+      .def("slope", py::vectorize([](const CoggingModel<>* m, double x) { return m->slope(x); }), py::arg("position"),
+           "dF_cogging/dx, V/m, at positions in m.")
       .def(py::pickle(
           [](const CoggingModel<>& m) {
             const SplineHarmonics& b = m.basis();
-            return py::make_tuple(b.pitch() > 0.0 ? b.pitch() : b.spline().pitch(), b.harmonics(),
-                                  b.periods(), b.spline().order(), b.spline().origin(),
-                                  b.spline().control_points(), m.coefficients());
+            return py::make_tuple(b.pitch() > 0.0 ? b.pitch() : b.spline().pitch(), b.harmonics(), b.periods(),
+                                  b.spline().order(), b.spline().origin(), b.spline().control_points(),
+                                  m.coefficients());
           },
           [](const py::tuple& t) {
-            const BSpline spline(t[3].cast<int>(), t[4].cast<double>(), t[0].cast<double>(),
-                                 t[5].cast<int>());
+            const BSpline spline(t[3].cast<int>(), t[4].cast<double>(), t[0].cast<double>(), t[5].cast<int>());
             const auto harmonics = t[1].cast<std::vector<int>>();
             const auto periods = t[2].cast<std::vector<double>>();
-            const SplineHarmonics basis =
-                harmonics.empty() ? SplineHarmonics::of_periods(periods, spline)
-                                  : SplineHarmonics::of_harmonics(t[0].cast<double>(), harmonics, spline);
+            const SplineHarmonics basis = harmonics.empty()
+                                              ? SplineHarmonics::of_periods(periods, spline)
+                                              : SplineHarmonics::of_harmonics(t[0].cast<double>(), harmonics, spline);
             return CoggingModel<>(basis, t[6].cast<std::vector<double>>());
           }));
 }

@@ -70,18 +70,15 @@ py::class_<Struct> bind_parameters(py::module_& module, const std::string& class
     const auto member = field.member;
     std::string text(field.meaning);
     if (!field.unit.empty()) text += ", " + std::string(field.unit);
-    bound.def_property_readonly(
-        field.name.data(), [member](const Struct& self) { return self.*member; }, text.c_str());
-    described[py::str(std::string(field.name))] =
-        py::make_tuple(std::string(field.unit), std::string(field.meaning));
+    bound.def_property_readonly(field.name.data(), [member](const Struct& self) { return self.*member; }, text.c_str());
+    described[py::str(std::string(field.name))] = py::make_tuple(std::string(field.unit), std::string(field.meaning));
   });
   bound.attr("FIELDS") = described;
 
   const auto to_dict = [](const Struct& self) {
     py::dict values;
-    cogging::for_each_field<Struct>([&](const auto& field) {
-      values[py::str(std::string(field.name))] = py::cast(self.*(field.member));
-    });
+    cogging::for_each_field<Struct>(
+        [&](const auto& field) { values[py::str(std::string(field.name))] = py::cast(self.*(field.member)); });
     return values;
   };
   const py::object type = bound;
@@ -101,14 +98,13 @@ py::class_<Struct> bind_parameters(py::module_& module, const std::string& class
     std::string text = class_name + "(";
     bool first = true;
     for (const auto& item : to_dict(self)) {
-      text +=
-          (first ? "" : ", ") + std::string(py::str(item.first)) + "=" + std::string(py::repr(item.second));
+      text += (first ? "" : ", ") + std::string(py::str(item.first)) + "=" + std::string(py::repr(item.second));
       first = false;
     }
     return text + ")";
   });
-  bound.def(py::pickle(
-      [to_dict](const Struct& self) { return to_dict(self); },
-      [](const py::dict& values) { return py::type::of<Struct>()(**values).template cast<Struct>(); }));
+  bound.def(
+      py::pickle([to_dict](const Struct& self) { return to_dict(self); },
+                 [](const py::dict& values) { return py::type::of<Struct>()(**values).template cast<Struct>(); }));
   return bound;
 }

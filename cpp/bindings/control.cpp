@@ -2,6 +2,7 @@
 #include "cogging/control/adaptive_robust.hpp"
 #include "cogging/control/cascade.hpp"
 #include "cogging/control/desired_compensation_condition.hpp"
+#include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 
 using namespace cogging;
@@ -9,17 +10,15 @@ using namespace cogging;
 namespace {
 
 template <class C>
-void bind_controller(py::module_& module, const char* name, const char* doc) {
+py::class_<C> bind_controller(py::module_& module, const char* name, const char* doc) {
   static_assert(Controller<C, double>);
-  py::class_<C>(module, name, doc)
+  return py::class_<C>(module, name, doc)
       .def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
       .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
       .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
       .def_property_readonly(
           "estimates",
-          [](const C& c) {
-            return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end()));
-          },
+          [](const C& c) { return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end())); },
           "What it believes now, (p,): a copy; empty for a controller that does not adapt.")
       .def(
           "command",
@@ -29,8 +28,7 @@ void bind_controller(py::module_& module, const char* name, const char* doc) {
           py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
           py::arg("reference_acceleration") = 0.0, py::arg("reading"),
           "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).")
-      .def("update", &C::update, py::arg("applied"),
-           "Ends the sample: the command (V) that was really applied.")
+      .def("update", &C::update, py::arg("applied"), "Ends the sample: the command (V) that was really applied.")
       .def("copy", [](const C& c) { return c; }, "A controller in the same state.");
 }
 
@@ -62,12 +60,45 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
 As Arc, with the regressor on the reference in place of the measured state. Estimates: mass, viscous, coulomb, d_n,
 then A_r.)");
 
+  bind_parameters<OutputFeedbackArcParameters<>>(
+      module, "OutputFeedbackArcParameters",
+      "Observer, gains, bounds and robust terms of an OutputFeedbackArc (Xu and Yao 2001, eq. 8 to 50).");
+  using Ofarc = OutputFeedbackArc<>;
+  bind_controller<Ofarc>(module, "OutputFeedbackArc", R"(Output-feedback adaptive robust control (Xu and Yao 2001).
+
+u = u* + coulomb S(reference velocity): filters (18), state estimate (13), two backstepping steps (25) to (47),
+adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading.)")
+      .def_property_readonly("z_1", &Ofarc::z_1, "y - q_d of the last sample, m")
+      .def_property_readonly("z_2", &Ofarc::z_2, "lambda_2 - alpha_1 of the last sample")
+      .def_property_readonly("filters", &Ofarc::filters, "eta, lambda, psi: array of six")
+      .def("velocity_state", &Ofarc::velocity_state, py::arg("theta"),
+           "x_2 hat of eq. 13 for a theta: exact for the true one without disturbance.")
+      .def(
+          "virtual_control",
+          [](const Ofarc& c, double position, double eta_1, double eta_2, double psi_2, double reference,
+             double reference_velocity, const std::array<double, 3>& theta) {
+            const auto a = c.virtual_control({position, eta_1, eta_2, psi_2, reference, reference_velocity, theta});
+            return std::map<std::string, double>{{"value", a.value},
+                                                 {"position", a.position},
+                                                 {"eta_1", a.eta_1},
+                                                 {"eta_2", a.eta_2},
+                                                 {"psi_2", a.psi_2},
+                                                 {"reference", a.reference},
+                                                 {"reference_velocity", a.reference_velocity},
+                                                 {"theta_1", a.theta[0]},
+                                                 {"theta_2", a.theta[1]},
+                                                 {"theta_3", a.theta[2]}};
+          },
+          py::kw_only(), py::arg("position"), py::arg("eta_1"), py::arg("eta_2"), py::arg("psi_2"),
+          py::arg("reference"), py::arg("reference_velocity"), py::arg("theta"),
+          "alpha_1 (eq. 25, 27) as `value`, and its partial derivatives by the name of the argument.");
+
   module.def(
       "desired_compensation_matrix",
-      [](double feedback_gain, double error_gain, double mass, double viscous, double coulomb,
-         double friction_slope, double cogging_slope) {
-        const QuadraticForm form = desired_compensation_matrix(feedback_gain, error_gain, mass, viscous,
-                                                               coulomb, friction_slope, cogging_slope);
+      [](double feedback_gain, double error_gain, double mass, double viscous, double coulomb, double friction_slope,
+         double cogging_slope) {
+        const QuadraticForm form = desired_compensation_matrix(feedback_gain, error_gain, mass, viscous, coulomb,
+                                                               friction_slope, cogging_slope);
         return Eigen::Matrix2d{{form.pp, form.pe}, {form.pe, form.ee}};
       },
       py::kw_only(), py::arg("feedback_gain"), py::arg("error_gain"), py::arg("mass"), py::arg("viscous"),
@@ -88,10 +119,8 @@ Over mass, viscous and Coulomb bounds, 0 <= g_f <= friction_slope (1/(m/s)), |th
 Above zero, V = M p^2 / 2 + M k_1^2 e^2 / 2 obeys V' <= -rate V + epsilon. At or below zero k_s1 is too small.)");
   module.def("friction_slope_max", &friction_slope_max, py::arg("coulomb_width"),
              "Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).");
-  module.def(
-      "cogging_slope_max", &cogging_slope_max, py::arg("basis"), py::arg("amplitude"),
-      "Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).");
-  module.def("project", &project<double>, py::arg("rate"), py::arg("estimate"), py::arg("minimum"),
-             py::arg("maximum"),
+  module.def("cogging_slope_max", &cogging_slope_max, py::arg("basis"), py::arg("amplitude"),
+             "Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).");
+  module.def("project", &project<double>, py::arg("rate"), py::arg("estimate"), py::arg("minimum"), py::arg("maximum"),
              "The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).");
 }

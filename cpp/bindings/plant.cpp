@@ -66,8 +66,9 @@ void bind_plant(py::module_& module) {
                                      "reading = resolution round((x + noise) / resolution).");
   bind_parameters<NoiseParameters>(module, "NoiseParameters",
                                    "Force noise of a first-order spectrum, held between samples.");
+  py::module_ submodule = module.def_submodule("effects", "Every effect that a plant may have, one class each.");
   py::dict effects;
-  bind_effects(module, effects, static_cast<const Effect<>*>(nullptr));
+  bind_effects(submodule, effects, static_cast<const Effect<>*>(nullptr));
   module.attr("EFFECTS") = effects;
 
   py::class_<Plant<>>(module, "Plant", R"(A whole machine: axis, cogging, effects, encoder and noise.
@@ -86,8 +87,7 @@ Raises:
       .def_property_readonly("axis", [](const Plant<>& plant) { return plant.axis; })
       .def_property_readonly("cogging",
                              [](const Plant<>& plant) {
-                               return plant.cogging.basis().empty() ? std::nullopt
-                                                                    : std::optional(plant.cogging);
+                               return plant.cogging.basis().empty() ? std::nullopt : std::optional(plant.cogging);
                              })
       .def_property_readonly("effects", [](const Plant<>& plant) { return plant.effects; })
       .def_property_readonly("encoder", [](const Plant<>& plant) { return plant.encoder; })
@@ -95,8 +95,7 @@ Raises:
       .def(
           "acceleration",
           [](const Plant<>& plant, double position, double velocity, double command, double time) {
-            return Axis<>(plant.axis, plant.cogging, plant.effects)
-                .acceleration({position, velocity}, command, time);
+            return Axis<>(plant.axis, plant.cogging, plant.effects).acceleration({position, velocity}, command, time);
           },
           py::kw_only(), py::arg("position"), py::arg("velocity"), py::arg("command"), py::arg("time") = 0.0,
           "Acceleration (m/s^2) of the moving axis when `command` (V) acts: the amplifier's effects are not "

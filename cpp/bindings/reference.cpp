@@ -1,14 +1,25 @@
 #include "bindings.hpp"
+#include "cogging/reference/filtered.hpp"
 #include "cogging/reference/point_to_point.hpp"
 #include "cogging/reference/sampled.hpp"
 #include "cogging/reference/sine.hpp"
 
 using namespace cogging;
 
+namespace {
+
+// Left out and empty are not the same: an empty column is one of a wrong length.
+std::vector<double> optional_column(const std::optional<Array>& column, const char* name) {
+  if (!column) return {};
+  if (column->size() == 0) refuse(name, "must be as long as time, or left out", "an empty column");
+  return to_vector(*column);
+}
+
+}  // namespace
+
 void bind_reference(py::module_& module) {
   py::class_<Reference>(module, "Reference", "A motion: position and its first two derivatives over time.")
-      .def_property_readonly("end", &Reference::end,
-                             "time at which the motion is over, s; infinite if it never is")
+      .def_property_readonly("end", &Reference::end, "time at which the motion is over, s; infinite if it never is")
       .def(
           "sample",
           [](const Reference& reference, const Array& times) {
@@ -25,8 +36,7 @@ void bind_reference(py::module_& module) {
           },
           py::arg("times"), "Position (m), velocity (m/s) and acceleration (m/s^2) at the times (n,), s.");
 
-  bind_parameters<PointToPointParameters>(module, "PointToPointParameters",
-                                          "Limits and rests of a PointToPoint.");
+  bind_parameters<PointToPointParameters>(module, "PointToPointParameters", "Limits and rests of a PointToPoint.");
   py::class_<PointToPoint, Reference>(module, "PointToPoint", R"(Jerk-limited moves there and back.
 
 start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
@@ -38,10 +48,18 @@ the limits on velocity, acceleration and jerk that starts and ends at rest with 
 
   bind_parameters<SineParameters>(module, "SineParameters", "Centre, amplitude and frequency of a Sine.");
   py::class_<Sine, Reference>(
-      module, "Sine",
-      "x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.")
+      module, "Sine", "x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.")
       .def(py::init<const SineParameters&>(), py::arg("parameters"))
       .def_property_readonly("parameters", &Sine::parameters);
+
+  bind_parameters<FilteredSineParameters>(module, "FilteredSineParameters",
+                                          "Sine and generator of a FilteredSine (Xu and Yao 2001, eq. 58).");
+  py::class_<FilteredSine, Reference>(module, "FilteredSine", R"(A sine that starts from rest (Xu and Yao 2001, eq. 58).
+
+q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
+the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.)")
+      .def(py::init<const FilteredSineParameters&>(), py::arg("parameters"))
+      .def_property_readonly("parameters", &FilteredSine::parameters);
 
   py::class_<Sampled, Reference>(module, "Sampled", R"(A motion given by its samples.
 
@@ -52,9 +70,8 @@ Raises:
     ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.)")
       .def(py::init([](const Array& time, const Array& position, const std::optional<Array>& velocity,
                        const std::optional<Array>& acceleration) {
-             return Sampled(to_vector(time), to_vector(position),
-                            velocity ? to_vector(*velocity) : std::vector<double>{},
-                            acceleration ? to_vector(*acceleration) : std::vector<double>{});
+             return Sampled(to_vector(time), to_vector(position), optional_column(velocity, "velocity"),
+                            optional_column(acceleration, "acceleration"));
            }),
            py::arg("time"), py::arg("position"), py::arg("velocity") = py::none(),
            py::arg("acceleration") = py::none());

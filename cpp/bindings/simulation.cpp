@@ -1,6 +1,7 @@
 #include "bindings.hpp"
 #include "cogging/control/adaptive_robust.hpp"
 #include "cogging/control/cascade.hpp"
+#include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
@@ -10,12 +11,11 @@ using namespace cogging;
 
 namespace {
 
-using AnyController = std::variant<Pid<>, Cascade<>, Arc<>, Dcarc<>>;
+using AnyController = std::variant<Pid<>, Cascade<>, Arc<>, Dcarc<>, OutputFeedbackArc<>>;
 
 Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference,
           const RunOptions& options) {
-  return std::visit([&](const auto& c) { return closed_loop<double>(plant, c, reference, options); },
-                    controller);
+  return std::visit([&](const auto& c) { return closed_loop<double>(plant, c, reference, options); }, controller);
 }
 
 // Every column becomes a numpy array without copying.
@@ -30,8 +30,7 @@ py::dict to_columns(Log<>&& log) {
   columns["reference_acceleration"] = to_array(std::move(log.reference_acceleration));
   columns["true_position"] = to_array(std::move(log.true_position));
   columns["true_velocity"] = to_array(std::move(log.true_velocity));
-  if (log.estimate_count > 0)
-    columns["estimates"] = to_array(std::move(log.estimates), {rows, log.estimate_count});
+  if (log.estimate_count > 0) columns["estimates"] = to_array(std::move(log.estimates), {rows, log.estimate_count});
   return columns;
 }
 
@@ -46,11 +45,10 @@ void bind_simulation(py::module_& module) {
   module.def(
       "closed_loop",
       [](const Plant<>& plant, const AnyController& controller, const Reference& reference, double duration,
-         std::uint64_t seed, int steps_per_sample, bool record_estimates,
-         std::optional<double> initial_position,
+         std::uint64_t seed, int steps_per_sample, bool record_estimates, std::optional<double> initial_position,
          double initial_velocity) -> std::map<std::string, py::array_t<double>> {
-        const RunOptions options = options_of(duration, seed, steps_per_sample, record_estimates,
-                                              initial_position, initial_velocity);
+        const RunOptions options =
+            options_of(duration, seed, steps_per_sample, record_estimates, initial_position, initial_velocity);
         Log<> log;
         {
           py::gil_scoped_release release;
@@ -73,9 +71,8 @@ Raises:
 
   module.def(
       "closed_loop_batch",
-      [](const std::vector<Plant<>>& plants, const std::vector<AnyController>& controllers,
-         const Reference& reference, double duration, const std::vector<std::uint64_t>& seeds,
-         int steps_per_sample, unsigned threads) {
+      [](const std::vector<Plant<>>& plants, const std::vector<AnyController>& controllers, const Reference& reference,
+         double duration, const std::vector<std::uint64_t>& seeds, int steps_per_sample, unsigned threads) {
         require(controllers.size() == plants.size(), "controllers", "must be one for each plant",
                 static_cast<double>(controllers.size()));
         require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
@@ -84,9 +81,8 @@ Raises:
         {
           py::gil_scoped_release release;
           run_batch(plants.size(), threads, [&](std::size_t i) {
-            logs[i] =
-                run(plants[i], controllers[i], reference,
-                    options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0));
+            logs[i] = run(plants[i], controllers[i], reference,
+                          options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0));
           });
         }
         std::vector<std::map<std::string, py::array_t<double>>> result;
@@ -94,9 +90,8 @@ Raises:
           result.push_back(to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>());
         return result;
       },
-      py::arg("plants"), py::arg("controllers"), py::arg("reference"), py::kw_only(),
-      py::arg("duration") = 0.0, py::arg("seeds") = std::vector<std::uint64_t>{},
-      py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
+      py::arg("plants"), py::arg("controllers"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
+      py::arg("seeds") = std::vector<std::uint64_t>{}, py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
       "Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the "
       "number.");
 
@@ -109,11 +104,8 @@ Raises:
       .def_readonly("command_chatter", &Performance::command_chatter, "command_change_rms / command_rms");
   module.def(
       "performance",
-      [](const Array& time, const Array& error, const Array& command, double start, double stop,
-         double final_window) {
-        const auto view = [](const Array& a) {
-          return std::span<const double>(a.data(), std::size_t(a.size()));
-        };
+      [](const Array& time, const Array& error, const Array& command, double start, double stop, double final_window) {
+        const auto view = [](const Array& a) { return std::span<const double>(a.data(), std::size_t(a.size())); };
         return performance(view(time), view(error), view(command), start, stop, final_window);
       },
       py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(),

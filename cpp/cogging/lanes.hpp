@@ -1,5 +1,7 @@
 #pragma once
 // A pack of independent lanes that behaves like a number: the hot code runs many machines at once with it.
+// Lanes share what decides the course of a step: the event times, one smooth friction law (the exact one, with
+// sticking, runs on `double` alone), and whether there is a current loop. A run ends when one lane diverges.
 
 #include <array>
 #include <cstddef>
@@ -70,10 +72,8 @@ Lanes<count> pow(const Lanes<count>& base, const Lanes<count>& exponent) {
   return Lanes<count>::map([&](std::size_t i) { return std::pow(base.lane[i], exponent.lane[i]); });
 }
 template <std::size_t count>
-Lanes<count> select(const Pack<bool, count>& condition, const Lanes<count>& if_true,
-                    const Lanes<count>& if_false) {
-  return Lanes<count>::map(
-      [&](std::size_t i) { return condition.lane[i] ? if_true.lane[i] : if_false.lane[i]; });
+Lanes<count> select(const Pack<bool, count>& condition, const Lanes<count>& if_true, const Lanes<count>& if_false) {
+  return Lanes<count>::map([&](std::size_t i) { return condition.lane[i] ? if_true.lane[i] : if_false.lane[i]; });
 }
 template <std::size_t count>
 Lanes<count> clamp(const Lanes<count>& value, const Lanes<count>& lower, const Lanes<count>& upper) {

@@ -52,8 +52,7 @@ inline void require_finite(std::string_view name, const std::vector<double>& val
 inline void require_ordered(std::string_view name, double lower, double upper, bool point_allowed = false) {
   const bool ordered = point_allowed ? lower <= upper : lower < upper;
   if (!(std::isfinite(lower) && std::isfinite(upper) && ordered))
-    refuse(name,
-           point_allowed ? "needs minimum <= maximum, both finite" : "needs minimum < maximum, both finite",
+    refuse(name, point_allowed ? "needs minimum <= maximum, both finite" : "needs minimum < maximum, both finite",
            "[" + format(lower) + ", " + format(upper) + "]");
 }
 

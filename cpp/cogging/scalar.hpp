@@ -4,19 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogging/elementary.hpp"
+
 namespace cogging {
 
-using std::abs, std::atan, std::exp, std::pow, std::round, std::tanh;
+using std::abs, std::exp, std::pow, std::round, std::tanh;
 
 inline double select(bool condition, double if_true, double if_false) {
   return condition ? if_true : if_false;
 }
 inline double clamp(double value, double lower, double upper) {
   return value < lower ? lower : (value > upper ? upper : value);
-}
-inline void sin_cos(double angle, double& sine, double& cosine) {
-  sine = std::sin(angle);
-  cosine = std::cos(angle);
 }
 inline double sign(double value) {
   return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);

@@ -1,3 +1,86 @@
 """Cogging of permanent-magnet linear motors: simulate, control and identify the axis."""
 
-from cogging._core import *  # noqa: F403
+import importlib.metadata
+
+from cogging._core import (
+    EFFECTS,
+    AdaptiveRobustParameters,
+    Arc,
+    AxisParameters,
+    BSpline,
+    Cascade,
+    CascadeParameters,
+    CoggingModel,
+    Dcarc,
+    DivergedError,
+    EncoderParameters,
+    NoiseParameters,
+    Performance,
+    Pid,
+    PidParameters,
+    Plant,
+    PointToPoint,
+    PointToPointParameters,
+    Reference,
+    Sampled,
+    Sine,
+    SineParameters,
+    SplineHarmonics,
+    closed_loop,
+    closed_loop_batch,
+    cogging_slope_max,
+    desired_compensation_condition,
+    desired_compensation_matrix,
+    friction_slope_max,
+    performance,
+    project,
+)
+from cogging.files import InputError
+from cogging.logs import Log, read_log
+from cogging.model import Model
+from cogging.papers import reproduce
+from cogging.reference import read_reference
+from cogging.simulation import simulate
+
+__version__ = importlib.metadata.version("cogging")
+
+__all__ = [
+    "EFFECTS",
+    "AdaptiveRobustParameters",
+    "Arc",
+    "AxisParameters",
+    "BSpline",
+    "Cascade",
+    "CascadeParameters",
+    "CoggingModel",
+    "Dcarc",
+    "DivergedError",
+    "EncoderParameters",
+    "InputError",
+    "Log",
+    "Model",
+    "NoiseParameters",
+    "Performance",
+    "Pid",
+    "PidParameters",
+    "Plant",
+    "PointToPoint",
+    "PointToPointParameters",
+    "Reference",
+    "Sampled",
+    "Sine",
+    "SineParameters",
+    "SplineHarmonics",
+    "closed_loop",
+    "closed_loop_batch",
+    "cogging_slope_max",
+    "desired_compensation_condition",
+    "desired_compensation_matrix",
+    "friction_slope_max",
+    "performance",
+    "project",
+    "read_log",
+    "read_reference",
+    "reproduce",
+    "simulate",
+]

@@ -37,8 +37,8 @@ class BSpline {
     require_positive("pitch", pitch);
     require(control_points >= 1, "control_points", "must be at least 1", control_points);
     if (control_points > 1)
-      require(control_points >= order, "control_points",
-              "more than one must be at least the order " + format(order), control_points);
+      require(control_points >= order, "control_points", "more than one must be at least the order " + format(order),
+              control_points);
     for (int d = 1; d < order_max; ++d) reciprocal_[d] = 1.0 / d;
   }
 

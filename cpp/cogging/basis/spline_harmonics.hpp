@@ -121,8 +121,7 @@ class SplineHarmonics {
   template <class Scalar>
   void evaluate_harmonics(const Scalar& position, std::array<Scalar, 2 * terms_max>& harmonic) const {
     if (!periods_.empty()) {
-      for (int i = 0; i < terms(); ++i)
-        sin_cos(position * wavenumbers_[i], harmonic[2 * i], harmonic[2 * i + 1]);
+      for (int i = 0; i < terms(); ++i) sin_cos(position * wavenumbers_[i], harmonic[2 * i], harmonic[2 * i + 1]);
       return;
     }
     if (harmonics_.empty()) return;

@@ -10,6 +10,7 @@
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/control/controller.hpp"
 #include "cogging/control/projection.hpp"
+#include "cogging/parameters.hpp"
 
 namespace cogging {
 
@@ -51,8 +52,7 @@ struct AdaptiveRobustParameters {
     return std::tuple{
         Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
         Field<P, Scalar>{"error_gain", &P::error_gain, "1/s", "k_1 of p = e' + k_1 e (eq. 15)"},
-        Field<P, Scalar>{"feedback_gain", &P::feedback_gain, "V/(m/s)",
-                         "k_s1 of u_s1 = -k_s1 p (eq. 19, 27)"},
+        Field<P, Scalar>{"feedback_gain", &P::feedback_gain, "V/(m/s)", "k_s1 of u_s1 = -k_s1 p (eq. 19, 27)"},
         Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "initial estimate of theta_1 = M"},
         Field<P, Bounds>{"mass_bounds", &P::mass_bounds, "V/(m/s^2)", "theta_1 min and max (eq. 11)"},
         Field<P, double>{"mass_adaptation", &P::mass_adaptation, "V/(m/s^2)/(V m/s) m/s", "Gamma of theta_1"},
@@ -62,8 +62,7 @@ struct AdaptiveRobustParameters {
         Field<P, Scalar>{"coulomb", &P::coulomb, "V", "initial estimate of theta_3 = A_f"},
         Field<P, Bounds>{"coulomb_bounds", &P::coulomb_bounds, "V", "theta_3 min and max"},
         Field<P, double>{"coulomb_adaptation", &P::coulomb_adaptation, "V/m", "Gamma of theta_3"},
-        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s",
-                         "of S_f(v) = (2/pi) atan(v / width) (eq. 2)"},
+        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of S_f(v) = (2/pi) atan(v / width) (eq. 2)"},
         Field<P, Scalar>{"disturbance", &P::disturbance, "V", "initial estimate of d_n = -theta_5"},
         Field<P, Bounds>{"disturbance_bounds", &P::disturbance_bounds, "V", "d_n min and max"},
         Field<P, double>{"disturbance_adaptation", &P::disturbance_adaptation, "V/m", "Gamma of theta_5"},
@@ -74,22 +73,19 @@ struct AdaptiveRobustParameters {
         Field<P, double>{"cogging_origin", &P::cogging_origin, "m", "first knot inside the travel"},
         Field<P, int>{"cogging_control_points", &P::cogging_control_points, "1",
                       "m of the B-splines; 1 = periodic, amplitudes constant along the travel"},
-        Field<P, Bounds>{"cogging_bounds", &P::cogging_bounds, "V",
-                         "min and max of every entry of theta_4b = A_r"},
+        Field<P, Bounds>{"cogging_bounds", &P::cogging_bounds, "V", "min and max of every entry of theta_4b = A_r"},
         Field<P, double>{"cogging_adaptation", &P::cogging_adaptation, "V/m", "Gamma of every entry of A_r"},
         Field<P, std::vector<double>>{"cogging_estimates", &P::cogging_estimates, "V",
                                       "initial A_r, one control point after the other; empty = zeros"},
-        Field<P, double>{"epsilon", &P::epsilon, "V m/s",
-                         "of the robust term u_s2 (eq. 20, 30); 0 = no such term"},
+        Field<P, double>{"epsilon", &P::epsilon, "V m/s", "of the robust term u_s2 (eq. 20, 30); 0 = no such term"},
         Field<P, double>{"disturbance_bound", &P::disturbance_bound, "V", "delta_d of eq. 12, for u_s2"},
         Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
   }
 
   SplineHarmonics cogging_basis() const {
     if (cogging_harmonics.empty()) return {};
-    return SplineHarmonics::of_harmonics(
-        cogging_pitch, cogging_harmonics,
-        BSpline(cogging_order, cogging_origin, cogging_pitch, cogging_control_points));
+    return SplineHarmonics::of_harmonics(cogging_pitch, cogging_harmonics,
+                                         BSpline(cogging_order, cogging_origin, cogging_pitch, cogging_control_points));
   }
 
   void validate() const {
@@ -102,14 +98,22 @@ struct AdaptiveRobustParameters {
     check_estimate("coulomb", coulomb, coulomb_bounds, coulomb_adaptation);
     require_not_negative("coulomb_width", coulomb_width);
     check_estimate("disturbance", disturbance, disturbance_bounds, disturbance_adaptation);
+    require_positive("cogging_pitch", cogging_pitch);
+    require_finite("cogging_origin", cogging_origin);
+    for (int harmonic : cogging_harmonics)
+      require(harmonic >= 1, "cogging_harmonics", "each must be at least 1", harmonic);
+    require(cogging_order >= 1 && cogging_order <= BSpline::order_max, "cogging_order", "must be from 1 to 16",
+            cogging_order);
+    require(cogging_control_points == 1 || cogging_control_points >= std::max(cogging_order, 1),
+            "cogging_control_points", "must be 1 or at least the order " + format(cogging_order),
+            cogging_control_points);
     const SplineHarmonics basis = cogging_basis();
     require_ordered("cogging_bounds", cogging_bounds[0], cogging_bounds[1], true);
     require_not_negative("cogging_adaptation", cogging_adaptation);
     if (!cogging_estimates.empty())
-      require(
-          static_cast<int>(cogging_estimates.size()) == basis.coefficients(), "cogging_estimates",
-          "must hold control points times twice the harmonics = " + format(basis.coefficients()) + " values",
-          static_cast<double>(cogging_estimates.size()));
+      require(static_cast<int>(cogging_estimates.size()) == basis.coefficients(), "cogging_estimates",
+              "must hold control points times twice the harmonics = " + format(basis.coefficients()) + " values",
+              static_cast<double>(cogging_estimates.size()));
     for (double value : cogging_estimates)
       require(value >= cogging_bounds[0] && value <= cogging_bounds[1], "cogging_estimates",
               "must lie within cogging_bounds", value);
@@ -122,8 +126,7 @@ struct AdaptiveRobustParameters {
   static void check_estimate(const std::string& name, double value, const Bounds& bounds, double adaptation) {
     require_ordered(name + "_bounds", bounds[0], bounds[1], true);
     require(value >= bounds[0] && value <= bounds[1], name,
-            "must lie within " + name + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]",
-            value);
+            "must lie within " + name + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]", value);
     require_not_negative(name + "_adaptation", adaptation);
   }
 };
@@ -197,8 +200,7 @@ class AdaptiveRobust {
       const auto start = (active_.spline.first + j) * basis_.columns();
       for (int c = 0; c < basis_.columns(); ++c)
         scatter(coefficients + c, start,
-                adapt(gather(coefficients + c, start), row_rate * active_.harmonic[c], sample_time_, minimum,
-                      maximum));
+                adapt(gather(coefficients + c, start), row_rate * active_.harmonic[c], sample_time_, minimum, maximum));
     }
   }
 
@@ -223,8 +225,7 @@ class AdaptiveRobust {
     if (q.epsilon == 0.0) return 0.0;
     const auto width = [](const std::array<double, 2>& bounds) { return bounds[1] - bounds[0]; };
     Scalar h = width(q.mass_bounds) * abs(regressor_[0]) + width(q.viscous_bounds) * abs(regressor_[1]) +
-               width(q.coulomb_bounds) * abs(regressor_[2]) + width(q.disturbance_bounds) +
-               q.disturbance_bound;
+               width(q.coulomb_bounds) * abs(regressor_[2]) + width(q.disturbance_bounds) + q.disturbance_bound;
     if (!basis_.empty()) {
       Scalar harmonics = 0.0;  // the weights of the active control points sum to one
       for (int c = 0; c < basis_.columns(); ++c) harmonics += abs(active_.harmonic[c]);

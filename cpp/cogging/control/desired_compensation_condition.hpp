@@ -22,9 +22,8 @@ struct QuadraticForm {
 
 /// The matrix (29) at one point. friction_slope = g_f of (24), 1/(m/s); cogging_slope = theta_4b^T g_r of
 /// (25), V/m.
-inline QuadraticForm desired_compensation_matrix(double feedback_gain, double error_gain, double mass,
-                                                 double viscous, double coulomb, double friction_slope,
-                                                 double cogging_slope) {
+inline QuadraticForm desired_compensation_matrix(double feedback_gain, double error_gain, double mass, double viscous,
+                                                 double coulomb, double friction_slope, double cogging_slope) {
   const double friction = viscous + coulomb * friction_slope;
   return {feedback_gain - mass * error_gain + friction, -0.5 * (error_gain * friction - cogging_slope),
           0.5 * mass * error_gain * error_gain * error_gain};
@@ -32,8 +31,7 @@ inline QuadraticForm desired_compensation_matrix(double feedback_gain, double er
 
 struct DesiredCompensationCondition {
   double smallest_eigenvalue;  // of (29), the smallest over bounds and slopes
-  double
-      decay_rate;  // 1/s: V = M p^2 / 2 + M k_1^2 e^2 / 2 falls at least so fast above epsilon / decay_rate
+  double decay_rate;           // 1/s: V = M p^2 / 2 + M k_1^2 e^2 / 2 falls at least so fast above epsilon / decay_rate
 };
 
 /// The smallest eigenvalue of (29) over the parameter bounds, 0 <= g_f <= friction_slope and |g_r| <=
@@ -55,12 +53,11 @@ DesiredCompensationCondition desired_compensation_condition(const AdaptiveRobust
     for (double viscous : q.viscous_bounds)
       for (double coulomb_slope : coulomb_slopes)
         for (double slope : {-cogging_slope, cogging_slope}) {
-          const QuadraticForm form = desired_compensation_matrix(q.feedback_gain, q.error_gain, mass, viscous,
-                                                                 coulomb_slope, 1.0, slope);
+          const QuadraticForm form =
+              desired_compensation_matrix(q.feedback_gain, q.error_gain, mass, viscous, coulomb_slope, 1.0, slope);
           worst.smallest_eigenvalue = std::min(worst.smallest_eigenvalue, form.smallest_eigenvalue());
           const double k = q.error_gain, scale = 0.5 * mass;
-          const QuadraticForm relative{form.pp / scale, form.pe / (scale * k),
-                                       2.0 * form.ee / (scale * k * k)};
+          const QuadraticForm relative{form.pp / scale, form.pe / (scale * k), 2.0 * form.ee / (scale * k * k)};
           worst.decay_rate = std::min(worst.decay_rate, relative.smallest_eigenvalue());
         }
   return worst;
@@ -77,8 +74,7 @@ inline double cogging_slope_max(const SplineHarmonics& basis, double amplitude) 
   // knots one pitch apart changes by at most 2 amplitude a pitch.
   const double spline_slope = basis.spline().order() > 1 ? 2.0 * amplitude / basis.spline().pitch() : 0.0;
   double sum = 0.0;
-  for (double wavenumber : basis.wavenumbers())
-    sum += std::numbers::sqrt2 * (spline_slope + wavenumber * amplitude);
+  for (double wavenumber : basis.wavenumbers()) sum += std::numbers::sqrt2 * (spline_slope + wavenumber * amplitude);
   return sum;
 }
 

@@ -39,8 +39,7 @@ class Feedforward {
     reading_previous_ = reading;
     first_ = false;
     const Scalar velocity = measured_ ? measured_velocity_ : Scalar(reference.velocity);
-    return mass_ * reference.acceleration + viscous_ * velocity +
-           coulomb_ * smooth_sign(velocity, coulomb_width_);
+    return mass_ * reference.acceleration + viscous_ * velocity + coulomb_ * smooth_sign(velocity, coulomb_width_);
   }
 
   /// Backward difference of the readings, m/s; 0 in the first sample.

@@ -13,8 +13,8 @@ namespace cogging {
 /// Shapes the command without memory (in the order of the effects), delays it, and passes it through the
 /// current loop.
 ///
-/// Each sample: accept(command), then drive(offset) says what acts from `offset` (s after the sample) on, and
-/// settle() moves the current loop on by this much time.
+/// Each sample: accept(command), then drive(before_switch) says what acts before or after the delayed command
+/// changes, and settle() moves the current loop on by the time that has passed.
 template <class Scalar = double>
 class Amplifier {
  public:
@@ -55,8 +55,8 @@ class Amplifier {
   /// Within a sample: the offset, s, at which the delayed command changes; 0 where it changes at the sample.
   double switch_offset() const { return switch_; }
 
-  Drive<Scalar> drive(double offset) const {
-    const std::size_t age = whole_ + (offset < switch_ ? 1 : 0);
+  Drive<Scalar> drive(bool before_switch) const {
+    const std::size_t age = whole_ + (before_switch ? 1 : 0);
     const Scalar target = history_[head_ >= age ? head_ - age : head_ + history_.size() - age];
     return {target, output_ - target, rate_, Scalar(0.0), lagging_};
   }

@@ -17,10 +17,10 @@ using Range = std::array<double, 2>;
 
 template <class Scalar = double>
 struct AxisParameters {
-  Scalar mass = 1.0;           // V/(m/s^2)
-  Scalar viscous = 0.0;        // V/(m/s)
-  Scalar coulomb = 0.0;        // V
-  Scalar coulomb_width = 0.0;  // m/s
+  Scalar mass = 1.0;                                                                                   // V/(m/s^2)
+  Scalar viscous = 0.0;                                                                                // V/(m/s)
+  Scalar coulomb = 0.0;                                                                                // V
+  Scalar coulomb_width = 0.0;                                                                          // m/s
   Range travel = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};  // m
 
   static constexpr auto fields() {
@@ -39,8 +39,7 @@ struct AxisParameters {
     require_not_negative("coulomb", coulomb);
     require_not_negative("coulomb_width", coulomb_width);
     if (!(travel[0] < travel[1]))
-      refuse("travel", "needs lower end < upper end",
-             "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
+      refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
   }
 };
 
@@ -59,9 +58,7 @@ struct Drive {
   Scalar force = 0.0;      // V, disturbance held over the sample
   bool lagging = false;
 
-  Scalar at(const Scalar& offset) const {
-    return lagging ? target + deviation * exp(-rate * offset) : target;
-  }
+  Scalar at(const Scalar& offset) const { return lagging ? target + deviation * exp(-rate * offset) : target; }
 };
 
 template <class Scalar = double>
@@ -114,9 +111,9 @@ class Axis {
         return;
       }
     }
-    state = runge_kutta(
-        state, drive, time, 0.0, h,
-        [this](const AxisState<Scalar>& s, const Scalar& u, double t) { return acceleration(s, u, t); });
+    state = runge_kutta(state, drive, time, 0.0, h, [this](const AxisState<Scalar>& s, const Scalar& u, double t) {
+      return acceleration(s, u, t);
+    });
   }
 
  private:
@@ -139,12 +136,12 @@ class Axis {
             if constexpr (HasFrictionLevel<E, Scalar>) level += law.friction_level(motion);
           },
           effect);
-    return level;
+    return select(level < 0.0, Scalar(0.0), level);  // friction never pushes
   }
 
   template <class Acceleration>
-  AxisState<Scalar> runge_kutta(const AxisState<Scalar>& s, const Drive<Scalar>& drive, double time,
-                                double offset, double h, const Acceleration& f) const {
+  AxisState<Scalar> runge_kutta(const AxisState<Scalar>& s, const Drive<Scalar>& drive, double time, double offset,
+                                double h, const Acceleration& f) const {
     const double half = 0.5 * h;
     const Scalar u_start = drive.at(offset) + drive.force;
     const Scalar u_middle = drive.lagging ? drive.at(offset + half) + drive.force : u_start;
@@ -165,8 +162,7 @@ class Axis {
   // Force balance of an axis that slides in `direction`.
   double sliding(const AxisState<double>& s, double u, double time, double direction) const {
     const Motion<double> motion{s.position, s.velocity, direction, time};
-    return (u + force_without_friction(motion) - std::max(friction_level(motion), 0.0) * direction) *
-           inverse_mass_;
+    return (u + force_without_friction(motion) - friction_level(motion) * direction) * inverse_mass_;
   }
 
   // -1 or +1: the direction in which an axis at rest breaks away; 0: it sticks.
@@ -192,15 +188,21 @@ class Axis {
           const auto rests_until = [&](double offset) {
             return breakaway(state.position, force_at(offset), time + offset) == 0.0;
           };
-          done = rests_until(h) ? h : bisect(done, h, rests_until);
-          if (done >= h) return;
+          // Look at quarters of what is left: a force that comes and goes within the step must not be missed.
+          for (int quarter = 1; quarter <= 4 && direction == 0.0; ++quarter) {
+            const double until = quarter == 4 ? h : done + 0.25 * quarter * left;
+            if (!rests_until(until)) {
+              done = bisect(done, until, rests_until);
+              direction = 2.0;  // found: the next piece starts there
+            }
+          }
+          if (direction == 0.0) return;
           continue;
         }
       }
       const auto slide = [&](double length) {
-        return runge_kutta(
-            state, drive, time + done, done, length,
-            [&](const AxisState<double>& s, double u, double t) { return sliding(s, u, t, direction); });
+        return runge_kutta(state, drive, time + done, done, length,
+                           [&](const AxisState<double>& s, double u, double t) { return sliding(s, u, t, direction); });
       };
       const AxisState<double> end = slide(left);
       if (end.velocity * direction >= 0.0) {

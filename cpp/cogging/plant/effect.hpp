@@ -26,8 +26,7 @@ namespace cogging {
 template <class E, class Scalar>
 concept HasForce = requires(const E& effect, const Motion<Scalar>& motion) { effect.force(motion); };
 template <class E, class Scalar>
-concept HasFrictionLevel =
-    requires(const E& effect, const Motion<Scalar>& motion) { effect.friction_level(motion); };
+concept HasFrictionLevel = requires(const E& effect, const Motion<Scalar>& motion) { effect.friction_level(motion); };
 template <class E, class Scalar>
 concept HasShapeCommand = requires(const E& effect, const Scalar& command) { effect.shape_command(command); };
 template <class E>

@@ -19,9 +19,8 @@ struct NoiseParameters {
 
   static constexpr auto fields() {
     using P = NoiseParameters;
-    return std::tuple{
-        Field<P, double>{"force", &P::force, "V", "rms of the force noise"},
-        Field<P, double>{"bandwidth", &P::bandwidth, "Hz", "corner of its first-order spectrum"}};
+    return std::tuple{Field<P, double>{"force", &P::force, "V", "rms of the force noise"},
+                      Field<P, double>{"bandwidth", &P::bandwidth, "Hz", "corner of its first-order spectrum"}};
   }
 
   void validate() const {

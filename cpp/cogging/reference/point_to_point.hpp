@@ -23,14 +23,13 @@ struct PointToPointParameters {
 
   static constexpr auto fields() {
     using P = PointToPointParameters;
-    return std::tuple{
-        Field<P, double>{"start", &P::start, "m", "position before the first move"},
-        Field<P, double>{"distance", &P::distance, "m", "length of a move, with its sign"},
-        Field<P, double>{"velocity", &P::velocity, "m/s", "limit on the speed"},
-        Field<P, double>{"acceleration", &P::acceleration, "m/s^2", "limit on the acceleration"},
-        Field<P, double>{"jerk", &P::jerk, "m/s^3", "limit on the jerk; infinite = trapezoidal velocity"},
-        Field<P, double>{"dwell", &P::dwell, "s", "rest after each move"},
-        Field<P, int>{"repeats", &P::repeats, "1", "number of moves there and back"}};
+    return std::tuple{Field<P, double>{"start", &P::start, "m", "position before the first move"},
+                      Field<P, double>{"distance", &P::distance, "m", "length of a move, with its sign"},
+                      Field<P, double>{"velocity", &P::velocity, "m/s", "limit on the speed"},
+                      Field<P, double>{"acceleration", &P::acceleration, "m/s^2", "limit on the acceleration"},
+                      Field<P, double>{"jerk", &P::jerk, "m/s^3", "limit on the jerk; infinite = trapezoidal velocity"},
+                      Field<P, double>{"dwell", &P::dwell, "s", "rest after each move"},
+                      Field<P, int>{"repeats", &P::repeats, "1", "number of moves there and back"}};
   }
 
   void validate() const {
@@ -58,8 +57,8 @@ class PointToPoint final : public Reference {
     const double jerk_time = std::isinf(jerk) ? 0.0 : acceleration_peak_ / jerk;
     // Distance of speeding up and slowing down at once: v (v / a + a / j) once a is reached.
     if (velocity_peak_ * ramp_time(velocity_peak_) > length) {
-      velocity_peak_ = 0.5 * acceleration_peak_ *
-                       (std::sqrt(jerk_time * jerk_time + 4.0 * length / acceleration_peak_) - jerk_time);
+      velocity_peak_ =
+          0.5 * acceleration_peak_ * (std::sqrt(jerk_time * jerk_time + 4.0 * length / acceleration_peak_) - jerk_time);
       if (velocity_peak_ < acceleration_peak_ * jerk_time)  // the acceleration limit is not reached
         velocity_peak_ = jerk * std::pow(std::cbrt(length / (2.0 * jerk)), 2);
     }
@@ -85,6 +84,7 @@ class PointToPoint final : public Reference {
     double local = std::fmod(time, period());
     const bool back = local >= 0.5 * period();
     if (back) local -= 0.5 * period();
+    if (local >= move_) return {back ? start : goal, 0.0, 0.0};
     const double from = back ? goal : start;
     const double direction = (parameters_.distance > 0.0) != back ? 1.0 : -1.0;
     const ReferencePoint point = move(local);
@@ -100,7 +100,6 @@ class PointToPoint final : public Reference {
 
   ReferencePoint move(double t) const {
     const double length = std::abs(parameters_.distance);
-    if (t >= move_) return {length, 0.0, 0.0};
     if (t > 0.5 * move_) {  // the second half mirrors the first
       const ReferencePoint mirrored = first_half(move_ - t);
       return {length - mirrored.position, mirrored.velocity, -mirrored.acceleration};

@@ -49,8 +49,7 @@ class Sampled final : public Reference {
 
  private:
   void check(const std::vector<double>& column, std::string_view name) const {
-    require(column.size() == time_.size(), name,
-            "must be as long as time (" + format(double(time_.size())) + ")",
+    require(column.size() == time_.size(), name, "must be as long as time (" + format(double(time_.size())) + ")",
             static_cast<double>(column.size()));
     require_finite(name, column);
   }

@@ -27,8 +27,7 @@ namespace detail {
 
 inline std::size_t count_samples(const Reference& reference, const RunOptions& options, double sample_rate) {
   const double duration = options.duration > 0.0 ? options.duration : reference.end();
-  require(std::isfinite(duration), "duration", "must be given for a reference without an end of its own",
-          duration);
+  require(std::isfinite(duration), "duration", "must be given for a reference without an end of its own", duration);
   const double samples = duration * sample_rate;
   require(samples >= 1.0 && samples < 1e9, "duration", "must hold 1 to 1e9 samples", duration);
   return static_cast<std::size_t>(std::floor(samples + 1e-6)) + 1;
@@ -59,22 +58,22 @@ void require_bounded(const AxisState<Scalar>& state, const Range& travel, double
   std::string where = "a lane";
   if constexpr (std::is_same_v<Scalar, double>)
     where = "position " + format(state.position) + " m, velocity " + format(state.velocity) + " m/s";
-  throw DivergedError("the run diverged at " + format(time) + " s: " + where + "; the travel is [" +
-                      format(travel[0]) + ", " + format(travel[1]) + "] m");
+  throw DivergedError("the run diverged at " + format(time) + " s: " + where + "; the travel is [" + format(travel[0]) +
+                      ", " + format(travel[1]) + "] m");
 }
 
 }  // namespace detail
 
 /// Integrates the plant over one sample in pieces that end where the command switches or a force law jumps.
 template <class Scalar>
-void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state,
-                    double time, double time_next, const Scalar& force, int steps) {
+void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
+                    double time_next, const Scalar& force, int steps) {
   const double sample_time = time_next - time;
   double now = time;
   while (now < time_next) {
-    Drive<Scalar> drive = amplifier.drive(now - time);
-    drive.force = force;
     const double switch_time = time + amplifier.switch_offset();
+    Drive<Scalar> drive = amplifier.drive(now < switch_time);
+    drive.force = force;
     double next = std::min(time_next, axis.next_event(now));
     if (now < switch_time && switch_time < next) next = switch_time;
     const bool whole = next == time_next && now == time;
@@ -109,8 +108,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   const std::size_t rows = detail::count_samples(reference, options, sample_rate);
   for (auto* column : {&log.time, &log.reference, &log.reference_velocity, &log.reference_acceleration})
     column->resize(rows);
-  for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity})
-    column->resize(rows);
+  for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) column->resize(rows);
   detail::record_reference(log, reference, sample_rate, plant.axis.travel);
   if (options.record_estimates) {
     log.estimate_count = static_cast<int>(controller.estimates().size());

@@ -21,11 +21,9 @@ struct Performance {
 
 /// Indexes over the rows with start <= time < stop (Xu and Yao 2001, section 4.2; Lu et al. 2008, Table 1).
 inline Performance performance(std::span<const double> time, std::span<const double> error,
-                               std::span<const double> command, double start, double stop,
-                               double final_window) {
+                               std::span<const double> command, double start, double stop, double final_window) {
   require(error.size() == time.size(), "error", "must be as long as time", static_cast<double>(error.size()));
-  require(command.size() == time.size(), "command", "must be as long as time",
-          static_cast<double>(command.size()));
+  require(command.size() == time.size(), "command", "must be as long as time", static_cast<double>(command.size()));
   require(start < stop, "start", "must be below stop = " + format(stop), start);
   require(final_window > 0.0, "final_window", "must be above 0", final_window);
   const auto first = std::lower_bound(time.begin(), time.end(), start) - time.begin();
@@ -35,6 +33,8 @@ inline Performance performance(std::span<const double> time, std::span<const dou
   const double final_start = std::max(start, time[last - 1] - final_window);
   double error_squares = 0.0, command_squares = 0.0, change_squares = 0.0;
   for (auto k = first; k < last; ++k) {
+    require_finite("error", error[k]);
+    require_finite("command", command[k]);
     const double size = std::abs(error[k]);
     result.error_max = std::max(result.error_max, size);
     if (time[k] >= final_start) result.error_final_max = std::max(result.error_final_max, size);

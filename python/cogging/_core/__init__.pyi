@@ -1,0 +1,1073 @@
+"""
+The core of cogging: cogging model, references, plant, controllers and simulation, in C++.
+"""
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
+from . import effects
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'NoiseParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
+class DivergedError(RuntimeError):
+    pass
+class BSpline:
+    """
+    Uniform B-spline basis of order k with m control points.
+    
+    Lu et al. 2008, eq. 6: control point c (from 0) acts on [origin + (c + 1 - k) pitch, origin + (c + 1) pitch).
+    Between `origin` and `end` the m - k + 1 spans carry k control points each and the basis sums to one; outside, a
+    spline keeps its end value. One control point is a constant, whatever the order.
+    
+    Raises:
+        ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.
+    """
+    def __init__(self, *, order: typing.SupportsInt | typing.SupportsIndex, origin: typing.SupportsFloat | typing.SupportsIndex, pitch: typing.SupportsFloat | typing.SupportsIndex, control_points: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def design_matrix(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        N_{c,k}(x) for positions (n,), m: array (n, control_points).
+        """
+    @property
+    def control_points(self) -> int:
+        """
+        m
+        """
+    @property
+    def end(self) -> float:
+        """
+        last knot of the last full span, m
+        """
+    @property
+    def order(self) -> int:
+        """
+        k: 1 piecewise constant, 2 linear, 3 quadratic
+        """
+    @property
+    def origin(self) -> float:
+        """
+        first knot of the first full span, m
+        """
+    @property
+    def pitch(self) -> float:
+        """
+        distance of the knots, m
+        """
+class SplineHarmonics:
+    """
+    The regressor S_r(x) of the cogging model (Lu et al. 2008, eq. 3 to 7).
+    
+    F_r(x) = sum_i (f_Si(x) sin(2 pi h_i x / pitch) + f_Ci(x) cos(2 pi h_i x / pitch)), amplitudes f being B-splines; with
+    `periods` in place of `harmonics`, sin(2 pi x / period). Coefficients A_r: one control point after the other, in each
+    sine and cosine of every term.
+    
+    Raises:
+        ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.
+    """
+    def __init__(self, *, pitch: typing.SupportsFloat | typing.SupportsIndex | None = None, harmonics: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None = None, periods: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] | None = None, order: typing.SupportsInt | typing.SupportsIndex = 3, origin: typing.SupportsFloat | typing.SupportsIndex = 0.0, control_points: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        ...
+    def active_regressor(self, position: typing.SupportsFloat | typing.SupportsIndex) -> tuple[int, list[float]]:
+        """
+        Index of the first active coefficient and the values of the active ones, at one position (m).
+        """
+    def regressor(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        S_r(x) for positions (n,), m: array (n, coefficients), zero where a control point does not act.
+        """
+    @property
+    def coefficients(self) -> int:
+        """
+        length of A_r
+        """
+    @property
+    def harmonics(self) -> list[int]:
+        ...
+    @property
+    def periods(self) -> list[float]:
+        """
+        m
+        """
+    @property
+    def pitch(self) -> float:
+        """
+        m; 0 with periods
+        """
+    @property
+    def spline(self) -> BSpline:
+        """
+        the B-spline of the amplitudes
+        """
+    @property
+    def terms(self) -> int:
+        """
+        number of harmonics or periods
+        """
+    @property
+    def wavenumbers(self) -> list[float]:
+        """
+        2 pi / period of each term, 1/m
+        """
+class CoggingModel:
+    """
+    A cogging force F_cogging(x) that opposes the command, V.
+    
+    sine, cosine: V, one row a term, one column a control point (Lu et al. 2008, eq. 3 to 7).
+    
+    Raises:
+        ValueError: wrong shape, or a value that is not finite.
+    """
+    def __getstate__(self) -> tuple[float, list[int], list[float], int, float, int, list[float]]:
+        ...
+    def __init__(self, basis: SplineHarmonics, sine: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], cosine: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    def force(self, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        F_cogging(x), V, at positions in m.
+        """
+    def slope(self, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        dF_cogging/dx, V/m, at positions in m.
+        """
+    @property
+    def basis(self) -> SplineHarmonics:
+        """
+        the SplineHarmonics it stands on
+        """
+    @property
+    def coefficients(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        A_r of eq. 7, V
+        """
+    @property
+    def cosine(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        V
+        """
+    @property
+    def sine(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        V
+        """
+class Reference:
+    """
+    A motion: position and its first two derivatives over time.
+    """
+    def sample(self, times: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        Position (m), velocity (m/s) and acceleration (m/s^2) at the times (n,), s.
+        """
+    @property
+    def end(self) -> float:
+        """
+        time at which the motion is over, s; infinite if it never is
+        """
+class PointToPointParameters:
+    """
+    Limits and rests of a PointToPoint.
+    
+    Fields:
+        start (m): position before the first move
+        distance (m): length of a move, with its sign
+        velocity (m/s): limit on the speed
+        acceleration (m/s^2): limit on the acceleration
+        jerk (m/s^3): limit on the jerk; infinite = trapezoidal velocity
+        dwell (s): rest after each move
+        repeats: number of moves there and back
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'start': ('m', 'position before the first move'), 'distance': ('m', 'length of a move, with its sign'), 'velocity': ('m/s', 'limit on the speed'), 'acceleration': ('m/s^2', 'limit on the acceleration'), 'jerk': ('m/s^3', 'limit on the jerk; infinite = trapezoidal velocity'), 'dwell': ('s', 'rest after each move'), 'repeats': ('1', 'number of moves there and back')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, distance: typing.SupportsFloat | typing.SupportsIndex = 0.1, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.1, acceleration: typing.SupportsFloat | typing.SupportsIndex = 1.0, jerk: typing.SupportsFloat | typing.SupportsIndex = ..., dwell: typing.SupportsFloat | typing.SupportsIndex = 0.0, repeats: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> PointToPointParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def acceleration(self) -> float:
+        """
+        limit on the acceleration, m/s^2
+        """
+    @property
+    def distance(self) -> float:
+        """
+        length of a move, with its sign, m
+        """
+    @property
+    def dwell(self) -> float:
+        """
+        rest after each move, s
+        """
+    @property
+    def jerk(self) -> float:
+        """
+        limit on the jerk; infinite = trapezoidal velocity, m/s^3
+        """
+    @property
+    def repeats(self) -> int:
+        """
+        number of moves there and back, 1
+        """
+    @property
+    def start(self) -> float:
+        """
+        position before the first move, m
+        """
+    @property
+    def velocity(self) -> float:
+        """
+        limit on the speed, m/s
+        """
+class PointToPoint(Reference):
+    """
+    Jerk-limited moves there and back.
+    
+    start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
+    the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.
+    """
+    def __init__(self, parameters: PointToPointParameters) -> None:
+        ...
+    @property
+    def move_time(self) -> float:
+        """
+        duration of one move, s
+        """
+    @property
+    def parameters(self) -> PointToPointParameters:
+        ...
+    @property
+    def period(self) -> float:
+        """
+        one move there and back with both rests, s
+        """
+class SineParameters:
+    """
+    Centre, amplitude and frequency of a Sine.
+    
+    Fields:
+        center (m): middle of the motion
+        amplitude (m): half the stroke
+        frequency (Hz): strokes there and back a second
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'center': ('m', 'middle of the motion'), 'amplitude': ('m', 'half the stroke'), 'frequency': ('Hz', 'strokes there and back a second')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, center: typing.SupportsFloat | typing.SupportsIndex = 0.0, amplitude: typing.SupportsFloat | typing.SupportsIndex = 0.1, frequency: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> SineParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def amplitude(self) -> float:
+        """
+        half the stroke, m
+        """
+    @property
+    def center(self) -> float:
+        """
+        middle of the motion, m
+        """
+    @property
+    def frequency(self) -> float:
+        """
+        strokes there and back a second, Hz
+        """
+class Sine(Reference):
+    """
+    x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.
+    """
+    def __init__(self, parameters: SineParameters) -> None:
+        ...
+    @property
+    def parameters(self) -> SineParameters:
+        ...
+class Sampled(Reference):
+    """
+    A motion given by its samples.
+    
+    time (s), position (m) and, where known, velocity (m/s) and acceleration (m/s^2), all (n,). A missing derivative is
+    differentiated from the one before it. Between samples cubic, the acceleration linear; outside at rest.
+    
+    Raises:
+        ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.
+    """
+    def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
+        ...
+class AxisParameters:
+    """
+    Mass and friction of the axis: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2).
+    
+    Fields:
+        mass (V/(m/s^2)): M
+        viscous (V/(m/s)): B
+        coulomb (V): Fc (A_f in Lu et al. 2008)
+        coulomb_width (m/s): S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking
+        travel (m): lower and upper end of the motion
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'mass': ('V/(m/s^2)', 'M'), 'viscous': ('V/(m/s)', 'B'), 'coulomb': ('V', 'Fc (A_f in Lu et al. 2008)'), 'coulomb_width': ('m/s', 'S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking'), 'travel': ('m', 'lower and upper end of the motion')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, mass: typing.SupportsFloat | typing.SupportsIndex = 1.0, viscous: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_width: typing.SupportsFloat | typing.SupportsIndex = 0.0, travel: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = ...) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> AxisParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def coulomb(self) -> float:
+        """
+        Fc (A_f in Lu et al. 2008), V
+        """
+    @property
+    def coulomb_width(self) -> float:
+        """
+        S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking, m/s
+        """
+    @property
+    def mass(self) -> float:
+        """
+        M, V/(m/s^2)
+        """
+    @property
+    def travel(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        lower and upper end of the motion, m
+        """
+    @property
+    def viscous(self) -> float:
+        """
+        B, V/(m/s)
+        """
+class EncoderParameters:
+    """
+    reading = resolution round((x + noise) / resolution).
+    
+    Fields:
+        resolution (m): one count; 0 = ideal
+        noise (m): rms of the white noise before rounding
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'resolution': ('m', 'one count; 0 = ideal'), 'noise': ('m', 'rms of the white noise before rounding')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, resolution: typing.SupportsFloat | typing.SupportsIndex = 0.0, noise: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> EncoderParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def noise(self) -> float:
+        """
+        rms of the white noise before rounding, m
+        """
+    @property
+    def resolution(self) -> float:
+        """
+        one count; 0 = ideal, m
+        """
+class NoiseParameters:
+    """
+    Force noise of a first-order spectrum, held between samples.
+    
+    Fields:
+        force (V): rms of the force noise
+        bandwidth (Hz): corner of its first-order spectrum
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'force': ('V', 'rms of the force noise'), 'bandwidth': ('Hz', 'corner of its first-order spectrum')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, force: typing.SupportsFloat | typing.SupportsIndex = 0.0, bandwidth: typing.SupportsFloat | typing.SupportsIndex = 50.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> NoiseParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def bandwidth(self) -> float:
+        """
+        corner of its first-order spectrum, Hz
+        """
+    @property
+    def force(self) -> float:
+        """
+        rms of the force noise, V
+        """
+class Plant:
+    """
+    A whole machine: axis, cogging, effects, encoder and noise.
+    
+    Raises:
+        ValueError: more than one actuator_lag among the effects.
+    """
+    def __init__(self, axis: AxisParameters, *, cogging: CoggingModel | None = None, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.CoggingHarmonic | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.QuadraticDrag | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.DisturbanceStep | effects.DisturbanceTone] = [], encoder: EncoderParameters = ..., noise: NoiseParameters = ...) -> None:
+        ...
+    def acceleration(self, *, position: typing.SupportsFloat | typing.SupportsIndex, velocity: typing.SupportsFloat | typing.SupportsIndex, command: typing.SupportsFloat | typing.SupportsIndex, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+        """
+        Acceleration (m/s^2) of the moving axis when `command` (V) acts: the amplifier's effects are not in it.
+        """
+    @property
+    def axis(self) -> AxisParameters:
+        ...
+    @property
+    def cogging(self) -> CoggingModel | None:
+        ...
+    @property
+    def effects(self) -> list[effects.ConstantForce | effects.CableSpring | effects.CoggingHarmonic | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.QuadraticDrag | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.DisturbanceStep | effects.DisturbanceTone]:
+        ...
+    @property
+    def encoder(self) -> EncoderParameters:
+        ...
+    @property
+    def noise(self) -> NoiseParameters:
+        ...
+class PidParameters:
+    """
+    Gains and feedforward of a Pid.
+    
+    Fields:
+        sample_rate (Hz): samples a second
+        kp (V/m): proportional gain
+        ki (V/(m s)): integral gain
+        kd (V/(m/s)): derivative gain
+        mass (V/(m/s^2)): feedforward of the reference acceleration; 0 = none
+        viscous (V/(m/s)): feedforward of the velocity
+        coulomb (V): friction compensation
+        coulomb_width (m/s): of the compensation's S(v); 0 = sgn
+        feedforward_velocity: "reference" or "measured" (backward difference of the reading)
+        command_limit (V): largest command, with anti-windup; 0 = none
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('V/m', 'proportional gain'), 'ki': ('V/(m s)', 'integral gain'), 'kd': ('V/(m/s)', 'derivative gain'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command, with anti-windup; 0 = none')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, sample_rate: typing.SupportsFloat | typing.SupportsIndex = 5000.0, kp: typing.SupportsFloat | typing.SupportsIndex = 0.0, ki: typing.SupportsFloat | typing.SupportsIndex = 0.0, kd: typing.SupportsFloat | typing.SupportsIndex = 0.0, mass: typing.SupportsFloat | typing.SupportsIndex = 0.0, viscous: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_width: typing.SupportsFloat | typing.SupportsIndex = 0.0, feedforward_velocity: str = 'reference', command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> PidParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        largest command, with anti-windup; 0 = none, V
+        """
+    @property
+    def coulomb(self) -> float:
+        """
+        friction compensation, V
+        """
+    @property
+    def coulomb_width(self) -> float:
+        """
+        of the compensation's S(v); 0 = sgn, m/s
+        """
+    @property
+    def feedforward_velocity(self) -> str:
+        """
+        "reference" or "measured" (backward difference of the reading)
+        """
+    @property
+    def kd(self) -> float:
+        """
+        derivative gain, V/(m/s)
+        """
+    @property
+    def ki(self) -> float:
+        """
+        integral gain, V/(m s)
+        """
+    @property
+    def kp(self) -> float:
+        """
+        proportional gain, V/m
+        """
+    @property
+    def mass(self) -> float:
+        """
+        feedforward of the reference acceleration; 0 = none, V/(m/s^2)
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        samples a second, Hz
+        """
+    @property
+    def viscous(self) -> float:
+        """
+        feedforward of the velocity, V/(m/s)
+        """
+class Pid:
+    """
+    PID with feedforward, from positions only.
+    
+    u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading - reference. The sum
+    includes the current sample and starts at zero; e_prev = e in the first sample. With a command limit the sum does not
+    take up an error that pushes further into it.
+    """
+    def __init__(self, parameters: PidParameters) -> None:
+        ...
+    def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> Pid:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def parameters(self) -> PidParameters:
+        ...
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
+class CascadeParameters:
+    """
+    Gains and feedforward of a Cascade.
+    
+    Fields:
+        sample_rate (Hz): samples a second
+        kp (1/s): gain of the position loop
+        kv (V/(m/s)): gain of the velocity loop
+        mass (V/(m/s^2)): feedforward of the reference acceleration; 0 = none
+        viscous (V/(m/s)): feedforward of the velocity
+        coulomb (V): friction compensation
+        coulomb_width (m/s): of the compensation's S(v); 0 = sgn
+        feedforward_velocity: "reference" or "measured" (backward difference of the reading)
+        command_limit (V): largest command; 0 = none
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('1/s', 'gain of the position loop'), 'kv': ('V/(m/s)', 'gain of the velocity loop'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command; 0 = none')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, sample_rate: typing.SupportsFloat | typing.SupportsIndex = 1000.0, kp: typing.SupportsFloat | typing.SupportsIndex = 0.0, kv: typing.SupportsFloat | typing.SupportsIndex = 0.0, mass: typing.SupportsFloat | typing.SupportsIndex = 0.0, viscous: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_width: typing.SupportsFloat | typing.SupportsIndex = 0.0, feedforward_velocity: str = 'reference', command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> CascadeParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        largest command; 0 = none, V
+        """
+    @property
+    def coulomb(self) -> float:
+        """
+        friction compensation, V
+        """
+    @property
+    def coulomb_width(self) -> float:
+        """
+        of the compensation's S(v); 0 = sgn, m/s
+        """
+    @property
+    def feedforward_velocity(self) -> str:
+        """
+        "reference" or "measured" (backward difference of the reading)
+        """
+    @property
+    def kp(self) -> float:
+        """
+        gain of the position loop, 1/s
+        """
+    @property
+    def kv(self) -> float:
+        """
+        gain of the velocity loop, V/(m/s)
+        """
+    @property
+    def mass(self) -> float:
+        """
+        feedforward of the reference acceleration; 0 = none, V/(m/s^2)
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        samples a second, Hz
+        """
+    @property
+    def viscous(self) -> float:
+        """
+        feedforward of the velocity, V/(m/s)
+        """
+class Cascade:
+    """
+    u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.
+    """
+    def __init__(self, parameters: CascadeParameters) -> None:
+        ...
+    def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> Cascade:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def parameters(self) -> CascadeParameters:
+        ...
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
+class AdaptiveRobustParameters:
+    """
+    Gains, bounds and initial estimates of Arc and Dcarc (Lu et al. 2008, eq. 11 to 30).
+    
+    Fields:
+        sample_rate (Hz): samples a second
+        error_gain (1/s): k_1 of p = e' + k_1 e (eq. 15)
+        feedback_gain (V/(m/s)): k_s1 of u_s1 = -k_s1 p (eq. 19, 27)
+        mass (V/(m/s^2)): initial estimate of theta_1 = M
+        mass_bounds (V/(m/s^2)): theta_1 min and max (eq. 11)
+        mass_adaptation (V/(m/s^2)/(V m/s) m/s): Gamma of theta_1
+        viscous (V/(m/s)): initial estimate of theta_2 = B
+        viscous_bounds (V/(m/s)): theta_2 min and max
+        viscous_adaptation (V s/m^2): Gamma of theta_2
+        coulomb (V): initial estimate of theta_3 = A_f
+        coulomb_bounds (V): theta_3 min and max
+        coulomb_adaptation (V/m): Gamma of theta_3
+        coulomb_width (m/s): of S_f(v) = (2/pi) atan(v / width) (eq. 2)
+        disturbance (V): initial estimate of d_n = -theta_5
+        disturbance_bounds (V): d_n min and max
+        disturbance_adaptation (V/m): Gamma of theta_5
+        cogging_pitch (m): P of the harmonics and of the knots
+        cogging_harmonics: those compensated; empty = no cogging compensation
+        cogging_order: k of the B-splines (eq. 6)
+        cogging_origin (m): first knot inside the travel
+        cogging_control_points: m of the B-splines; 1 = periodic, amplitudes constant along the travel
+        cogging_bounds (V): min and max of every entry of theta_4b = A_r
+        cogging_adaptation (V/m): Gamma of every entry of A_r
+        cogging_estimates (V): initial A_r, one control point after the other; empty = zeros
+        epsilon (V m/s): of the robust term u_s2 (eq. 20, 30); 0 = no such term
+        disturbance_bound (V): delta_d of eq. 12, for u_s2
+        command_limit (V): largest command; 0 = none
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'error_gain': ('1/s', "k_1 of p = e' + k_1 e (eq. 15)"), 'feedback_gain': ('V/(m/s)', 'k_s1 of u_s1 = -k_s1 p (eq. 19, 27)'), 'mass': ('V/(m/s^2)', 'initial estimate of theta_1 = M'), 'mass_bounds': ('V/(m/s^2)', 'theta_1 min and max (eq. 11)'), 'mass_adaptation': ('V/(m/s^2)/(V m/s) m/s', 'Gamma of theta_1'), 'viscous': ('V/(m/s)', 'initial estimate of theta_2 = B'), 'viscous_bounds': ('V/(m/s)', 'theta_2 min and max'), 'viscous_adaptation': ('V s/m^2', 'Gamma of theta_2'), 'coulomb': ('V', 'initial estimate of theta_3 = A_f'), 'coulomb_bounds': ('V', 'theta_3 min and max'), 'coulomb_adaptation': ('V/m', 'Gamma of theta_3'), 'coulomb_width': ('m/s', 'of S_f(v) = (2/pi) atan(v / width) (eq. 2)'), 'disturbance': ('V', 'initial estimate of d_n = -theta_5'), 'disturbance_bounds': ('V', 'd_n min and max'), 'disturbance_adaptation': ('V/m', 'Gamma of theta_5'), 'cogging_pitch': ('m', 'P of the harmonics and of the knots'), 'cogging_harmonics': ('1', 'those compensated; empty = no cogging compensation'), 'cogging_order': ('1', 'k of the B-splines (eq. 6)'), 'cogging_origin': ('m', 'first knot inside the travel'), 'cogging_control_points': ('1', 'm of the B-splines; 1 = periodic, amplitudes constant along the travel'), 'cogging_bounds': ('V', 'min and max of every entry of theta_4b = A_r'), 'cogging_adaptation': ('V/m', 'Gamma of every entry of A_r'), 'cogging_estimates': ('V', 'initial A_r, one control point after the other; empty = zeros'), 'epsilon': ('V m/s', 'of the robust term u_s2 (eq. 20, 30); 0 = no such term'), 'disturbance_bound': ('V', 'delta_d of eq. 12, for u_s2'), 'command_limit': ('V', 'largest command; 0 = none')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, sample_rate: typing.SupportsFloat | typing.SupportsIndex = 5000.0, error_gain: typing.SupportsFloat | typing.SupportsIndex = 200.0, feedback_gain: typing.SupportsFloat | typing.SupportsIndex = 48.0, mass: typing.SupportsFloat | typing.SupportsIndex = 0.12, mass_bounds: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = [0.1, 0.2], mass_adaptation: typing.SupportsFloat | typing.SupportsIndex = 0.0, viscous: typing.SupportsFloat | typing.SupportsIndex = 0.0, viscous_bounds: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = [0.0, 1.0], viscous_adaptation: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_bounds: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = [0.0, 1.0], coulomb_adaptation: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_width: typing.SupportsFloat | typing.SupportsIndex = 0.0011111111111111111, disturbance: typing.SupportsFloat | typing.SupportsIndex = 0.0, disturbance_bounds: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = [-1.0, 1.0], disturbance_adaptation: typing.SupportsFloat | typing.SupportsIndex = 0.0, cogging_pitch: typing.SupportsFloat | typing.SupportsIndex = 0.05, cogging_harmonics: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], cogging_order: typing.SupportsInt | typing.SupportsIndex = 3, cogging_origin: typing.SupportsFloat | typing.SupportsIndex = 0.0, cogging_control_points: typing.SupportsInt | typing.SupportsIndex = 1, cogging_bounds: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = [-0.1, 0.1], cogging_adaptation: typing.SupportsFloat | typing.SupportsIndex = 0.0, cogging_estimates: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], epsilon: typing.SupportsFloat | typing.SupportsIndex = 0.0, disturbance_bound: typing.SupportsFloat | typing.SupportsIndex = 0.0, command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> AdaptiveRobustParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def cogging_adaptation(self) -> float:
+        """
+        Gamma of every entry of A_r, V/m
+        """
+    @property
+    def cogging_bounds(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        min and max of every entry of theta_4b = A_r, V
+        """
+    @property
+    def cogging_control_points(self) -> int:
+        """
+        m of the B-splines; 1 = periodic, amplitudes constant along the travel, 1
+        """
+    @property
+    def cogging_estimates(self) -> list[float]:
+        """
+        initial A_r, one control point after the other; empty = zeros, V
+        """
+    @property
+    def cogging_harmonics(self) -> list[int]:
+        """
+        those compensated; empty = no cogging compensation, 1
+        """
+    @property
+    def cogging_order(self) -> int:
+        """
+        k of the B-splines (eq. 6), 1
+        """
+    @property
+    def cogging_origin(self) -> float:
+        """
+        first knot inside the travel, m
+        """
+    @property
+    def cogging_pitch(self) -> float:
+        """
+        P of the harmonics and of the knots, m
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        largest command; 0 = none, V
+        """
+    @property
+    def coulomb(self) -> float:
+        """
+        initial estimate of theta_3 = A_f, V
+        """
+    @property
+    def coulomb_adaptation(self) -> float:
+        """
+        Gamma of theta_3, V/m
+        """
+    @property
+    def coulomb_bounds(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        theta_3 min and max, V
+        """
+    @property
+    def coulomb_width(self) -> float:
+        """
+        of S_f(v) = (2/pi) atan(v / width) (eq. 2), m/s
+        """
+    @property
+    def disturbance(self) -> float:
+        """
+        initial estimate of d_n = -theta_5, V
+        """
+    @property
+    def disturbance_adaptation(self) -> float:
+        """
+        Gamma of theta_5, V/m
+        """
+    @property
+    def disturbance_bound(self) -> float:
+        """
+        delta_d of eq. 12, for u_s2, V
+        """
+    @property
+    def disturbance_bounds(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        d_n min and max, V
+        """
+    @property
+    def epsilon(self) -> float:
+        """
+        of the robust term u_s2 (eq. 20, 30); 0 = no such term, V m/s
+        """
+    @property
+    def error_gain(self) -> float:
+        """
+        k_1 of p = e' + k_1 e (eq. 15), 1/s
+        """
+    @property
+    def feedback_gain(self) -> float:
+        """
+        k_s1 of u_s1 = -k_s1 p (eq. 19, 27), V/(m/s)
+        """
+    @property
+    def mass(self) -> float:
+        """
+        initial estimate of theta_1 = M, V/(m/s^2)
+        """
+    @property
+    def mass_adaptation(self) -> float:
+        """
+        Gamma of theta_1, V/(m/s^2)/(V m/s) m/s
+        """
+    @property
+    def mass_bounds(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        theta_1 min and max (eq. 11), V/(m/s^2)
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        samples a second, Hz
+        """
+    @property
+    def viscous(self) -> float:
+        """
+        initial estimate of theta_2 = B, V/(m/s)
+        """
+    @property
+    def viscous_adaptation(self) -> float:
+        """
+        Gamma of theta_2, V s/m^2
+        """
+    @property
+    def viscous_bounds(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        theta_2 min and max, V/(m/s)
+        """
+class Arc:
+    """
+    Adaptive robust control (Lu et al. 2008, eq. 15 to 23).
+    
+    u = -phi^T theta_hat - k_s1 p + u_s2 with p = e' + k_1 e, the regressor phi at the measured state;
+    theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscous, coulomb, d_n, then A_r.
+    """
+    def __init__(self, parameters: AdaptiveRobustParameters) -> None:
+        ...
+    def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> Arc:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def parameters(self) -> AdaptiveRobustParameters:
+        ...
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
+class Dcarc:
+    """
+    Desired compensation adaptive robust control (Lu et al. 2008, eq. 24 to 30).
+    
+    As Arc, with the regressor on the reference in place of the measured state. Estimates: mass, viscous, coulomb, d_n,
+    then A_r.
+    """
+    def __init__(self, parameters: AdaptiveRobustParameters) -> None:
+        ...
+    def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> Dcarc:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def parameters(self) -> AdaptiveRobustParameters:
+        ...
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
+class Performance:
+    """
+    The indexes of one run.
+    """
+    @property
+    def command_change_rms(self) -> float:
+        """
+        rms of u_k - u_(k-1), V
+        """
+    @property
+    def command_chatter(self) -> float:
+        """
+        command_change_rms / command_rms
+        """
+    @property
+    def command_rms(self) -> float:
+        """
+        sqrt(mean u^2), V
+        """
+    @property
+    def error_final_max(self) -> float:
+        """
+        max |e| in the final window, m
+        """
+    @property
+    def error_max(self) -> float:
+        """
+        max |e|, m
+        """
+    @property
+    def error_rms(self) -> float:
+        """
+        sqrt(mean e^2), m
+        """
+def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+    """
+    One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
+    
+    A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
+    duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by
+    `steps_per_sample` Runge-Kutta steps of fourth order. The axis starts at rest on the reference unless told otherwise.
+    
+    Raises:
+        ValueError: the reference leaves the travel, a motion without an end and no duration.
+        DivergedError: the state left the travel by half its length or is not finite; says when and where.
+    """
+def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Arc | Dcarc], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
+    """
+    Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number.
+    """
+def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
+    """
+    Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).
+    """
+def desired_compensation_condition(parameters: AdaptiveRobustParameters, *, friction_slope: typing.SupportsFloat | typing.SupportsIndex, cogging_slope: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, float]:
+    """
+    Smallest eigenvalue of the matrix (29) over the bounds and slopes, and the decay rate (1/s) it gives.
+    
+    Over mass, viscous and Coulomb bounds, 0 <= g_f <= friction_slope (1/(m/s)), |theta_4b^T g_r| <= cogging_slope (V/m).
+    Above zero, V = M p^2 / 2 + M k_1^2 e^2 / 2 obeys V' <= -rate V + epsilon. At or below zero k_s1 is too small.
+    """
+def desired_compensation_matrix(*, feedback_gain: typing.SupportsFloat | typing.SupportsIndex, error_gain: typing.SupportsFloat | typing.SupportsIndex, mass: typing.SupportsFloat | typing.SupportsIndex, viscous: typing.SupportsFloat | typing.SupportsIndex, coulomb: typing.SupportsFloat | typing.SupportsIndex, friction_slope: typing.SupportsFloat | typing.SupportsIndex, cogging_slope: typing.SupportsFloat | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 2]"]:
+    """
+    The matrix of Lu et al. 2008, eq. 29, at one point: array (2, 2).
+    
+    friction_slope is g_f of eq. 24, 1/(m/s); cogging_slope is theta_4b^T g_r of eq. 25, V/m.
+    """
+def friction_slope_max(coulomb_width: typing.SupportsFloat | typing.SupportsIndex) -> float:
+    """
+    Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).
+    """
+def performance(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], error: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, start: typing.SupportsFloat | typing.SupportsIndex = ..., stop: typing.SupportsFloat | typing.SupportsIndex = ..., final_window: typing.SupportsFloat | typing.SupportsIndex = 2.0) -> Performance:
+    """
+    Indexes over the rows with start <= time < stop (s); arrays (n,): s, m, V.
+    
+    error_final_max looks at the last `final_window` seconds of them (Xu and Yao 2001, section 4.2).
+    """
+def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.SupportsFloat | typing.SupportsIndex, minimum: typing.SupportsFloat | typing.SupportsIndex, maximum: typing.SupportsFloat | typing.SupportsIndex) -> float:
+    """
+    The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
+    """
+EFFECTS: dict = {'constant_force': effects.ConstantForce, 'cable_spring': effects.CableSpring, 'cogging_harmonic': effects.CoggingHarmonic, 'coulomb_asymmetry': effects.CoulombAsymmetry, 'viscous_asymmetry': effects.ViscousAsymmetry, 'stribeck_friction': effects.StribeckFriction, 'quadratic_drag': effects.QuadraticDrag, 'command_delay': effects.CommandDelay, 'actuator_lag': effects.ActuatorLag, 'command_saturation': effects.CommandSaturation, 'disturbance_step': effects.DisturbanceStep, 'disturbance_tone': effects.DisturbanceTone}

@@ -1,0 +1,145 @@
+"""The command `cogging`."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from cogging import _core
+from cogging.files import InputError
+from cogging.logs import read_columns
+from cogging.papers import PAPERS, reproduce
+from cogging.simulation import simulate
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; the exit status is 0 when done, 2 when the input or the call cannot be used."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        options.run(options)
+    except (ValueError, OSError, _core.DivergedError) as error:
+        print(f"cogging: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    """Answers a wrong call in one line, as every other wrong input."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="cogging", description="Simulate, control and identify axes with cogging linear motors.")
+    parser.add_argument("--version", action="version", version=importlib.metadata.version("cogging"))
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    command = commands.add_parser("reproduce", help="the published experiments beside the papers' numbers")
+    command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
+    command.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
+    command.set_defaults(run=_reproduce)
+
+    command = commands.add_parser("simulate", help="one closed-loop run")
+    command.add_argument("model", metavar="MODEL.toml")
+    command.add_argument("--reference", required=True, metavar="REF.toml")
+    command.add_argument("--out", required=True, metavar="LOG.csv")
+    command.add_argument("--seed", type=int, default=0, help="of the noise (default: 0)")
+    command.set_defaults(run=_simulate)
+
+    command = commands.add_parser("map", help="fit the cogging model to a force-against-position scan")
+    command.add_argument("scan", metavar="SCAN")
+    command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m")
+    command.add_argument(
+        "--force-sign", type=int, default=1, metavar="S", help="-1: the sensor reads the motor's push (default: 1)"
+    )
+    command.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
+    _add_log_options(command)
+    command.set_defaults(run=_map)
+    return parser
+
+
+def _add_log_options(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--columns", type=_pairs, default={}, metavar="NAME=IN_FILE,...", help="what columns are called in the file"
+    )
+    command.add_argument(
+        "--scale", type=_factors, default={}, metavar="NAME=FACTOR,...", help="factors on columns of the file"
+    )
+    command.add_argument("--rows", type=_rows, default=None, metavar="FIRST:END", help="the data rows to take, from 0")
+
+
+def _pairs(text: str) -> dict[str, str]:
+    pairs = {}
+    for entry in text.split(","):
+        name, equals, value = entry.partition("=")
+        if not (name and equals and value):
+            raise argparse.ArgumentTypeError(f"must be NAME=VALUE,..., got {text!r}")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
+def _factors(text: str) -> dict[str, float]:
+    try:
+        return {name: float(value) for name, value in _pairs(text).items()}
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be NAME=NUMBER,..., got {text!r}") from None
+
+
+def _rows(text: str) -> slice:
+    try:
+        first, last = text.split(":")
+        rows = slice(int(first) if first else 0, int(last) if last else None)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be FIRST:END, got {text!r}") from None
+    if (rows.start < 0) or (rows.stop is not None and rows.stop <= rows.start):
+        raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {text!r}")
+    return rows
+
+
+def _reproduce(options: argparse.Namespace) -> None:
+    for paper in options.papers:
+        if paper not in PAPERS:
+            raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {paper!r}")
+    for paper in options.papers or PAPERS:
+        result = reproduce(paper, progress=True)
+        written = result.write(options.out)
+        print(f"{paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written")
+
+
+def _simulate(options: argparse.Namespace) -> None:
+    if options.seed < 0:
+        raise InputError(f"--seed: must be at least 0, got {options.seed}")
+    try:
+        log = simulate(options.model, options.reference, seed=options.seed)
+    except InputError:
+        raise
+    except ValueError as error:  # what only the run itself can find wrong
+        raise InputError(f"{options.model} with {options.reference}: {error}") from None
+    log.write(options.out)
+    print(f"{options.out}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
+
+
+def _map(options: argparse.Namespace) -> None:
+    from cogging.map import fit_map
+
+    table = read_columns(
+        options.scan, ("position", "force"), columns=options.columns, scale=options.scale, rows=options.rows
+    )
+    try:
+        fit = fit_map(table["position"], table["force"], pitch=options.pitch, force_sign=options.force_sign)
+    except ValueError as error:
+        raise InputError(f"{options.scan}: {error}") from None
+    print(fit.summary())
+    if options.out:
+        fit.write(options.out)
+        print(f"{options.out} and {Path(options.out).with_suffix('.png')} written")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,40 @@
+"""Gains from a design: where the poles shall be, for which mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+
+def pid_gains(poles: Sequence[complex], mass: float) -> tuple[float, float, float]:
+    """Place the poles of a PID on a pure mass: s^3 + kd/M s^2 + kp/M s + ki/M (Xu and Yao 2001, eq. 56).
+
+    Args:
+        poles: three of them, 1/s, left of the imaginary axis, complex ones in pairs.
+        mass: M, V/(m/s^2).
+
+    Returns:
+        kp (V/m), ki (V/(m s)), kd (V/(m/s)).
+
+    Raises:
+        ValueError: not three poles, one without a negative real part, one without its pair, or mass <= 0.
+    """
+    if len(poles) != 3:
+        raise ValueError(f"poles: must be three, got {len(poles)}")
+    for pole in poles:
+        if not (np.isfinite(pole) and np.real(pole) < 0):
+            raise ValueError(f"poles: each must be finite with a real part below 0, got {pole}")
+    if not (np.isfinite(mass) and mass > 0):
+        raise ValueError(f"mass: must be finite and above 0, got {mass:g}")
+    polynomial = np.poly(np.asarray(poles, dtype=complex))
+    if np.abs(polynomial.imag).max() > 1e-9 * np.abs(polynomial).max():
+        raise ValueError(f"poles: complex ones must come in pairs, got {list(poles)}")
+    kd, kp, ki = (float(coefficient) * mass for coefficient in polynomial.real[1:])
+    return kp, ki, kd
+
+
+def pid_poles(kp: float, ki: float, kd: float, mass: float) -> npt.NDArray[np.complex128]:
+    """The poles (1/s) that PID gains give on a pure mass (Xu and Yao 2001, eq. 56): what pid_gains inverts."""
+    return np.asarray(np.roots([1.0, kd / mass, kp / mass, ki / mass]), dtype=np.complex128)

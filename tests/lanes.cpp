@@ -1,0 +1,221 @@
+// Four machines in the lanes of a pack against the same four one by one; and the core's own sine, cosine and
+// arctangent against the library's. Compiled and run by test_lanes.py; prints one line a check: name, value.
+
+#include "cogging/lanes.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "cogging/control/adaptive_robust.hpp"
+#include "cogging/control/pid.hpp"
+#include "cogging/reference/point_to_point.hpp"
+#include "cogging/simulation/closed_loop.hpp"
+
+namespace {
+
+using namespace cogging;
+
+constexpr std::size_t width = 4;
+using Four = Lanes<width>;
+
+// What differs from lane to lane.
+struct Machine {
+  double mass, viscous, coulomb, coulomb_width, stiffness, static_excess, limit, lag;
+  double mass_estimate, error_gain, feedback_gain;
+  std::vector<double> cogging;
+};
+
+const PointToPointParameters motion{
+    .start = 0.05, .distance = 0.3, .velocity = 0.5, .acceleration = 10.0, .jerk = 1000.0, .dwell = 0.05, .repeats = 1};
+
+SplineHarmonics plant_basis() {
+  return SplineHarmonics::of_harmonics(0.05, {1, 2, 3, 6, 12}, BSpline(3, 0.0, 0.05, 13));
+}
+
+std::vector<Machine> machines() {
+  std::mt19937_64 engine(1);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1.0p-53;
+  };
+  std::vector<Machine> list;
+  for (std::size_t i = 0; i < width; ++i) {
+    Machine m{uniform(0.1, 0.2), uniform(0.1, 0.3),     uniform(0.1, 0.3),   uniform(1e-3, 1e-2),
+              uniform(0.0, 2.0), uniform(0.0, 0.1),     uniform(1.0, 3.0),   uniform(1e-4, 1e-3),
+              uniform(0.1, 0.2), uniform(100.0, 200.0), uniform(30.0, 60.0), {}};
+    for (int c = 0; c < plant_basis().coefficients(); ++c) m.cogging.push_back(uniform(-0.05, 0.05));
+    list.push_back(m);
+  }
+  return list;
+}
+
+// A value of every lane's machine, as the scalar wants it: that of one machine, or of all four.
+template <class Scalar, class Get>
+Scalar of(const std::vector<Machine>& list, const Get& get) {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return get(list.front());
+  } else {
+    return Scalar::map([&](std::size_t i) { return get(list[i]); });
+  }
+}
+
+template <class Scalar>
+Plant<Scalar> plant_of(const std::vector<Machine>& list) {
+  AxisParameters<Scalar> axis;
+  axis.mass = of<Scalar>(list, [](const Machine& m) { return m.mass; });
+  axis.viscous = of<Scalar>(list, [](const Machine& m) { return m.viscous; });
+  axis.coulomb = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  axis.coulomb_width = of<Scalar>(list, [](const Machine& m) { return m.coulomb_width; });
+  axis.travel = {0.0, 0.51};
+  std::vector<Scalar> coefficients;
+  for (int c = 0; c < plant_basis().coefficients(); ++c)
+    coefficients.push_back(of<Scalar>(list, [c](const Machine& m) { return m.cogging[c]; }));
+  CableSpring<Scalar> spring;
+  spring.stiffness = of<Scalar>(list, [](const Machine& m) { return m.stiffness; });
+  StribeckFriction<Scalar> stribeck;
+  stribeck.static_excess = of<Scalar>(list, [](const Machine& m) { return m.static_excess; });
+  CommandSaturation<Scalar> saturation;
+  saturation.limit = of<Scalar>(list, [](const Machine& m) { return m.limit; });
+  ActuatorLag<Scalar> lag;
+  lag.time_constant = of<Scalar>(list, [](const Machine& m) { return m.lag; });
+  CoulombAsymmetry<Scalar> coulomb_asymmetry;
+  coulomb_asymmetry.difference = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  ViscousAsymmetry<Scalar> viscous_asymmetry;
+  viscous_asymmetry.difference = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.viscous; });
+  QuadraticDrag<Scalar> drag;
+  drag.coefficient = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.viscous; });
+  CoggingHarmonic<Scalar> harmonic;
+  harmonic.period = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.mass; });
+  harmonic.sine = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  DisturbanceStep<Scalar> step;
+  step.level = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  step.start = 0.20003;
+  step.stop = 0.30004;
+  DisturbanceTone<Scalar> tone;
+  tone.frequency = of<Scalar>(list, [](const Machine& m) { return 100.0 * m.mass; });
+  tone.sine = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  ConstantForce<Scalar> force;
+  force.level = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  return {axis,
+          CoggingModel<Scalar>(plant_basis(), coefficients),
+          {spring, stribeck, saturation, lag, CommandDelay<Scalar>{0.00013}, coulomb_asymmetry, viscous_asymmetry, drag,
+           harmonic, step, tone, force},
+          EncoderParameters{0.5e-6, 1e-7},
+          NoiseParameters{0.01, 100.0}};
+}
+
+template <class Scalar>
+AdaptiveRobustParameters<Scalar> parameters_of(const std::vector<Machine>& list) {
+  AdaptiveRobustParameters<Scalar> q;
+  q.mass = of<Scalar>(list, [](const Machine& m) { return m.mass_estimate; });
+  q.error_gain = of<Scalar>(list, [](const Machine& m) { return m.error_gain; });
+  q.feedback_gain = of<Scalar>(list, [](const Machine& m) { return m.feedback_gain; });
+  q.coulomb_width = of<Scalar>(list, [](const Machine& m) { return m.coulomb_width; });
+  q.mass_adaptation = 1.0;
+  q.viscous_adaptation = q.coulomb_adaptation = 10.0;
+  q.disturbance_adaptation = 1000.0;
+  q.cogging_harmonics = {1, 2, 3};
+  q.cogging_control_points = 13;
+  q.cogging_adaptation = 100.0;
+  q.epsilon = 0.1;
+  return q;
+}
+
+template <class Scalar>
+PidParameters<Scalar> pid_of(const std::vector<Machine>& list) {
+  PidParameters<Scalar> q;
+  q.kp = of<Scalar>(list, [](const Machine& m) { return m.error_gain * m.feedback_gain; });
+  q.ki = of<Scalar>(list, [](const Machine& m) { return 1e4 * m.feedback_gain; });
+  q.kd = of<Scalar>(list, [](const Machine& m) { return m.feedback_gain; });
+  q.mass = of<Scalar>(list, [](const Machine& m) { return m.mass_estimate; });
+  q.coulomb = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  q.coulomb_width = of<Scalar>(list, [](const Machine& m) { return m.coulomb_width; });
+  q.feedforward_velocity = "measured";
+  q.command_limit = 2.0;
+  return q;
+}
+
+double spread(const Four& value) {
+  double low = value.lane[0], high = value.lane[0];
+  for (double entry : value.lane) low = std::min(low, entry), high = std::max(high, entry);
+  return high - low;
+}
+
+// Prints the largest difference of any column between the lanes and the single runs, and how far the lanes
+// lie apart.
+template <class FourController, class OneController, class FourParameters, class OneParameters>
+void compare(const char* name, const FourParameters& four_parameters, const OneParameters& one_parameters) {
+  const PointToPoint reference(motion);
+  RunOptions options;
+  options.seed = 3;
+  options.steps_per_sample = 2;
+  options.record_estimates = true;
+  const std::vector<Machine> list = machines();
+  const Log<Four> four =
+      closed_loop<Four>(plant_of<Four>(list), FourController(four_parameters(list)), reference, options);
+  double worst = 0.0, apart = 0.0;
+  for (std::size_t lane = 0; lane < width; ++lane) {
+    const std::vector<Machine> alone{list[lane]};
+    const Log<double> one =
+        closed_loop<double>(plant_of<double>(alone), OneController(one_parameters(alone)), reference, options);
+    const auto column = [&](const std::vector<Four>& pack, const std::vector<double>& single) {
+      if (pack.size() != single.size()) worst = INFINITY;
+      for (std::size_t k = 0; k < single.size(); ++k) {
+        const double difference = std::abs(pack[k].lane[lane] - single[k]);
+        if (!(difference <= worst)) worst = difference;
+      }
+    };
+    column(four.position, one.position);
+    column(four.command, one.command);
+    column(four.true_position, one.true_position);
+    column(four.true_velocity, one.true_velocity);
+    column(four.estimates, one.estimates);
+  }
+  for (const Four& command : four.command) apart = std::max(apart, spread(command));
+  std::printf("%s_rows %zu\n%s_difference %.17g\n%s_spread %.17g\n", name, four.position.size(), name, worst, name,
+              apart);
+}
+
+// In units of the last place of the exact value, from the library's long double.
+double error_in_ulps(double value, long double exact) {
+  const double near = std::abs(static_cast<double>(exact));
+  const double ulp = std::nextafter(near, INFINITY) - near;
+  return static_cast<double>(std::abs(static_cast<long double>(value) - exact) / ulp);
+}
+
+void elementary_functions() {
+  std::mt19937_64 engine(2);
+  const auto uniform = [&] { return 2.0 * static_cast<double>(engine() >> 11) * 0x1.0p-53 - 1.0; };
+  double sine_worst = 0.0, atan_worst = 0.0;
+  for (double size : {1e-9, 1e-3, 0.5, 1.0, 3.0, 10.0, 300.0, 1e4, 1e6, 1e7})
+    for (int i = 0; i < 20000; ++i) {
+      const double angle = size * uniform();
+      double s, c;
+      sin_cos(angle, s, c);
+      sine_worst = std::max(sine_worst, error_in_ulps(s, std::sin(static_cast<long double>(angle))));
+      sine_worst = std::max(sine_worst, error_in_ulps(c, std::cos(static_cast<long double>(angle))));
+      atan_worst =
+          std::max(atan_worst, error_in_ulps(cogging::atan(angle), std::atan(static_cast<long double>(angle))));
+    }
+  std::printf("long_double_digits %d\nsine_ulps %.17g\natan_ulps %.17g\n", std::numeric_limits<long double>::digits,
+              sine_worst, atan_worst);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double s, c;
+  sin_cos(0.0, s, c);
+  std::printf("at_zero %.17g\n", s + c + cogging::atan(0.0));
+  std::printf("at_infinity %.17g\n", (cogging::atan(infinity) - cogging::atan(-infinity)) / std::numbers::pi);
+  sin_cos(std::nan(""), s, c);
+  std::printf("nan_stays_nan %d\n", std::isnan(s) && std::isnan(c) && std::isnan(cogging::atan(std::nan(""))));
+}
+
+}  // namespace
+
+int main() {
+  compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>);
+  compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>);
+  compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>);
+  elementary_functions();
+}

@@ -1,0 +1,65 @@
+"""The hot code is generic over its scalar: four machines in one pack give the bits of four single runs.
+
+Compiles lanes.cpp against the headers alone, so it also shows that the core needs no Python and no binding.
+"""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FLAGS = ["-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-I", str(ROOT / "cpp")]
+
+
+def errors(compiled):
+    return "\n".join(line for line in compiled.stderr.splitlines() if "error" in line or "warning" in line)[:1000]
+
+
+@pytest.fixture(scope="module")
+def compiler():
+    found = shutil.which(os.environ.get("CXX", "g++")) or shutil.which("c++")
+    if not found:
+        if os.environ.get("CI"):
+            pytest.fail("continuous integration has to have a C++ compiler")
+        pytest.skip("no C++ compiler: neither $CXX nor g++ nor c++")
+    return found
+
+
+@pytest.fixture(scope="module")
+def printed(compiler, tmp_path_factory):
+    program = tmp_path_factory.mktemp("lanes") / "lanes"
+    source = str(ROOT / "tests" / "lanes.cpp")
+    built = subprocess.run([compiler, *FLAGS, "-O1", source, "-o", str(program)], capture_output=True, text=True)
+    assert built.returncode == 0, errors(built)
+    output = subprocess.run([str(program)], check=True, capture_output=True, text=True).stdout
+    return {name: float(value) for name, value in (line.split() for line in output.splitlines())}
+
+
+@pytest.mark.parametrize("controller", ["dcarc", "arc", "pid"])
+def test_lanes_give_the_bits_of_single_runs(printed, controller):
+    assert printed[controller + "_rows"] > 5000
+    assert printed[controller + "_difference"] == 0.0
+    assert printed[controller + "_spread"] > 0.5  # V: the lanes are different machines
+
+
+def test_elementary_functions(printed):
+    """Sine, cosine and arctangent of the core against the library's, in units of the last place."""
+    assert printed["at_zero"] == 1.0
+    assert printed["at_infinity"] == 1.0
+    assert printed["nan_stays_nan"] == 1.0
+    if printed["long_double_digits"] > 53:
+        assert printed["sine_ulps"] < 2.5
+        assert printed["atan_ulps"] < 1.0
+
+
+@pytest.mark.parametrize(
+    "header", ["basis/spline_harmonics", "control/adaptive_robust", "control/desired_compensation_condition", "lanes"]
+)
+def test_a_header_stands_alone(compiler, header):
+    source = f'#include "cogging/{header}.hpp"\n'
+    command = [compiler, *FLAGS, "-fsyntax-only", "-x", "c++", "-"]
+    checked = subprocess.run(command, input=source, capture_output=True, text=True)
+    assert checked.returncode == 0, errors(checked)
