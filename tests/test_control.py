@@ -884,7 +884,7 @@ def test_no_number_may_be_a_nan(kind):
         (
             "AdaptiveRobustParameters",
             {"cogging_harmonics": [1], "cogging_control_points": 2},
-            "control_points: more than one must be at least the order 3, got 2",
+            "control_points: must be 1 or at least the order 3, got 2",
         ),
         (
             "AdaptiveRobustParameters",

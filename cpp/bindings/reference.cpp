@@ -9,9 +9,9 @@ using namespace cogging;
 namespace {
 
 // Left out and empty are not the same: an empty column is one of a wrong length.
-std::vector<double> optional_column(const std::optional<Array>& column, const char* name) {
+std::vector<double> optional_column(const std::optional<Array>& column, const char* name, const Array& time) {
   if (!column) return {};
-  if (column->size() == 0) refuse(name, "must be as long as time, or left out", "an empty column");
+  require(column->size() > 0, name, "must be as long as time (" + format(double(time.size())) + ")", 0.0);
   return to_vector(*column);
 }
 
@@ -70,8 +70,8 @@ Raises:
     ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.)")
       .def(py::init([](const Array& time, const Array& position, const std::optional<Array>& velocity,
                        const std::optional<Array>& acceleration) {
-             return Sampled(to_vector(time), to_vector(position), optional_column(velocity, "velocity"),
-                            optional_column(acceleration, "acceleration"));
+             return Sampled(to_vector(time), to_vector(position), optional_column(velocity, "velocity", time),
+                            optional_column(acceleration, "acceleration", time));
            }),
            py::arg("time"), py::arg("position"), py::arg("velocity") = py::none(),
            py::arg("acceleration") = py::none());

@@ -2,6 +2,7 @@
 
 import importlib.metadata
 
+from cogging import effects
 from cogging._core import (
     EFFECTS,
     AdaptiveRobustParameters,
@@ -14,7 +15,11 @@ from cogging._core import (
     Dcarc,
     DivergedError,
     EncoderParameters,
+    FilteredSine,
+    FilteredSineParameters,
     NoiseParameters,
+    OutputFeedbackArc,
+    OutputFeedbackArcParameters,
     Performance,
     Pid,
     PidParameters,
@@ -36,7 +41,9 @@ from cogging._core import (
     project,
 )
 from cogging.files import InputError
+from cogging.gains import pid_gains, pid_poles
 from cogging.logs import Log, read_log
+from cogging.map import MapFit, fit_map
 from cogging.model import Model
 from cogging.papers import reproduce
 from cogging.reference import read_reference
@@ -56,10 +63,15 @@ __all__ = [
     "Dcarc",
     "DivergedError",
     "EncoderParameters",
+    "FilteredSine",
+    "FilteredSineParameters",
     "InputError",
     "Log",
+    "MapFit",
     "Model",
     "NoiseParameters",
+    "OutputFeedbackArc",
+    "OutputFeedbackArcParameters",
     "Performance",
     "Pid",
     "PidParameters",
@@ -76,8 +88,12 @@ __all__ = [
     "cogging_slope_max",
     "desired_compensation_condition",
     "desired_compensation_matrix",
+    "effects",
+    "fit_map",
     "friction_slope_max",
     "performance",
+    "pid_gains",
+    "pid_poles",
     "project",
     "read_log",
     "read_reference",

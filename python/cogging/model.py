@@ -20,6 +20,8 @@ from cogging._core import (
     Dcarc,
     EncoderParameters,
     NoiseParameters,
+    OutputFeedbackArc,
+    OutputFeedbackArcParameters,
     Pid,
     PidParameters,
     Plant,
@@ -33,9 +35,10 @@ CONTROLLERS: dict[str, tuple[Any, Any]] = {
     "cascade": (CascadeParameters, Cascade),
     "arc": (AdaptiveRobustParameters, Arc),
     "dcarc": (AdaptiveRobustParameters, Dcarc),
+    "output_feedback_arc": (OutputFeedbackArcParameters, OutputFeedbackArc),
 }
-ControllerParameters = PidParameters | CascadeParameters | AdaptiveRobustParameters
-Controller = Pid | Cascade | Arc | Dcarc
+ControllerParameters = PidParameters | CascadeParameters | AdaptiveRobustParameters | OutputFeedbackArcParameters
+Controller = Pid | Cascade | Arc | Dcarc | OutputFeedbackArc
 
 SECTIONS = ("axis", "uncertainty", "cogging", "effects", "encoder", "noise", "controller", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
@@ -55,7 +58,7 @@ class Model:
         encoder: resolution and noise of the position reading.
         noise: force noise, for simulation.
         controller: parameters of the controller, or None where it is not known.
-        controller_type: its name in model files ("pid", "cascade", "arc", "dcarc").
+        controller_type: its name in model files ("pid", "cascade", "arc", "dcarc", "output_feedback_arc").
         uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
         bounds: 95 % intervals by parameter path, as `identify` writes them.
     """
@@ -213,7 +216,9 @@ def _is_number(value: Any) -> bool:
 
 def _require_type(value: Any, default: Any, section: str, key: str) -> None:
     kind, holds = "a number", _is_number(value)
-    if isinstance(default, str):
+    if isinstance(default, bool):
+        kind, holds = "true or false", isinstance(value, bool)
+    elif isinstance(default, str):
         kind, holds = "a text", isinstance(value, str)
     elif isinstance(default, list):
         kind = "a list of numbers" if key == "cogging_harmonics" or not default else f"{len(default)} numbers"

@@ -7,7 +7,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cogging._core import PointToPoint, PointToPointParameters, Reference, Sampled, Sine, SineParameters
+from cogging._core import (
+    FilteredSine,
+    FilteredSineParameters,
+    PointToPoint,
+    PointToPointParameters,
+    Reference,
+    Sampled,
+    Sine,
+    SineParameters,
+)
 from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.logs import read_columns
 from cogging.model import parameters_from
@@ -16,6 +25,7 @@ from cogging.model import parameters_from
 REFERENCES: dict[str, tuple[Any, Any]] = {
     "point_to_point": (PointToPointParameters, PointToPoint),
     "sine": (SineParameters, Sine),
+    "filtered_sine": (FilteredSineParameters, FilteredSine),
 }
 TYPES = (*REFERENCES, "sampled")
 
@@ -49,8 +59,8 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
     if kind == "sampled":
         return _sampled(fields, folder or Path()), float(duration)
     struct, motion = REFERENCES[kind]
-    if kind == "sine" and not duration:
-        raise FieldError("", "duration", "must be given for a sine, which has no end, got none")
+    if kind != "point_to_point" and not duration:
+        raise FieldError("", "duration", "must be given for a motion without an end, got none")
     return motion(parameters_from(struct, fields, "")), float(duration)
 
 

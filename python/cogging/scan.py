@@ -50,7 +50,8 @@ def read_scan(
 
     Directions come from the reversals: places from which the position goes back by more than 1 % of the travel. Rows
     within that distance after a reversal are left out, since friction is still on its way from one sign to the other.
-    Rows of one pass within pitch / (20 highest harmonics) are averaged, so that a long rest weighs no more than its place.
+    Rows of one pass within a cell of pitch / (20 highest harmonics) are averaged, so that a long rest weighs no more
+    than its place.
 
     Raises:
         ValueError: names the field, the rule and the value.
@@ -67,7 +68,9 @@ def read_scan(
         raise ValueError(f"position: must travel at least one pitch ({pitch:g} m), got {travel:g} m")
     resolvable = int(pitch / (POINTS_PER_PERIOD * _spacing(x)) - 0.5)
     if resolvable < 1:
-        raise ValueError(f"position: must have a point every {pitch / 3.75:.3g} m or less, got one every {_spacing(x):.3g} m")
+        raise ValueError(
+            f"position: must have a point every {pitch / 3.75:.3g} m or less, got one every {_spacing(x):.3g} m"
+        )
     highest = min(highest_harmonic, resolvable)
     y, notes = force_sign * y, []
 
@@ -97,9 +100,11 @@ def read_scan(
 
 def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     try:
+        if np.iscomplexobj(values):
+            raise TypeError
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"{name}: must be numbers, got {type(values).__name__}") from None
+        raise ValueError(f"{name}: must be real numbers, got {type(values).__name__}") from None
     if array.ndim != 1:
         raise ValueError(f"{name}: must be one-dimensional, got {array.ndim} dimensions")
     bad = np.flatnonzero(~np.isfinite(array))
@@ -115,18 +120,21 @@ def _spacing(position: FloatArray) -> float:
 
 
 def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, npt.NDArray[np.bool_]]:
-    """The number of the pass, its direction and whether the row is still near the pass's start, for each row."""
+    """For each row the number of its pass, the pass's direction and whether the row is still near where it turned.
+
+    The row at which the motion turns belongs to the pass that arrives there.
+    """
     limit = TURN * float(np.ptp(position))
     x = position.tolist()
     starts, directions, way, low, high = [0], [0.0], 0.0, 0, 0
     for i, here in enumerate(x):
         low, high = (i if here < x[low] else low), (i if here > x[high] else high)
         if way <= 0.0 and here - x[low] > limit:
-            starts, directions, way, high = [*starts, low], [*directions, 1.0], 1.0, i
+            starts, directions, way, high = [*starts, low + 1], [*directions, 1.0], 1.0, i
         elif way >= 0.0 and x[high] - here > limit:
-            starts, directions, way, low = [*starts, high], [*directions, -1.0], -1.0, i
+            starts, directions, way, low = [*starts, high + 1], [*directions, -1.0], -1.0, i
     starts, directions = [0, *starts[2:]], directions[1:]  # what lies before the first motion belongs to it
     lengths = np.diff([*starts, len(x)])
     passes = np.repeat(np.arange(len(starts)), lengths)
-    near_start = np.abs(position - position[starts][passes]) < limit
-    return passes, np.array(directions)[passes], near_start
+    turns = position[np.maximum(np.array(starts) - 1, 0)]
+    return passes, np.array(directions)[passes], np.abs(position - turns[passes]) < limit

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'NoiseParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -310,6 +310,77 @@ class Sine(Reference):
         ...
     @property
     def parameters(self) -> SineParameters:
+        ...
+class FilteredSineParameters:
+    """
+    Sine and generator of a FilteredSine (Xu and Yao 2001, eq. 58).
+    
+    Fields:
+        center (m): where the motion starts, at rest
+        amplitude (m): of the sine that it approaches
+        frequency (Hz): of that sine
+        beta_1 (1/s): damping of the generator
+        beta_2 (1/s^2): stiffness of the generator
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'center': ('m', 'where the motion starts, at rest'), 'amplitude': ('m', 'of the sine that it approaches'), 'frequency': ('Hz', 'of that sine'), 'beta_1': ('1/s', 'damping of the generator'), 'beta_2': ('1/s^2', 'stiffness of the generator')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, center: typing.SupportsFloat | typing.SupportsIndex = 0.0, amplitude: typing.SupportsFloat | typing.SupportsIndex = 0.05, frequency: typing.SupportsFloat | typing.SupportsIndex = 0.6366197723675814, beta_1: typing.SupportsFloat | typing.SupportsIndex = 100.0, beta_2: typing.SupportsFloat | typing.SupportsIndex = 2500.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> FilteredSineParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def amplitude(self) -> float:
+        """
+        of the sine that it approaches, m
+        """
+    @property
+    def beta_1(self) -> float:
+        """
+        damping of the generator, 1/s
+        """
+    @property
+    def beta_2(self) -> float:
+        """
+        stiffness of the generator, 1/s^2
+        """
+    @property
+    def center(self) -> float:
+        """
+        where the motion starts, at rest, m
+        """
+    @property
+    def frequency(self) -> float:
+        """
+        of that sine, Hz
+        """
+class FilteredSine(Reference):
+    """
+    A sine that starts from rest (Xu and Yao 2001, eq. 58).
+    
+    q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
+    the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.
+    """
+    def __init__(self, parameters: FilteredSineParameters) -> None:
+        ...
+    @property
+    def parameters(self) -> FilteredSineParameters:
         ...
 class Sampled(Reference):
     """
@@ -989,6 +1060,272 @@ class Dcarc:
         """
         Hz
         """
+class OutputFeedbackArcParameters:
+    """
+    Observer, gains, bounds and robust terms of an OutputFeedbackArc (Xu and Yao 2001, eq. 8 to 50).
+    
+    Fields:
+        sample_rate (Hz): samples a second
+        observer_gain_1 (1/s): k_1 of A_0 (eq. 10)
+        observer_gain_2 (1/s^2): k_2 of A_0 (eq. 10)
+        theta: initial estimates of 1/M, B/M, d_n/M
+        theta_min: lower bounds (eq. 8)
+        theta_max: upper bounds (eq. 8)
+        adaptation: diagonal of Gamma (eq. 19); 0 = no adaptation
+        weight_1: w_1 (eq. 30)
+        weight_2: w_2 (eq. 41)
+        gain_1 (1/s): g_1 (eq. 28)
+        gain_2 (1/s): g_2 (eq. 43)
+        epsilon_11: of alpha_1s2 (eq. 33)
+        epsilon_12: of alpha_1s3 (eq. 35)
+        epsilon_21: of u_s2 (eq. 46)
+        epsilon_22: of u_s3 (eq. 46)
+        c_phi_1: diagonal of C_phi1 (eq. 28)
+        c_phi_2: diagonal of C_phi2 (eq. 43)
+        c_theta_2: diagonal of C_theta2 (eq. 43)
+        use_alpha_1s2: robust term against parameters, step 1 (eq. 37)
+        use_alpha_1s3: robust term against estimation errors, step 1 (eq. 38)
+        use_c_phi_1: state-dependent part of k_1s (eq. 28)
+        use_c_theta_2: part of k_2s with d alpha_1 / d theta_hat (eq. 43)
+        use_c_phi_2: part of k_2s with phi_2 (eq. 43)
+        use_u_s2: robust term against parameters, step 2 (eq. 47)
+        use_u_s3: robust term against estimation errors, step 2 (eq. 47)
+        robust_factor: common factor on the terms that are switched on
+        coulomb (V): level of the friction compensation at reference velocity (eq. 5)
+        coulomb_width (m/s): of its S(v); 0 = sgn
+        filter_steps: "exact" for held inputs, or "euler"
+        command_limit (V): largest command; 0 = none
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'observer_gain_1': ('1/s', 'k_1 of A_0 (eq. 10)'), 'observer_gain_2': ('1/s^2', 'k_2 of A_0 (eq. 10)'), 'theta': ('', 'initial estimates of 1/M, B/M, d_n/M'), 'theta_min': ('', 'lower bounds (eq. 8)'), 'theta_max': ('', 'upper bounds (eq. 8)'), 'adaptation': ('', 'diagonal of Gamma (eq. 19); 0 = no adaptation'), 'weight_1': ('1', 'w_1 (eq. 30)'), 'weight_2': ('1', 'w_2 (eq. 41)'), 'gain_1': ('1/s', 'g_1 (eq. 28)'), 'gain_2': ('1/s', 'g_2 (eq. 43)'), 'epsilon_11': ('', 'of alpha_1s2 (eq. 33)'), 'epsilon_12': ('', 'of alpha_1s3 (eq. 35)'), 'epsilon_21': ('', 'of u_s2 (eq. 46)'), 'epsilon_22': ('', 'of u_s3 (eq. 46)'), 'c_phi_1': ('', 'diagonal of C_phi1 (eq. 28)'), 'c_phi_2': ('', 'diagonal of C_phi2 (eq. 43)'), 'c_theta_2': ('', 'diagonal of C_theta2 (eq. 43)'), 'use_alpha_1s2': ('', 'robust term against parameters, step 1 (eq. 37)'), 'use_alpha_1s3': ('', 'robust term against estimation errors, step 1 (eq. 38)'), 'use_c_phi_1': ('', 'state-dependent part of k_1s (eq. 28)'), 'use_c_theta_2': ('', 'part of k_2s with d alpha_1 / d theta_hat (eq. 43)'), 'use_c_phi_2': ('', 'part of k_2s with phi_2 (eq. 43)'), 'use_u_s2': ('', 'robust term against parameters, step 2 (eq. 47)'), 'use_u_s3': ('', 'robust term against estimation errors, step 2 (eq. 47)'), 'robust_factor': ('1', 'common factor on the terms that are switched on'), 'coulomb': ('V', 'level of the friction compensation at reference velocity (eq. 5)'), 'coulomb_width': ('m/s', 'of its S(v); 0 = sgn'), 'filter_steps': ('', '"exact" for held inputs, or "euler"'), 'command_limit': ('V', 'largest command; 0 = none')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, sample_rate: typing.SupportsFloat | typing.SupportsIndex = 2500.0, observer_gain_1: typing.SupportsFloat | typing.SupportsIndex = 400.0, observer_gain_2: typing.SupportsFloat | typing.SupportsIndex = 40000.0, theta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [30.0, 10.0, 0.0], theta_min: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [8.3, 2.4, -50.0], theta_max: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [50.0, 17.5, 50.0], adaptation: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [500000.0, 300000.0, 2000000.0], weight_1: typing.SupportsFloat | typing.SupportsIndex = 1.0, weight_2: typing.SupportsFloat | typing.SupportsIndex = 0.1, gain_1: typing.SupportsFloat | typing.SupportsIndex = 600.0, gain_2: typing.SupportsFloat | typing.SupportsIndex = 850.0, epsilon_11: typing.SupportsFloat | typing.SupportsIndex = 5e-05, epsilon_12: typing.SupportsFloat | typing.SupportsIndex = 5e-05, epsilon_21: typing.SupportsFloat | typing.SupportsIndex = 0.001, epsilon_22: typing.SupportsFloat | typing.SupportsIndex = 1.0, c_phi_1: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [5e-05, 5e-06, 0.0001], c_phi_2: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [5e-05, 5e-06, 0.0001], c_theta_2: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [100000.0, 100000.0, 100000.0], use_alpha_1s2: bool = False, use_alpha_1s3: bool = False, use_c_phi_1: bool = False, use_c_theta_2: bool = False, use_c_phi_2: bool = False, use_u_s2: bool = False, use_u_s3: bool = False, robust_factor: typing.SupportsFloat | typing.SupportsIndex = 1.0, coulomb: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_width: typing.SupportsFloat | typing.SupportsIndex = 0.0, filter_steps: str = 'exact', command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> OutputFeedbackArcParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def adaptation(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        diagonal of Gamma (eq. 19); 0 = no adaptation
+        """
+    @property
+    def c_phi_1(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        diagonal of C_phi1 (eq. 28)
+        """
+    @property
+    def c_phi_2(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        diagonal of C_phi2 (eq. 43)
+        """
+    @property
+    def c_theta_2(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        diagonal of C_theta2 (eq. 43)
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        largest command; 0 = none, V
+        """
+    @property
+    def coulomb(self) -> float:
+        """
+        level of the friction compensation at reference velocity (eq. 5), V
+        """
+    @property
+    def coulomb_width(self) -> float:
+        """
+        of its S(v); 0 = sgn, m/s
+        """
+    @property
+    def epsilon_11(self) -> float:
+        """
+        of alpha_1s2 (eq. 33)
+        """
+    @property
+    def epsilon_12(self) -> float:
+        """
+        of alpha_1s3 (eq. 35)
+        """
+    @property
+    def epsilon_21(self) -> float:
+        """
+        of u_s2 (eq. 46)
+        """
+    @property
+    def epsilon_22(self) -> float:
+        """
+        of u_s3 (eq. 46)
+        """
+    @property
+    def filter_steps(self) -> str:
+        """
+        "exact" for held inputs, or "euler"
+        """
+    @property
+    def gain_1(self) -> float:
+        """
+        g_1 (eq. 28), 1/s
+        """
+    @property
+    def gain_2(self) -> float:
+        """
+        g_2 (eq. 43), 1/s
+        """
+    @property
+    def observer_gain_1(self) -> float:
+        """
+        k_1 of A_0 (eq. 10), 1/s
+        """
+    @property
+    def observer_gain_2(self) -> float:
+        """
+        k_2 of A_0 (eq. 10), 1/s^2
+        """
+    @property
+    def robust_factor(self) -> float:
+        """
+        common factor on the terms that are switched on, 1
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        samples a second, Hz
+        """
+    @property
+    def theta(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        initial estimates of 1/M, B/M, d_n/M
+        """
+    @property
+    def theta_max(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        upper bounds (eq. 8)
+        """
+    @property
+    def theta_min(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        lower bounds (eq. 8)
+        """
+    @property
+    def use_alpha_1s2(self) -> bool:
+        """
+        robust term against parameters, step 1 (eq. 37)
+        """
+    @property
+    def use_alpha_1s3(self) -> bool:
+        """
+        robust term against estimation errors, step 1 (eq. 38)
+        """
+    @property
+    def use_c_phi_1(self) -> bool:
+        """
+        state-dependent part of k_1s (eq. 28)
+        """
+    @property
+    def use_c_phi_2(self) -> bool:
+        """
+        part of k_2s with phi_2 (eq. 43)
+        """
+    @property
+    def use_c_theta_2(self) -> bool:
+        """
+        part of k_2s with d alpha_1 / d theta_hat (eq. 43)
+        """
+    @property
+    def use_u_s2(self) -> bool:
+        """
+        robust term against parameters, step 2 (eq. 47)
+        """
+    @property
+    def use_u_s3(self) -> bool:
+        """
+        robust term against estimation errors, step 2 (eq. 47)
+        """
+    @property
+    def weight_1(self) -> float:
+        """
+        w_1 (eq. 30), 1
+        """
+    @property
+    def weight_2(self) -> float:
+        """
+        w_2 (eq. 41), 1
+        """
+class OutputFeedbackArc:
+    """
+    Output-feedback adaptive robust control (Xu and Yao 2001).
+    
+    u = u* + coulomb S(reference velocity): filters (18), state estimate (13), two backstepping steps (25) to (47),
+    adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading.
+    """
+    def __init__(self, parameters: OutputFeedbackArcParameters) -> None:
+        ...
+    def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> OutputFeedbackArc:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    def velocity_state(self, theta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
+        """
+        x_2 hat of eq. 13 for a theta: exact for the true one without disturbance.
+        """
+    def virtual_control(self, *, position: typing.SupportsFloat | typing.SupportsIndex, eta_1: typing.SupportsFloat | typing.SupportsIndex, eta_2: typing.SupportsFloat | typing.SupportsIndex, psi_2: typing.SupportsFloat | typing.SupportsIndex, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex, theta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> dict[str, float]:
+        """
+        alpha_1 (eq. 25, 27) as `value`, and its partial derivatives by the name of the argument.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def filters(self) -> typing.Annotated[list[float], "FixedSize(6)"]:
+        """
+        eta, lambda, psi: array of six
+        """
+    @property
+    def parameters(self) -> OutputFeedbackArcParameters:
+        ...
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
+    @property
+    def z_1(self) -> float:
+        """
+        y - q_d of the last sample, m
+        """
+    @property
+    def z_2(self) -> float:
+        """
+        lambda_2 - alpha_1 of the last sample
+        """
 class Performance:
     """
     The indexes of one run.
@@ -1023,7 +1360,7 @@ class Performance:
         """
         sqrt(mean e^2), m
         """
-def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc | OutputFeedbackArc, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
     """
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
@@ -1035,7 +1372,7 @@ def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc, reference
         ValueError: the reference leaves the travel, a motion without an end and no duration.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Arc | Dcarc], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
+def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Arc | Dcarc | OutputFeedbackArc], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
     """
     Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number.
     """

@@ -10,7 +10,7 @@ from cogging.papers.result import Reproduction, Row, Table
 __all__ = ["PAPERS", "Reproduction", "Row", "Table", "reproduce"]
 
 #: The papers that can be reproduced; each is a module of this folder.
-PAPERS = ("lu2008",)
+PAPERS = ("lu2008", "xu2001")
 
 
 def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:

@@ -30,7 +30,7 @@ from cogging._core import (
 )
 from cogging.files import parse_toml
 from cogging.logs import Log
-
+from cogging.map import fit_map
 from cogging.papers.result import Reproduction, Row, Table
 
 if TYPE_CHECKING:

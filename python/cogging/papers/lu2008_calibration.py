@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from cogging._core import CoggingModel, Plant, PointToPoint
 from cogging.files import to_toml, write_text
+from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.lu2008 import (
     AXES,
     CONTROLLERS,
@@ -31,7 +32,6 @@ from cogging.papers.lu2008 import (
 
 START = (0.09, 0.06, 0.05)  # V: where the search begins, for both axes
 TOLERANCE = 0.002  # of the largest log-ratio of the three rms values
-DIGITS = 4  # significant digits that are kept: 0.01 % of an amplitude moves an rms by less
 
 
 def rms_errors(
@@ -51,36 +51,20 @@ def rms_errors(
 
 
 def calibrate(axis: GantryAxis, **setup: Any) -> Amplitudes:
-    """Find the amplitudes (V) by damped Newton steps on the logarithms; `setup` goes to rms_errors.
+    """Find the amplitudes (V) whose rms errors are the table's; `setup` goes to rms_errors.
 
-    Steps are of 10 %, because the quantiser makes the rms values rough on a smaller scale; so are the results only
-    as exact as that roughness, about 0.1 %.
+    Differences are of 10 %, because the quantiser makes the rms values rough on a smaller scale; so are the results
+    only as exact as that roughness, about 0.1 %.
     """
 
-    def gap(logs: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        return np.log(rms_errors(axis, _amplitudes(logs), **setup) / axis.error_rms)
+    def rounded(values: npt.NDArray[np.float64]) -> Amplitudes:
+        periodic, modulated, uncompensated = (round_to_digits(value) for value in values)
+        return periodic, modulated, uncompensated
 
-    x = np.log(START)
-    y = gap(x)
-    for _ in range(12):
-        if np.abs(y).max() < TOLERANCE:
-            break
-        jacobian = np.column_stack([(gap(x + step) - y) / 0.1 for step in 0.1 * np.eye(3)])
-        normal = jacobian.T @ jacobian + 1e-3 * np.eye(3)
-        step = np.clip(np.linalg.solve(normal, -jacobian.T @ y), -0.7, 0.7)
-        for fraction in (1.0, 0.5, 0.25, 0.125):
-            candidate = gap(x + fraction * step)
-            if np.abs(candidate).max() < np.abs(y).max():
-                x, y = x + fraction * step, candidate
-                break
-        else:
-            break
-    return _amplitudes(x)
+    def gap(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        return np.log(rms_errors(axis, rounded(values), **setup) / axis.error_rms)
 
-
-def _amplitudes(logs: npt.NDArray[np.float64]) -> Amplitudes:
-    periodic, modulated, uncompensated = (float(f"{value:.{DIGITS}g}") for value in np.exp(logs))
-    return periodic, modulated, uncompensated
+    return rounded(fit_logarithms(gap, np.array(START), step=0.1, tolerance=TOLERANCE)[0])
 
 
 def maps_toml() -> str:

@@ -1,0 +1,114 @@
+"""Table 1 of Xu and Yao 2001: PID columns calibrated, ARC columns predicted, and what was said about them."""
+
+import importlib.resources
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.files import parse_toml
+from cogging.papers import xu2001, xu2001_calibration, xu2001_study
+
+# Committed values of the six indexes (um, um, um, V, V, 1) by controller and set.
+COMMITTED = {
+    ("PID", "1"): (55.1, 16.1, 3.154, 0.1981, 0.0521, 0.2630),
+    ("PID", "2"): (149.0, 19.96, 6.940, 0.2112, 0.05328, 0.2522),
+    ("PID", "3"): (86.44, 16.05, 4.508, 0.4192, 0.0522, 0.1245),
+    ("ARC", "1"): (18.91, 18.24, 5.140, 0.2002, 0.07453, 0.3722),
+    ("ARC", "2"): (269.7, 19.30, 10.47, 0.2124, 0.06942, 0.3269),
+    ("ARC", "3"): (100.3, 17.77, 7.003, 0.4201, 0.07278, 0.1733),
+}
+
+
+@pytest.fixture(scope="module")
+def result():
+    return xu2001.reproduce()
+
+
+def test_table_1_is_the_committed_one(result):
+    print(f"\n{result.text()}")
+    found = {(row.controller, row.labels["set"], row.index): row for row in result.tables[0].rows}
+    assert len(found) == 36
+    for (controller, set_name), values in COMMITTED.items():
+        for index, value in zip(xu2001.INDEXES, values, strict=True):
+            row = found[controller, set_name, index]
+            simulated = row.simulated * (1e6 if row.unit == "m" else 1.0)
+            count = 1.0 if index in ("e_M", "e_F") else 0.0  # one encoder count
+            assert simulated == pytest.approx(value, abs=max(count, 0.02 * value)), (controller, set_name, index)
+            assert row.status == ("calibrated" if controller == "PID" else "predicted")
+
+
+def test_the_pid_columns_are_within_15_percent(result):
+    for row in result.tables[0].rows:
+        # du_rms is printed to one digit; c_u u_rms says the same more exactly and is what was fitted.
+        if row.controller == "PID" and row.index != "du_rms":
+            assert abs(row.simulated / row.paper - 1.0) < 0.15, (row.labels, row.index)
+
+
+def test_the_arc_columns_are_not_reproduced_and_it_says_so(result):
+    worst = max(row.simulated / row.paper for row in result.tables[0].rows if row.controller == "ARC")
+    assert worst > 2.0
+    assert "were not reproduced" in result.text()
+
+
+def test_the_shipped_plant_has_the_error_that_it_states():
+    text = importlib.resources.files("cogging.papers").joinpath("xu2001_plant.toml").read_text()
+    document = parse_toml(text)
+    assert set(document) == set(xu2001_calibration.LAWS)
+    for law, part in document.items():
+        gap = xu2001_calibration.log_ratios(xu2001.shipped_unknowns(law))
+        assert np.sqrt(np.mean(gap**2)) == pytest.approx(part["rms_log_error"], rel=0.05), law
+        assert part["rms_log_error"] == min(part["rms_log_error_of_starts"])
+
+
+@pytest.mark.study
+def test_the_calibration_script_regenerates_the_shipped_plant():
+    shipped = importlib.resources.files("cogging.papers").joinpath("xu2001_plant.toml").read_text()
+    assert xu2001_calibration.plant_toml() == shipped
+
+
+def test_faster_adaptation_closes_most_of_the_gap():
+    unknowns = xu2001.shipped_unknowns()
+    as_printed = xu2001_study.gap(xu2001_study.columns(cogging.OutputFeedbackArc(xu2001.arc_parameters()), unknowns))
+    changed = xu2001.arc_parameters(**xu2001_study.changes()["adaptation x 3.5"])
+    faster = xu2001_study.gap(xu2001_study.columns(cogging.OutputFeedbackArc(changed), unknowns))
+    print(f"\nrms log gap of the ARC columns: {as_printed:.3f} as printed, {faster:.3f} with 3.5 times the adaptation")
+    assert 0.3 < faster / as_printed < 0.6
+
+
+def test_the_printed_robust_terms_cannot_run():
+    assert np.isinf(xu2001_study.increment(1.0, 2500.0, 1e-6))
+    assert np.isinf(xu2001_study.increment(1e-2, 2500.0, 1e-6))
+    alone = xu2001_study.increment(0.0, 2500.0, 1e-6)
+    assert alone == pytest.approx(0.050, abs=0.002), "the quantiser alone gives most of the paper's 0.06 V"
+
+
+def test_integral_stiffness_of_the_pid_is_its_integral_gain():
+    controller = cogging.Pid(xu2001.pid_parameters(coulomb=0.0))
+    assert xu2001_study.integral_stiffness(controller, xu2001.MASSES["1"]) == pytest.approx(5.4e5, rel=0.01)
+
+
+def test_a_delay_makes_the_pid_unstable_where_the_linear_loop_says():
+    delay, frequency = xu2001_study.loses_stability(
+        lambda: cogging.Pid(xu2001.pid_parameters(coulomb=0.0)), xu2001.MASSES["1"]
+    )
+    # Continuous loop with the sampling's half-sample hold and the difference's half sample: phase margin at crossover.
+    p, mass = xu2001.pid_parameters(), xu2001.MASSES["1"]
+    omega = 2 * np.pi * np.linspace(20, 400, 200_000)
+    s, t_s = 1j * omega, 1.0 / xu2001.SAMPLE_RATE
+    z = np.exp(s * t_s)
+    difference = (1 - 1 / z) / t_s
+    feedback = p.kp + p.ki * t_s / (1 - 1 / z) + (p.kd - p.viscous) * difference
+    hold = (1 - 1 / z) / (s * t_s)
+    loop = feedback * hold / (mass * s**2 + xu2001.VISCOUS * s)
+    crossing = np.flatnonzero(np.abs(loop) > 1)[-1]
+    margin = (np.angle(loop[crossing]) + np.pi) % (2 * np.pi) / omega[crossing]
+    assert delay == pytest.approx(margin, rel=0.05)
+    assert frequency == pytest.approx(omega[crossing] / (2 * np.pi), rel=0.05)
+
+
+def test_case_2_runs_at_its_limits():
+    motion = xu2001.fast_reference()
+    _, velocity, acceleration = motion.sample(np.linspace(0, motion.end, 100_001))
+    assert np.abs(velocity).max() == pytest.approx(1.0)
+    assert np.abs(acceleration).max() == pytest.approx(12.0)
