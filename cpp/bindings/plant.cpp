@@ -95,7 +95,7 @@ Raises:
       .def(
           "acceleration",
           [](const Plant<>& plant, double position, double velocity, double command, double time) {
-            return Axis<>(plant.axis, plant.cogging, plant.effects).acceleration({position, velocity}, command, time);
+            return Axis<>(plant.axis, plant.cogging, plant.effects).acceleration(position, velocity, command, time);
           },
           py::kw_only(), py::arg("position"), py::arg("velocity"), py::arg("command"), py::arg("time") = 0.0,
           "Acceleration (m/s^2) of the moving axis when `command` (V) acts: the amplifier's effects are not "

@@ -12,7 +12,7 @@ namespace cogging {
 
 template <class Value, std::size_t count>
 struct Pack {
-  std::array<Value, count> lane{};
+  std::array<Value, count> lane;  // no zeros by default: scratch arrays of lanes are large
 
   Pack() = default;
   Pack(Value value) { lane.fill(value); }  // NOLINT: a number is a pack of equal lanes
@@ -100,8 +100,8 @@ struct IndexOf<Lanes<count>> {
   using type = Pack<int, count>;
 };
 template <std::size_t count>
-Pack<int, count> floor_to_index(const Lanes<count>& value) {
-  return Pack<int, count>::map([&](std::size_t i) { return floor_to_index(value.lane[i]); });
+Pack<int, count> truncate_to_index(const Lanes<count>& value) {
+  return Pack<int, count>::map([&](std::size_t i) { return truncate_to_index(value.lane[i]); });
 }
 template <std::size_t count>
 Pack<int, count> clamp_index(const Pack<int, count>& value, int lower, int upper) {

@@ -33,8 +33,8 @@ template <>
 struct IndexOf<double> {
   using type = int;
 };
-inline int floor_to_index(double value) {
-  return static_cast<int>(std::floor(value));
+inline int truncate_to_index(double value) {
+  return static_cast<int>(value);
 }
 inline int clamp_index(int value, int lower, int upper) {
   return std::clamp(value, lower, upper);

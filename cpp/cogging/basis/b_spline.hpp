@@ -2,6 +2,7 @@
 // B-splines of any order on uniform knots (Lu et al. 2008, eq. 6 and Figs. 1 to 3).
 
 #include <array>
+#include <type_traits>
 
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
@@ -39,7 +40,6 @@ class BSpline {
     if (control_points > 1)
       require(control_points >= order, "control_points", "more than one must be at least the order " + format(order),
               control_points);
-    for (int d = 1; d < order_max; ++d) reciprocal_[d] = 1.0 / d;
   }
 
   int order() const { return order_; }
@@ -50,15 +50,27 @@ class BSpline {
   double end() const { return origin_ + spans() * pitch_; }
   bool constant() const { return control_points_ == 1; }
 
+  /// function(order), with the usual orders as constants: loops over the active control points then unroll.
+  template <class Function>
+  decltype(auto) with_order(const Function& function) const {
+    switch (order_) {
+      case 1:
+        return function(std::integral_constant<int, 1>{});
+      case 2:
+        return function(std::integral_constant<int, 2>{});
+      case 3:
+        return function(std::integral_constant<int, 3>{});
+      case 4:
+        return function(std::integral_constant<int, 4>{});
+      default:
+        return function(order_);
+    }
+  }
+
   template <class Scalar>
   void evaluate(const Scalar& position, Active<Scalar>& active) const {
-    if (constant()) {
-      active.first = 0;
-      active.weight[0] = 1.0;
-      return;
-    }
     const Scalar t = locate(position, active.first);
-    fill(order_, t, active.weight);
+    with_order([&](auto order) { fill(order, t, active.weight); });
   }
 
   /// Also the slope of each weight, in 1/m.
@@ -87,18 +99,21 @@ class BSpline {
   Scalar locate(const Scalar& position, typename IndexOf<Scalar>::type& span) const {
     // Clamped before it becomes an integer: a position far outside must not overflow.
     const Scalar u = clamp((position - origin_) * inverse_pitch_, Scalar(0.0), Scalar(spans()));
-    span = clamp_index(floor_to_index(u), 0, spans() - 1);
+    span = clamp_index(truncate_to_index(u), 0, spans() - 1);
     return u - from_index(span);
   }
 
   // The Cox-de Boor recursion for knots one unit apart, t in [0, 1].
-  template <class Scalar>
-  void fill(int order, const Scalar& t, std::array<Scalar, order_max>& weight) const {
+  template <class Order, class Scalar>
+  static void fill(Order order, const Scalar& t, std::array<Scalar, order_max>& weight) {
     weight[0] = 1.0;
-    for (int d = 1; d < order; ++d) {
+    if (order == 1) return;
+    weight[0] = 1.0 - t;
+    weight[1] = t;
+    for (int d = 2; d < order; ++d) {
       Scalar saved = 0.0;
       for (int r = 0; r < d; ++r) {
-        const Scalar part = weight[r] * reciprocal_[d];
+        const Scalar part = weight[r] * reciprocal[d];
         weight[r] = saved + (double(r + 1) - t) * part;
         saved = (t + double(d - r - 1)) * part;
       }
@@ -106,12 +121,17 @@ class BSpline {
     }
   }
 
+  static constexpr std::array<double, order_max> reciprocal = [] {
+    std::array<double, order_max> values{};
+    for (int d = 1; d < order_max; ++d) values[d] = 1.0 / d;
+    return values;
+  }();
+
   int order_;
   int control_points_;
   double origin_;
   double pitch_;
   double inverse_pitch_;
-  std::array<double, order_max> reciprocal_{};
 };
 
 }  // namespace cogging

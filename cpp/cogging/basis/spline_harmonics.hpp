@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
@@ -17,13 +19,14 @@ namespace cogging {
 /// are stored as in the paper: one row a control point, in it sine and cosine of each term in turn.
 class SplineHarmonics {
  public:
-  static constexpr int terms_max = 32;
+  static constexpr int terms_max = 32, powers_max = 128;
 
-  /// The k active control points and the 2n harmonic values at a position: S_r without its zeros.
+  /// The k active control points and the 2n harmonic values at a position: S_r without its zeros. Behind the
+  /// harmonics stand the powers that are none but a step on the way to one.
   template <class Scalar>
   struct Active {
     BSpline::Active<Scalar> spline;
-    std::array<Scalar, 2 * terms_max> harmonic;
+    std::array<Scalar, 2 * powers_max> harmonic;
   };
 
   SplineHarmonics() = default;
@@ -73,10 +76,7 @@ class SplineHarmonics {
   /// A_r^T S_r(x), in the unit of the coefficients.
   template <class Scalar>
   Scalar value(const Active<Scalar>& active, const Scalar* coefficients) const {
-    Scalar sum = 0.0;
-    for (int j = 0; j < spline_.order(); ++j)
-      sum += active.spline.weight[j] * row(active, coefficients, j, active.harmonic.data());
-    return sum;
+    return combine(active.spline.first, active.spline.weight.data(), active.harmonic.data(), coefficients);
   }
 
   template <class Scalar>
@@ -98,50 +98,60 @@ class SplineHarmonics {
       harmonic_slope[2 * i] = active.harmonic[2 * i + 1] * wavenumbers_[i];
       harmonic_slope[2 * i + 1] = active.harmonic[2 * i] * (-wavenumbers_[i]);
     }
-    Scalar sum = 0.0;
-    for (int j = 0; j < spline_.order(); ++j)
-      sum += weight_slope[j] * row(active, coefficients, j, active.harmonic.data()) +
-             active.spline.weight[j] * row(active, coefficients, j, harmonic_slope.data());
-    return sum;
+    return combine(active.spline.first, weight_slope.data(), active.harmonic.data(), coefficients) +
+           combine(active.spline.first, active.spline.weight.data(), harmonic_slope.data(), coefficients);
   }
 
  private:
   struct Product {
-    int left, right, term;  // powers left + right; term >= 0 stores it
+    std::ptrdiff_t factor, place;  // columns: the power at `place` is the last one plus the one at `factor`
   };
 
-  template <class Scalar>
-  Scalar row(const Active<Scalar>& active, const Scalar* coefficients, int j, const Scalar* harmonic) const {
-    Scalar sum = 0.0;
-    const auto start = (active.spline.first + j) * columns();
-    for (int q = 0; q < columns(); ++q) sum += gather(coefficients + q, start) * harmonic[q];
-    return sum;
+  // sum_q (sum_j weight_j A_jq) harmonic_q over the active control points j and the columns q.
+  template <class Scalar, class Index>
+  Scalar combine(const Index& first, const Scalar* weight, const Scalar* harmonic, const Scalar* coefficients) const {
+    return spline_.with_order([&](auto order) {
+      const int columns = this->columns();
+      const Index start = first * columns;
+      const auto amplitude = [&](int q) {
+        Scalar sum = weight[0] * gather(coefficients + q, start);
+        for (int j = 1; j < order; ++j) sum += weight[j] * gather(coefficients + j * columns + q, start);
+        return sum;
+      };
+      Scalar sines = 0.0, cosines = 0.0;
+      for (int q = 0; q < columns; q += 2) {
+        sines += amplitude(q) * harmonic[q];
+        cosines += amplitude(q + 1) * harmonic[q + 1];
+      }
+      return sines + cosines;
+    });
   }
 
   template <class Scalar>
-  void evaluate_harmonics(const Scalar& position, std::array<Scalar, 2 * terms_max>& harmonic) const {
-    if (!periods_.empty()) {
+  void evaluate_harmonics(const Scalar& position, std::array<Scalar, 2 * powers_max>& harmonic) const {
+    if (harmonics_.empty()) {
       for (int i = 0; i < terms(); ++i) sin_cos(position * wavenumbers_[i], harmonic[2 * i], harmonic[2 * i + 1]);
       return;
     }
-    if (harmonics_.empty()) return;
-    // One sine and cosine; the other harmonics are products of lower powers of exp(i angle).
-    std::array<Scalar, 4 * terms_max> sine, cosine;
-    sin_cos(position * wavenumber_, sine[0], cosine[0]);
-    if (first_term_ >= 0) {
-      harmonic[2 * first_term_] = sine[0];
-      harmonic[2 * first_term_ + 1] = cosine[0];
-    }
-    int power = 0;
-    for (const Product& product : products_) {
-      ++power;
-      const int a = product.left, b = product.right;
-      sine[power] = sine[a] * cosine[b] + cosine[a] * sine[b];
-      cosine[power] = cosine[a] * cosine[b] - sine[a] * sine[b];
-      if (product.term >= 0) {
-        harmonic[2 * product.term] = sine[power];
-        harmonic[2 * product.term + 1] = cosine[power];
+    // One sine and cosine; the other harmonics are products of lower powers of exp(i angle). The last power
+    // stays at hand: through memory it would come back too late for the next.
+    Scalar sine, cosine;
+    sin_cos(position * wavenumber_, sine, cosine);
+    std::ptrdiff_t last = first_power_;
+    harmonic[last] = sine;
+    harmonic[last + 1] = cosine;
+    for (const auto& [factor, place] : products_) {
+      const Scalar s = sine, c = cosine;
+      if (factor == last) {
+        sine = 2.0 * s * c;
+        cosine = c * c - s * s;
+      } else {
+        sine = s * harmonic[factor + 1] + c * harmonic[factor];
+        cosine = c * harmonic[factor + 1] - s * harmonic[factor];
       }
+      last = place;
+      harmonic[last] = sine;
+      harmonic[last + 1] = cosine;
     }
   }
 
@@ -156,38 +166,26 @@ class SplineHarmonics {
     if (twice != values.end()) require(false, name, "each may stand once", static_cast<double>(*twice));
   }
 
-  // A short addition chain over the harmonics: each power is the sum of two that are already there.
+  // A short addition chain over the harmonics: each power is the last one plus one that is already there.
   void plan_powers() {
-    std::vector<int> powers{1};
-    const auto index_of = [&](int power) {
-      const auto found = std::find(powers.begin(), powers.end(), power);
-      return found == powers.end() ? -1 : static_cast<int>(found - powers.begin());
+    std::vector<int> powers{1}, places = harmonics_;
+    const auto place_of = [&](int power) {
+      const std::ptrdiff_t place = std::find(places.begin(), places.end(), power) - places.begin();
+      if (place == std::ssize(places)) places.push_back(power);
+      return 2 * place;
     };
-    const auto add = [&](auto&& self, int power) -> void {
-      if (index_of(power) >= 0) return;
-      int left = -1;
-      for (int candidate : powers)
-        if (index_of(power - candidate) >= 0) left = candidate;
-      if (left < 0) {
-        left = power / 2;
-        self(self, left);
-        self(self, power - left);
-      }
-      products_.push_back({index_of(left), index_of(power - left), -1});
-      powers.push_back(power);
-    };
+    first_power_ = place_of(1);
     std::vector<int> ascending = harmonics_;
     std::sort(ascending.begin(), ascending.end());
-    for (int harmonic : ascending) add(add, harmonic);
-    require(powers.size() <= 4 * terms_max, "harmonics", "need too many products of powers",
-            static_cast<double>(powers.size()));
-    for (std::size_t i = 0; i < harmonics_.size(); ++i) {
-      const int power = index_of(harmonics_[i]);
-      if (power == 0)
-        first_term_ = static_cast<int>(i);
-      else
-        products_[power - 1].term = static_cast<int>(i);
-    }
+    for (int harmonic : ascending)
+      while (powers.back() < harmonic) {
+        const int missing = harmonic - powers.back();
+        const int factor = *std::prev(std::upper_bound(powers.begin(), powers.end(), missing));
+        powers.push_back(powers.back() + factor);
+        products_.push_back({place_of(factor), place_of(powers.back())});
+      }
+    require(places.size() <= powers_max, "harmonics", "need too many products of powers",
+            static_cast<double>(places.size()));
   }
 
   BSpline spline_;
@@ -197,7 +195,7 @@ class SplineHarmonics {
   std::vector<double> periods_;
   std::vector<double> wavenumbers_;
   std::vector<Product> products_;
-  int first_term_ = -1;
+  std::ptrdiff_t first_power_ = 0;  // column of the sine of 2 pi x / pitch
 };
 
 /// A basis with its amplitudes: a cogging force F_cogging(x) that opposes the command.

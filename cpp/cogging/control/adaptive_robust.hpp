@@ -11,6 +11,7 @@
 #include "cogging/control/controller.hpp"
 #include "cogging/control/projection.hpp"
 #include "cogging/parameters.hpp"
+#include "cogging/require.hpp"
 
 namespace cogging {
 
@@ -192,15 +193,15 @@ class AdaptiveRobust {
     adapt_plain(2, q.coulomb_adaptation, q.coulomb_bounds);
     adapt_plain(3, q.disturbance_adaptation, q.disturbance_bounds);
     if (basis_.empty() || q.cogging_adaptation == 0.0) return;
-    Scalar* coefficients = estimates_.data() + plain;
-    const Scalar rate = -q.cogging_adaptation * p_;
+    const Scalar step = -q.cogging_adaptation * sample_time_ * p_;
     const Scalar minimum = q.cogging_bounds[0], maximum = q.cogging_bounds[1];
+    const int columns = basis_.columns();
+    const auto start = active_.spline.first * columns;
     for (int j = 0; j < basis_.spline().order(); ++j) {
-      const Scalar row_rate = rate * active_.spline.weight[j];
-      const auto start = (active_.spline.first + j) * basis_.columns();
-      for (int c = 0; c < basis_.columns(); ++c)
-        scatter(coefficients + c, start,
-                adapt(gather(coefficients + c, start), row_rate * active_.harmonic[c], sample_time_, minimum, maximum));
+      Scalar* row = estimates_.data() + plain + j * columns;
+      const Scalar row_step = step * active_.spline.weight[j];
+      for (int c = 0; c < columns; ++c)
+        scatter(row + c, start, adapt(gather(row + c, start), row_step * active_.harmonic[c], minimum, maximum));
     }
   }
 
@@ -217,7 +218,7 @@ class AdaptiveRobust {
   void adapt_plain(int i, double gain, const std::array<double, 2>& bounds) noexcept {
     if (gain > 0.0)
       estimates_[i] =
-          adapt(estimates_[i], gain * regressor_[i] * p_, sample_time_, Scalar(bounds[0]), Scalar(bounds[1]));
+          adapt(estimates_[i], gain * sample_time_ * regressor_[i] * p_, Scalar(bounds[0]), Scalar(bounds[1]));
   }
 
   Scalar robust_term() const noexcept {

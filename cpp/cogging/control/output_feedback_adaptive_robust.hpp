@@ -259,7 +259,7 @@ class OutputFeedbackArc {
       const Scalar tau = q.weight_1 * phi_1_[i] * z_1_ + q.weight_2 * phi_2_[i] * z_2_;  // (50)
       if (q.adaptation[i] > 0.0)
         theta_[i] =
-            adapt(theta_[i], q.adaptation[i] * tau, sample_time_, Scalar(q.theta_min[i]), Scalar(q.theta_max[i]));
+            adapt(theta_[i], sample_time_ * q.adaptation[i] * tau, Scalar(q.theta_min[i]), Scalar(q.theta_max[i]));
     }
     eta_ = step(eta_, position_);
     lambda_ = step(lambda_, applied - compensation_);

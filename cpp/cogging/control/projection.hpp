@@ -12,11 +12,11 @@ Scalar project(const Scalar& rate, const Scalar& estimate, const Scalar& minimum
   return select(estimate <= minimum, select(rate < 0.0, Scalar(0.0), kept_below), kept_below);
 }
 
-/// One Euler step of the projected law; what would overshoot a bound within the step ends on it.
+/// One Euler step of the projected law, `change` being sample time times rate: at a bound the clamp takes back
+/// what (14) would have stopped, and what would overshoot a bound within the step ends on it.
 template <class Scalar>
-Scalar adapt(const Scalar& estimate, const Scalar& rate, double sample_time, const Scalar& minimum,
-             const Scalar& maximum) {
-  return clamp(estimate + sample_time * project(rate, estimate, minimum, maximum), minimum, maximum);
+Scalar adapt(const Scalar& estimate, const Scalar& change, const Scalar& minimum, const Scalar& maximum) {
+  return clamp(estimate + change, minimum, maximum);
 }
 
 }  // namespace cogging

@@ -11,6 +11,12 @@
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/plant/effects/list.hpp"
 
+#ifdef _MSC_VER
+#define COGGING_NOINLINE __declspec(noinline)
+#else
+#define COGGING_NOINLINE __attribute__((noinline))
+#endif
+
 namespace cogging {
 
 using Range = std::array<double, 2>;
@@ -68,12 +74,15 @@ class Axis {
 
   Axis(const AxisParameters<Scalar>& parameters, CoggingModel<Scalar> cogging,
        const std::vector<Effect<Scalar>>& effects = {})
-      : parameters_(parameters), cogging_(std::move(cogging)), inverse_mass_(Scalar(1.0) / parameters.mass) {
+      : parameters_(parameters),
+        cogging_(std::move(cogging)),
+        inverse_mass_(Scalar(1.0) / parameters.mass),
+        has_friction_(!all(parameters.coulomb == 0.0)) {
     for (const Effect<Scalar>& effect : effects)
       std::visit(
           [&]<class E>(const E&) {
-            if constexpr (HasForce<E, Scalar>) forces_.push_back(effect);
-            if constexpr (HasFrictionLevel<E, Scalar>) friction_levels_.push_back(effect);
+            if constexpr (HasForce<E, Scalar> || HasFrictionLevel<E, Scalar>) laws_.push_back(effect);
+            if constexpr (HasFrictionLevel<E, Scalar>) has_friction_ = true;
             if constexpr (HasEvents<E>) events_.push_back(effect);
           },
           effect);
@@ -95,10 +104,12 @@ class Axis {
   }
 
   /// Force balance over mass, m/s^2, with the smooth sign S(v).
-  Scalar acceleration(const AxisState<Scalar>& state, const Scalar& drive, double time) const {
-    const Scalar direction = smooth_sign(state.velocity, parameters_.coulomb_width);
-    const Motion<Scalar> motion{state.position, state.velocity, direction, time};
-    return (drive + force_without_friction(motion) - friction_level(motion) * direction) * inverse_mass_;
+  Scalar acceleration(const Scalar& position, const Scalar& velocity, const Scalar& drive, double time) const {
+    // Cogging first: in a Runge-Kutta step the position is known before the velocity.
+    const Scalar cogging = cogging_.force(position);
+    const Scalar direction = smooth_sign(velocity, parameters_.coulomb_width);
+    const auto [force, friction_level] = forces(cogging, position, velocity, direction, time);
+    return (drive + force - friction_level * direction) * inverse_mass_;
   }
 
   /// One step of length h from `time` with the drive held: classical Runge-Kutta of fourth order. With
@@ -106,69 +117,72 @@ class Axis {
   /// exactly.
   void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
     if constexpr (std::is_same_v<Scalar, double>) {
-      if (parameters_.coulomb_width == 0.0 && (parameters_.coulomb > 0.0 || !friction_levels_.empty())) {
+      if (parameters_.coulomb_width == 0.0 && has_friction_) {
         advance_sticking(state, drive, time, h);
         return;
       }
     }
-    state = runge_kutta(state, drive, time, 0.0, h, [this](const AxisState<Scalar>& s, const Scalar& u, double t) {
-      return acceleration(s, u, t);
+    runge_kutta(state, drive, time, 0.0, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+      return acceleration(x, v, u, t);
     });
   }
 
  private:
-  Scalar force_without_friction(const Motion<Scalar>& motion) const {
-    Scalar sum = -parameters_.viscous * motion.velocity - cogging_.force(motion.position);
-    for (const Effect<Scalar>& effect : forces_)
+  struct Forces {
+    Scalar without_friction, friction_level;  // V
+  };
+
+  Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity, const Scalar& direction,
+                double time) const {
+    const Forces sum{-parameters_.viscous * velocity - cogging, parameters_.coulomb};
+    return laws_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
+  }
+
+  // Out of line and by value: where there are no laws, position and velocity then stay apart in registers.
+  COGGING_NOINLINE Forces add_laws(Forces sum, Scalar position, Scalar velocity, Scalar direction, double time) const {
+    const Motion<Scalar> motion{position, velocity, direction, time};
+    for (const Effect<Scalar>& effect : laws_)
       std::visit(
           [&]<class E>(const E& law) {
-            if constexpr (HasForce<E, Scalar>) sum += law.force(motion);
+            if constexpr (HasForce<E, Scalar>) sum.without_friction += law.force(motion);
+            if constexpr (HasFrictionLevel<E, Scalar>) sum.friction_level += law.friction_level(motion);
           },
           effect);
+    sum.friction_level = select(sum.friction_level < 0.0, Scalar(0.0), sum.friction_level);  // friction never pushes
     return sum;
   }
 
-  Scalar friction_level(const Motion<Scalar>& motion) const {
-    Scalar level = parameters_.coulomb;
-    for (const Effect<Scalar>& effect : friction_levels_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasFrictionLevel<E, Scalar>) level += law.friction_level(motion);
-          },
-          effect);
-    return select(level < 0.0, Scalar(0.0), level);  // friction never pushes
-  }
-
+  // f(position, velocity, command, time). The position's sum has v2, v3 and v4 put in: it need not wait for a4.
   template <class Acceleration>
-  AxisState<Scalar> runge_kutta(const AxisState<Scalar>& s, const Drive<Scalar>& drive, double time, double offset,
-                                double h, const Acceleration& f) const {
-    const double half = 0.5 * h;
+  void runge_kutta(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
+                   const Acceleration& f) const {
+    const double half = 0.5 * h, sixth = h / 6.0;
     const Scalar u_start = drive.at(offset) + drive.force;
     const Scalar u_middle = drive.lagging ? drive.at(offset + half) + drive.force : u_start;
     const Scalar u_end = drive.lagging ? drive.at(offset + h) + drive.force : u_start;
-    const Scalar a1 = f(s, u_start, time);
-    const AxisState<Scalar> s2{s.position + half * s.velocity, s.velocity + half * a1};
-    const Scalar a2 = f(s2, u_middle, time + half);
-    const AxisState<Scalar> s3{s.position + half * s2.velocity, s.velocity + half * a2};
-    const Scalar a3 = f(s3, u_middle, time + half);
-    const AxisState<Scalar> s4{s.position + h * s3.velocity, s.velocity + h * a3};
+    const Scalar x = state.position, v1 = state.velocity;
+    const Scalar a1 = f(x, v1, u_start, time);
+    const Scalar v2 = v1 + half * a1;
+    const Scalar a2 = f(x + half * v1, v2, u_middle, time + half);
+    const Scalar v3 = v1 + half * a2;
+    const Scalar a3 = f(x + half * v2, v3, u_middle, time + half);
+    const Scalar v4 = v1 + h * a3;
+    state.position = x + sixth * (v1 + 2.0 * (v2 + v3) + v4);
     // A law that jumps at the end of the step must not be felt in it: look just before.
-    const Scalar a4 = f(s4, u_end, events_.empty() ? time + h : time + h * (1.0 - 1e-9));
-    const double sixth = h / 6.0;
-    return {s.position + sixth * (s.velocity + 2.0 * (s2.velocity + s3.velocity) + s4.velocity),
-            s.velocity + sixth * (a1 + 2.0 * (a2 + a3) + a4)};
+    const Scalar a4 = f(x + h * v3, v4, u_end, events_.empty() ? time + h : time + h * (1.0 - 1e-9));
+    state.velocity = v1 + sixth * (a1 + 2.0 * (a2 + a3) + a4);
   }
 
   // Force balance of an axis that slides in `direction`.
-  double sliding(const AxisState<double>& s, double u, double time, double direction) const {
-    const Motion<double> motion{s.position, s.velocity, direction, time};
-    return (u + force_without_friction(motion) - friction_level(motion) * direction) * inverse_mass_;
+  double sliding(double position, double velocity, double u, double time, double direction) const {
+    const auto [force, friction_level] = forces(cogging_.force(position), position, velocity, direction, time);
+    return (u + force - friction_level * direction) * inverse_mass_;
   }
 
   // -1 or +1: the direction in which an axis at rest breaks away; 0: it sticks.
   double breakaway(double position, double u, double time) const {
     for (double direction : {-1.0, 1.0})
-      if (sliding({position, 0.0}, u, time, direction) * direction > 0.0) return direction;
+      if (sliding(position, 0.0, u, time, direction) * direction > 0.0) return direction;
     return 0.0;
   }
 
@@ -201,8 +215,10 @@ class Axis {
         }
       }
       const auto slide = [&](double length) {
-        return runge_kutta(state, drive, time + done, done, length,
-                           [&](const AxisState<double>& s, double u, double t) { return sliding(s, u, t, direction); });
+        AxisState<double> end = state;
+        runge_kutta(end, drive, time + done, done, length,
+                    [&](double x, double v, double u, double t) { return sliding(x, v, u, t, direction); });
+        return end;
       };
       const AxisState<double> end = slide(left);
       if (end.velocity * direction >= 0.0) {
@@ -230,7 +246,8 @@ class Axis {
   AxisParameters<Scalar> parameters_;
   CoggingModel<Scalar> cogging_;
   Scalar inverse_mass_ = 1.0;
-  std::vector<Effect<Scalar>> forces_, friction_levels_, events_;
+  bool has_friction_ = false;
+  std::vector<Effect<Scalar>> laws_, events_;
 };
 
 }  // namespace cogging

@@ -1,0 +1,163 @@
+// The C3 loop of the X axis of Lu et al. 2008, written by hand for this one case: what the core is measured against.
+// The same arithmetic and the same columns as the core, its structure fixed: harmonics 1, 2, 3, 6, 12 in the plant and
+// 1, 2, 3 in the controller, splines of order 3 with 13 control points, one Runge-Kutta step a sample.
+
+#include <algorithm>
+#include <cmath>
+
+struct Setup {  // all double, in the order of lu2008_loop.py
+  double mass, viscous, coulomb, coulomb_width, pitch, resolution;
+  double start, distance, velocity, acceleration, jerk, dwell, repeats;
+  double sample_rate, error_gain, feedback_gain;
+  double mass_adaptation, viscous_adaptation, coulomb_adaptation, disturbance_adaptation, cogging_adaptation;
+  double mass_min, mass_max, viscous_min, viscous_max, coulomb_min, coulomb_max;
+  double disturbance_min, disturbance_max, cogging_min, cogging_max;
+};
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr int control_points = 13, spans = control_points - 2;
+
+struct ReferencePoint {
+  double position, velocity, acceleration;
+};
+
+// Jerk-limited, there and back; the acceleration and the velocity limit are both reached.
+struct PointToPoint {
+  const Setup& q;
+  double jerk_time = q.acceleration / q.jerk;
+  double ramp = q.velocity / q.acceleration + jerk_time;
+  double move = ramp + q.distance / q.velocity;
+  double period = 2.0 * (move + q.dwell);
+
+  ReferencePoint first_half(double t) const {
+    const double a = q.acceleration, v = q.velocity;
+    if (t < jerk_time) return {q.jerk * t * t * t / 6.0, 0.5 * q.jerk * t * t, q.jerk * t};
+    if (t < ramp - jerk_time) {
+      const double s = t - jerk_time, v0 = 0.5 * a * jerk_time;
+      return {a * jerk_time * jerk_time / 6.0 + v0 * s + 0.5 * a * s * s, v0 + a * s, a};
+    }
+    if (t < ramp) {
+      const double s = ramp - t;
+      return {0.5 * v * ramp - v * s + q.jerk * s * s * s / 6.0, v - 0.5 * q.jerk * s * s, q.jerk * s};
+    }
+    return {0.5 * v * ramp + v * (t - ramp), v, 0.0};
+  }
+
+  ReferencePoint at(double time) const {
+    if (time <= 0.0 || time >= q.repeats * period) return {q.start, 0.0, 0.0};
+    double t = std::fmod(time, period);
+    const bool back = t >= 0.5 * period;
+    if (back) t -= 0.5 * period;
+    ReferencePoint p;
+    if (t >= move) {
+      p = {q.distance, 0.0, 0.0};
+    } else if (t > 0.5 * move) {
+      p = first_half(move - t);
+      p = {q.distance - p.position, p.velocity, -p.acceleration};
+    } else {
+      p = first_half(t);
+    }
+    if (back) return {q.start + q.distance - p.position, -p.velocity, -p.acceleration};
+    return {q.start + p.position, p.velocity, p.acceleration};
+  }
+};
+
+struct Spline {
+  int first;
+  double w0, w1, w2;
+};
+
+Spline spline(double u) {  // position in pitches
+  u = std::clamp(u, 0.0, double(spans));
+  const int span = std::min(static_cast<int>(u), spans - 1);
+  const double t = u - span, s = 1.0 - t;
+  return {span, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
+}
+
+}  // namespace
+
+extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows, double* time,
+                            double* reference, double* reference_velocity, double* reference_acceleration,
+                            double* position, double* command, double* true_position, double* true_velocity) {
+  const Setup& q = *setup;
+  const double h = 1.0 / q.sample_rate;
+  const double inverse_mass = 1.0 / q.mass, inverse_pitch = 1.0 / q.pitch, wavenumber = 2.0 * pi / q.pitch;
+  const double inverse_width = 1.0 / q.coulomb_width, two_over_pi = 2.0 / pi;
+
+  const PointToPoint motion{q};
+  for (int k = 0; k < rows; ++k) {
+    time[k] = k / q.sample_rate;
+    const ReferencePoint point = motion.at(time[k]);
+    reference[k] = point.position;
+    reference_velocity[k] = point.velocity;
+    reference_acceleration[k] = point.acceleration;
+  }
+
+  const auto acceleration = [&](double x, double v, double u) {
+    const double s1 = std::sin(wavenumber * x), c1 = std::cos(wavenumber * x);
+    const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
+    const double s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
+    const double s6 = 2.0 * s3 * c3, c6 = c3 * c3 - s3 * s3;
+    const double s12 = 2.0 * s6 * c6, c12 = c6 * c6 - s6 * s6;
+    const double harmonic[10] = {s1, c1, s2, c2, s3, c3, s6, c6, s12, c12};
+    const Spline b = spline(x * inverse_pitch);
+    const double* a = cogging + 10 * b.first;
+    double sine = 0.0, cosine = 0.0;
+    for (int i = 0; i < 10; i += 2) {
+      sine += (b.w0 * a[i] + b.w1 * a[i + 10] + b.w2 * a[i + 20]) * harmonic[i];
+      cosine += (b.w0 * a[i + 1] + b.w1 * a[i + 11] + b.w2 * a[i + 21]) * harmonic[i + 1];
+    }
+    const double friction = q.viscous * v + q.coulomb * two_over_pi * std::atan(v * inverse_width);
+    return (u - friction - (sine + cosine)) * inverse_mass;
+  };
+
+  double mass = q.mass, viscous = q.viscous, coulomb = q.coulomb, disturbance = 0.0;  // estimates
+  double estimate[6 * control_points] = {};
+  double x = reference[0], v = 0.0, reading_previous = 0.0;
+  for (int k = 0; k < rows; ++k) {
+    const double reading = q.resolution * std::round(x / q.resolution);
+    const double measured_velocity = k == 0 ? 0.0 : (reading - reading_previous) * q.sample_rate;
+    reading_previous = reading;
+
+    const double xd = reference[k], vd = reference_velocity[k], ad = reference_acceleration[k];
+    const double p = measured_velocity - vd + q.error_gain * (reading - xd);
+    const double s1 = std::sin(wavenumber * xd), c1 = std::cos(wavenumber * xd);
+    const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
+    const double s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
+    const double harmonic[6] = {s1, c1, s2, c2, s3, c3};
+    const Spline b = spline(xd * inverse_pitch);
+    double* a = estimate + 6 * b.first;
+    double cogging_estimate = 0.0;
+    for (int i = 0; i < 6; ++i)
+      cogging_estimate += (b.w0 * a[i] + b.w1 * a[i + 6] + b.w2 * a[i + 12]) * harmonic[i];
+    const double direction = two_over_pi * std::atan(vd * inverse_width);
+    const double u = mass * ad + viscous * vd + coulomb * direction - disturbance + cogging_estimate -
+                     q.feedback_gain * p;
+
+    const double step = h * p;
+    mass = std::clamp(mass - q.mass_adaptation * ad * step, q.mass_min, q.mass_max);
+    viscous = std::clamp(viscous - q.viscous_adaptation * vd * step, q.viscous_min, q.viscous_max);
+    coulomb = std::clamp(coulomb - q.coulomb_adaptation * direction * step, q.coulomb_min, q.coulomb_max);
+    disturbance = std::clamp(disturbance + q.disturbance_adaptation * step, q.disturbance_min, q.disturbance_max);
+    for (int i = 0; i < 6; ++i) {
+      const double change = -q.cogging_adaptation * step * harmonic[i];
+      a[i] = std::clamp(a[i] + b.w0 * change, q.cogging_min, q.cogging_max);
+      a[i + 6] = std::clamp(a[i + 6] + b.w1 * change, q.cogging_min, q.cogging_max);
+      a[i + 12] = std::clamp(a[i + 12] + b.w2 * change, q.cogging_min, q.cogging_max);
+    }
+
+    position[k] = reading;
+    command[k] = u;
+    true_position[k] = x;
+    true_velocity[k] = v;
+
+    const double a1 = acceleration(x, v, u);
+    const double v2 = v + 0.5 * h * a1, a2 = acceleration(x + 0.5 * h * v, v2, u);
+    const double v3 = v + 0.5 * h * a2, a3 = acceleration(x + 0.5 * h * v2, v3, u);
+    const double v4 = v + h * a3, a4 = acceleration(x + h * v3, v4, u);
+    x += h / 6.0 * (v + 2.0 * (v2 + v3) + v4);
+    v += h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4);
+  }
+}
