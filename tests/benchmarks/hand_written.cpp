@@ -78,9 +78,9 @@ Spline spline(double u) {  // position in pitches
 
 }  // namespace
 
-extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows, double* time,
-                            double* reference, double* reference_velocity, double* reference_acceleration,
-                            double* position, double* command, double* true_position, double* true_velocity) {
+extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows, double* time, double* reference,
+                            double* reference_velocity, double* reference_acceleration, double* position,
+                            double* command, double* true_position, double* true_velocity) {
   const Setup& q = *setup;
   const double h = 1.0 / q.sample_rate;
   const double inverse_mass = 1.0 / q.mass, inverse_pitch = 1.0 / q.pitch, wavenumber = 2.0 * pi / q.pitch;
@@ -130,11 +130,10 @@ extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows,
     const Spline b = spline(xd * inverse_pitch);
     double* a = estimate + 6 * b.first;
     double cogging_estimate = 0.0;
-    for (int i = 0; i < 6; ++i)
-      cogging_estimate += (b.w0 * a[i] + b.w1 * a[i + 6] + b.w2 * a[i + 12]) * harmonic[i];
+    for (int i = 0; i < 6; ++i) cogging_estimate += (b.w0 * a[i] + b.w1 * a[i + 6] + b.w2 * a[i + 12]) * harmonic[i];
     const double direction = two_over_pi * std::atan(vd * inverse_width);
-    const double u = mass * ad + viscous * vd + coulomb * direction - disturbance + cogging_estimate -
-                     q.feedback_gain * p;
+    const double u =
+        mass * ad + viscous * vd + coulomb * direction - disturbance + cogging_estimate - q.feedback_gain * p;
 
     const double step = h * p;
     mass = std::clamp(mass - q.mass_adaptation * ad * step, q.mass_min, q.mass_max);

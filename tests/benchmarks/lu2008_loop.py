@@ -94,9 +94,7 @@ def core_arguments(setup, coefficients):
         )
     )
     motion = {name: setup[name] for name in ("start", "distance", "velocity", "acceleration", "jerk", "dwell")}
-    reference = cogging.PointToPoint(
-        cogging.PointToPointParameters(**motion, repeats=int(setup["repeats"]))
-    )
+    reference = cogging.PointToPoint(cogging.PointToPointParameters(**motion, repeats=int(setup["repeats"])))
     return plant, controller, reference
 
 
@@ -181,7 +179,9 @@ def main(repeats):
         position, command = largest_difference(core, run())
         print(f"{name} less core: {position:.1e} m, {command:.1e} V at most")
     batch = 4
-    runs["batch, 2 threads"] = lambda: cogging.closed_loop_batch([plant] * batch, [controller] * batch, reference, threads=2)
+    runs["batch, 2 threads"] = lambda: cogging.closed_loop_batch(
+        [plant] * batch, [controller] * batch, reference, threads=2
+    )
 
     seconds = measure(runs, repeats)
     seconds["batch, 2 threads"] /= batch

@@ -71,9 +71,7 @@ def acceleration(q, cogging, x, v, u):
     force = 0.0
     for i in range(5):
         sine, cosine = 2 * i, 2 * i + 1
-        force += (
-            w0 * cogging[first, sine] + w1 * cogging[first + 1, sine] + w2 * cogging[first + 2, sine]
-        ) * sines[i]
+        force += (w0 * cogging[first, sine] + w1 * cogging[first + 1, sine] + w2 * cogging[first + 2, sine]) * sines[i]
         force += (
             w0 * cogging[first, cosine] + w1 * cogging[first + 1, cosine] + w2 * cogging[first + 2, cosine]
         ) * cosines[i]
@@ -129,9 +127,7 @@ def lu2008_loop(
         mass = clamp(mass - q.mass_adaptation * ad * step, q.mass_min, q.mass_max)
         viscous = clamp(viscous - q.viscous_adaptation * vd * step, q.viscous_min, q.viscous_max)
         coulomb = clamp(coulomb - q.coulomb_adaptation * direction * step, q.coulomb_min, q.coulomb_max)
-        disturbance = clamp(
-            disturbance + q.disturbance_adaptation * step, q.disturbance_min, q.disturbance_max
-        )
+        disturbance = clamp(disturbance + q.disturbance_adaptation * step, q.disturbance_min, q.disturbance_max)
         for i in range(6):
             change = -q.cogging_adaptation * step * harmonic[i]
             for j, weight in enumerate((w0, w1, w2)):

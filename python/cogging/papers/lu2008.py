@@ -305,7 +305,7 @@ def _figure(title: str, panels: int) -> tuple[Figure, list[Any]]:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 1.6 + 1.9 * panels), layout="constrained")
-    axes = figure.subplots(panels, 1, sharex=True, squeeze=False)[:, 0]
+    axes = figure.subplots(panels, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     figure.suptitle(title)
     return figure, list(axes)
 

@@ -8,7 +8,7 @@ figure of the command increment against the robust terms is written there.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -224,7 +224,7 @@ def sensitivities(unknowns: Unknowns) -> dict[str, tuple[Unknowns, Mapping[str, 
     }
 
 
-def _numbers(values: Sequence[float]) -> str:
+def _numbers(values: Iterable[float]) -> str:
     return "".join(f"{value:9.3g}" for value in values)
 
 
@@ -310,4 +310,4 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    main(sys.argv[1] if len(sys.argv) > 1 else None)

@@ -18,8 +18,7 @@ struct CommandSaturation {
 
   static constexpr auto fields() {
     using E = CommandSaturation;
-    return std::tuple{
-        Field<E, Scalar>{"limit", &E::limit, "V", "largest command that passes; infinite = none"}};
+    return std::tuple{Field<E, Scalar>{"limit", &E::limit, "V", "largest command that passes; infinite = none"}};
   }
   void validate() const { require(limit > 0.0, "limit", "must be above 0 (infinite = none)", limit); }
 

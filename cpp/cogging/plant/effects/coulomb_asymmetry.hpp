@@ -17,14 +17,11 @@ struct CoulombAsymmetry {
 
   static constexpr auto fields() {
     using E = CoulombAsymmetry;
-    return std::tuple{
-        Field<E, Scalar>{"difference", &E::difference, "V", "forward level less backward level"}};
+    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V", "forward level less backward level"}};
   }
   void validate() const { require_finite("difference", difference); }
 
-  Scalar friction_level(const Motion<Scalar>& motion) const {
-    return 0.5 * difference * sign(motion.direction);
-  }
+  Scalar friction_level(const Motion<Scalar>& motion) const { return 0.5 * difference * sign(motion.direction); }
 };
 
 }  // namespace cogging

@@ -17,14 +17,11 @@ struct QuadraticDrag {
 
   static constexpr auto fields() {
     using E = QuadraticDrag;
-    return std::tuple{
-        Field<E, Scalar>{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second"}};
+    return std::tuple{Field<E, Scalar>{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second"}};
   }
   void validate() const { require_finite("coefficient", coefficient); }
 
-  Scalar force(const Motion<Scalar>& motion) const {
-    return -coefficient * motion.velocity * abs(motion.velocity);
-  }
+  Scalar force(const Motion<Scalar>& motion) const { return -coefficient * motion.velocity * abs(motion.velocity); }
 };
 
 }  // namespace cogging

@@ -20,10 +20,9 @@ struct StribeckFriction {
 
   static constexpr auto fields() {
     using E = StribeckFriction;
-    return std::tuple{
-        Field<E, Scalar>{"static_excess", &E::static_excess, "V", "static level above the Coulomb level"},
-        Field<E, Scalar>{"velocity", &E::velocity, "m/s", "speed at which the excess has fallen to 1/e"},
-        Field<E, Scalar>{"exponent", &E::exponent, "1", "shape of the fall: 1 exponential, 2 Gaussian"}};
+    return std::tuple{Field<E, Scalar>{"static_excess", &E::static_excess, "V", "static level above the Coulomb level"},
+                      Field<E, Scalar>{"velocity", &E::velocity, "m/s", "speed at which the excess has fallen to 1/e"},
+                      Field<E, Scalar>{"exponent", &E::exponent, "1", "shape of the fall: 1 exponential, 2 Gaussian"}};
   }
   void validate() const {
     require_finite("static_excess", static_excess);

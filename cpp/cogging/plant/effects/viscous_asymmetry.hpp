@@ -17,8 +17,7 @@ struct ViscousAsymmetry {
 
   static constexpr auto fields() {
     using E = ViscousAsymmetry;
-    return std::tuple{
-        Field<E, Scalar>{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope"}};
+    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope"}};
   }
   void validate() const { require_finite("difference", difference); }
 
