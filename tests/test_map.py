@@ -175,7 +175,7 @@ def test_standard_errors_of_a_short_scan_know_that_neighbours_are_alike():
         force = model.force(x) + noise(np.random.default_rng(seed), x.size, np.exp(-1 / 4))
         fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
         deviations += list(((fit.cogging.sine - model.sine) / fit.sine_standard_error).ravel())
-    assert 0.4 < np.std(deviations) < 1.3  # with white noise assumed 1.9
+    assert 0.4 < np.std(deviations) < 1.3  # were the noise taken to be white: 2.5
 
 
 @pytest.mark.parametrize("correlation", [0.0, np.exp(-1 / 5)])

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm, solve_continuous_lyapunov
 
 import cogging
-from cogging.papers import xu2001
+from cogging.papers import xu2001_setup
 from cogging.papers.xu2001_study import ROBUST_TERMS
 
 SWITCHES = [{}, *({name: True} for name in ROBUST_TERMS), dict.fromkeys(ROBUST_TERMS, True)]
@@ -88,7 +88,7 @@ class Literal:
 
 @pytest.mark.parametrize("switches", SWITCHES, ids=lambda s: "+".join(s) or "none")
 def test_partial_derivatives(switches):
-    p = xu2001.arc_parameters(**switches)
+    p = xu2001_setup.arc_parameters(**switches)
     controller, literal, random = cogging.OutputFeedbackArc(p), Literal(p), np.random.default_rng(1)
     names = ("position", "eta_1", "eta_2", "psi_2", "reference", "reference_velocity", "theta_1", "theta_2", "theta_3")
     for _ in range(50):
@@ -110,7 +110,7 @@ def test_partial_derivatives(switches):
 
 @pytest.mark.parametrize("switches", SWITCHES, ids=lambda s: "+".join(s) or "none")
 def test_command_and_adaptation_against_the_printed_law(switches):
-    p = xu2001.arc_parameters(**switches, robust_factor=1e-4)
+    p = xu2001_setup.arc_parameters(**switches, robust_factor=1e-4)
     controller, literal, random = cogging.OutputFeedbackArc(p), Literal(p), np.random.default_rng(2)
     block = np.zeros((3, 3))
     block[:2, :2], block[1, 2] = literal.a0, 1.0
@@ -119,7 +119,7 @@ def test_command_and_adaptation_against_the_printed_law(switches):
     theta, first = np.array(p.theta), None
     for k in range(40):
         t = k / p.sample_rate
-        reference = tuple(float(column[0]) for column in xu2001.reference().sample(np.array([t])))
+        reference = tuple(float(column[0]) for column in xu2001_setup.reference().sample(np.array([t])))
         reading = 0.2 + reference[0] + 1e-5 * random.normal()
         first = reading if first is None else first
         y, moved = reading - first, (reference[0] + 0.2 - first, *reference[1:])
@@ -177,7 +177,7 @@ def stepwise(p, theta, duration, disturbance=None):
     block = np.array([[0.0, 1.0, 0.0], [0.0, -theta[1], 1.0], [0.0, 0.0, 0.0]])
     step = expm(block * t_s)
     x = np.zeros(2)  # position and velocity
-    motion = xu2001.reference()
+    motion = xu2001_setup.reference()
     for k in range(int(duration * p.sample_rate)):
         q_d, v_d, a_d = (float(column[0]) for column in motion.sample(np.array([k * t_s])))
         u = controller.command(reference=q_d, reference_velocity=v_d, reference_acceleration=a_d, reading=x[0])
@@ -189,14 +189,14 @@ def stepwise(p, theta, duration, disturbance=None):
 
 def test_the_state_estimate_is_exact_with_the_true_theta():
     theta = np.array([20.0, 5.0, 3.0])
-    p = xu2001.arc_parameters(sample_rate=20_000.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
+    p = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
     worst = 0.0
     for t, (position, velocity), controller in stepwise(p, theta, 0.5):
         if t > 0:
             # x_2 = q' + theta_2 q; psi and eta see the held position, hence the allowance of half a sample's motion.
             worst = max(worst, abs(controller.velocity_state(list(theta)) - velocity - theta[1] * position))
     assert worst < 3e-3, worst
-    coarse = xu2001.arc_parameters(sample_rate=2500.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
+    coarse = xu2001_setup.arc_parameters(sample_rate=2500.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
     larger = max(
         abs(c.velocity_state(list(theta)) - v - theta[1] * x) for t, (x, v), c in stepwise(coarse, theta, 0.5) if t > 0
     )
@@ -206,7 +206,7 @@ def test_the_state_estimate_is_exact_with_the_true_theta():
 def test_v_theta_falls_with_ideal_sensing():
     # (A.7), (A.8): with parametric uncertainty only, V_theta never rises; epsilon terms and friction are off.
     theta = np.array([20.0, 5.0, 2.0])
-    p = xu2001.arc_parameters(sample_rate=100_000.0, coulomb=0.0, use_alpha_1s3=False)
+    p = xu2001_setup.arc_parameters(sample_rate=100_000.0, coulomb=0.0, use_alpha_1s3=False)
     gamma = np.array(p.adaptation)
     values = []
     for _t, (_x, _v), controller in stepwise(p, theta, 0.3):
@@ -221,9 +221,9 @@ def test_v_theta_falls_with_ideal_sensing():
 
 def test_the_error_vanishes_with_parametric_uncertainty_only():
     theta = np.array([12.0, 4.0, 5.0])
-    p = xu2001.arc_parameters(sample_rate=20_000.0, coulomb=0.0)
+    p = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0)
     z = np.array([controller.z_1 for _, _, controller in stepwise(p, theta, 6.0)])
-    fixed = xu2001.arc_parameters(sample_rate=20_000.0, coulomb=0.0, adaptation=[0.0] * 3)
+    fixed = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0, adaptation=[0.0] * 3)
     unadapted = np.array([controller.z_1 for _, _, controller in stepwise(fixed, theta, 6.0)])
     last = slice(-40_000, None)
     assert np.abs(z[last]).max() < 0.05 * np.abs(unadapted[last]).max()
@@ -239,7 +239,7 @@ def estimation_bound(p, size):
 
 def test_the_estimation_bound():
     theta = np.array([20.0, 5.0, 0.0])
-    p = xu2001.arc_parameters(sample_rate=20_000.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
+    p = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
     size = 5.0
     bound = estimation_bound(p, size)
     errors = [
@@ -253,7 +253,7 @@ def test_the_estimation_bound():
 def test_the_deterministic_robust_law_keeps_the_error_bound():
     # Remark 3: with adaptation off and the robust terms of (33), (35), (46) on, V_2 stays under (51).
     theta = np.array([20.0, 5.0, 1.0])
-    p = xu2001.arc_parameters(
+    p = xu2001_setup.arc_parameters(
         sample_rate=1e6,
         coulomb=0.0,
         theta=[25.0, 6.0, 0.0],
@@ -294,7 +294,7 @@ def test_a_0_is_stable_and_has_a_lyapunov_matrix():
 
 
 def test_the_filtered_sine_is_the_generator():
-    motion = xu2001.reference()
+    motion = xu2001_setup.reference()
     t = np.linspace(0.0, 3.0, 301)
     position, velocity, acceleration = motion.sample(t)
     closed = 0.05 * np.sin(4 * t) - 0.2 * t * np.exp(-50 * t)  # beta_1^2 = 4 beta_2
@@ -341,18 +341,18 @@ RULES = [
 @pytest.mark.parametrize(("change", "message"), RULES)
 def test_rules(change, message):
     with pytest.raises(ValueError, match=message):
-        xu2001.arc_parameters(**change)
+        xu2001_setup.arc_parameters(**change)
 
 
 def test_the_limit_of_euler_steps():
     # Both filter poles at -200: Euler is stable up to a step of 0.01 s.
-    xu2001.arc_parameters(sample_rate=100.5, filter_steps="euler")
+    xu2001_setup.arc_parameters(sample_rate=100.5, filter_steps="euler")
     with pytest.raises(ValueError, match="too low"):
-        xu2001.arc_parameters(sample_rate=99.5, filter_steps="euler")
+        xu2001_setup.arc_parameters(sample_rate=99.5, filter_steps="euler")
 
 
 def test_divergence_is_reported_with_time_and_state():
-    machine = xu2001.plant(xu2001.shipped_unknowns(), "1")
-    controller = cogging.OutputFeedbackArc(xu2001.arc_parameters(**dict.fromkeys(ROBUST_TERMS, True)))
+    machine = xu2001_setup.plant(xu2001_setup.shipped_unknowns(), "1")
+    controller = cogging.OutputFeedbackArc(xu2001_setup.arc_parameters(**dict.fromkeys(ROBUST_TERMS, True)))
     with pytest.raises(cogging.DivergedError, match=r"diverged at [0-9.]+ s: position .* m, velocity .* m/s"):
-        cogging.closed_loop(machine, controller, xu2001.reference(), duration=1.0)
+        cogging.closed_loop(machine, controller, xu2001_setup.reference(), duration=1.0)

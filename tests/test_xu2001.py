@@ -7,7 +7,7 @@ import pytest
 
 import cogging
 from cogging.files import parse_toml
-from cogging.papers import xu2001, xu2001_calibration, xu2001_study
+from cogging.papers import xu2001, xu2001_calibration, xu2001_setup, xu2001_study
 
 # Committed values of the six indexes (um, um, um, V, V, 1) by controller and set.
 COMMITTED = {
@@ -30,7 +30,7 @@ def test_table_1_is_the_committed_one(result):
     found = {(row.controller, row.labels["set"], row.index): row for row in result.tables[0].rows}
     assert len(found) == 36
     for (controller, set_name), values in COMMITTED.items():
-        for index, value in zip(xu2001.INDEXES, values, strict=True):
+        for index, value in zip(xu2001_setup.INDEXES, values, strict=True):
             row = found[controller, set_name, index]
             simulated = row.simulated * (1e6 if row.unit == "m" else 1.0)
             count = 1.0 if index in ("e_M", "e_F") else 0.0  # one encoder count
@@ -56,7 +56,7 @@ def test_the_shipped_plant_has_the_error_that_it_states():
     document = parse_toml(text)
     assert set(document) == set(xu2001_calibration.LAWS)
     for law, part in document.items():
-        gap = xu2001_calibration.log_ratios(xu2001.shipped_unknowns(law))
+        gap = xu2001_calibration.log_ratios(xu2001_setup.shipped_unknowns(law))
         assert np.sqrt(np.mean(gap**2)) == pytest.approx(part["rms_log_error"], rel=0.05), law
         assert part["rms_log_error"] == min(part["rms_log_error_of_starts"])
 
@@ -68,9 +68,11 @@ def test_the_calibration_script_regenerates_the_shipped_plant():
 
 
 def test_faster_adaptation_closes_most_of_the_gap():
-    unknowns = xu2001.shipped_unknowns()
-    as_printed = xu2001_study.gap(xu2001_study.columns(cogging.OutputFeedbackArc(xu2001.arc_parameters()), unknowns))
-    changed = xu2001.arc_parameters(**xu2001_study.changes()["adaptation x 3.5"])
+    unknowns = xu2001_setup.shipped_unknowns()
+    as_printed = xu2001_study.gap(
+        xu2001_study.columns(cogging.OutputFeedbackArc(xu2001_setup.arc_parameters()), unknowns)
+    )
+    changed = xu2001_setup.arc_parameters(**xu2001_study.changes()["adaptation x 3.5"])
     faster = xu2001_study.gap(xu2001_study.columns(cogging.OutputFeedbackArc(changed), unknowns))
     print(f"\nrms log gap of the ARC columns: {as_printed:.3f} as printed, {faster:.3f} with 3.5 times the adaptation")
     assert 0.3 < faster / as_printed < 0.6
@@ -84,23 +86,23 @@ def test_the_printed_robust_terms_cannot_run():
 
 
 def test_integral_stiffness_of_the_pid_is_its_integral_gain():
-    controller = cogging.Pid(xu2001.pid_parameters(coulomb=0.0))
-    assert xu2001_study.integral_stiffness(controller, xu2001.MASSES["1"]) == pytest.approx(5.4e5, rel=0.01)
+    controller = cogging.Pid(xu2001_setup.pid_parameters(coulomb=0.0))
+    assert xu2001_study.integral_stiffness(controller, xu2001_setup.MASSES["1"]) == pytest.approx(5.4e5, rel=0.01)
 
 
 def test_a_delay_makes_the_pid_unstable_where_the_linear_loop_says():
     delay, frequency = xu2001_study.loses_stability(
-        lambda: cogging.Pid(xu2001.pid_parameters(coulomb=0.0)), xu2001.MASSES["1"]
+        lambda: cogging.Pid(xu2001_setup.pid_parameters(coulomb=0.0)), xu2001_setup.MASSES["1"]
     )
     # Continuous loop with the sampling's half-sample hold and the difference's half sample: phase margin at crossover.
-    p, mass = xu2001.pid_parameters(), xu2001.MASSES["1"]
+    p, mass = xu2001_setup.pid_parameters(), xu2001_setup.MASSES["1"]
     omega = 2 * np.pi * np.linspace(20, 400, 200_000)
-    s, t_s = 1j * omega, 1.0 / xu2001.SAMPLE_RATE
+    s, t_s = 1j * omega, 1.0 / xu2001_setup.SAMPLE_RATE
     z = np.exp(s * t_s)
     difference = (1 - 1 / z) / t_s
     feedback = p.kp + p.ki * t_s / (1 - 1 / z) + (p.kd - p.viscous) * difference
     hold = (1 - 1 / z) / (s * t_s)
-    loop = feedback * hold / (mass * s**2 + xu2001.VISCOUS * s)
+    loop = feedback * hold / (mass * s**2 + xu2001_setup.VISCOUS * s)
     crossing = np.flatnonzero(np.abs(loop) > 1)[-1]
     margin = (np.angle(loop[crossing]) + np.pi) % (2 * np.pi) / omega[crossing]
     assert delay == pytest.approx(margin, rel=0.05)
@@ -108,7 +110,7 @@ def test_a_delay_makes_the_pid_unstable_where_the_linear_loop_says():
 
 
 def test_case_2_runs_at_its_limits():
-    motion = xu2001.fast_reference()
+    motion = xu2001_setup.fast_reference()
     _, velocity, acceleration = motion.sample(np.linspace(0, motion.end, 100_001))
     assert np.abs(velocity).max() == pytest.approx(1.0)
     assert np.abs(acceleration).max() == pytest.approx(12.0)

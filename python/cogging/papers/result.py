@@ -59,16 +59,22 @@ class Table:
     title: str
     rows: Sequence[Row]
 
+    @staticmethod
+    def _name(row: Row) -> str:
+        return ", ".join([row.controller, *(f"{label} {value}" for label, value in row.labels.items())])
+
     def text(self) -> str:
         """The table for the screen."""
-        lines = [self.title, f"{'':4}{'controller':<15}{'index':<8}{'paper':>12}{'simulated':>12}{'ratio':>8}  "]
+        width = max([15, *(len(self._name(row)) + 2 for row in self.rows)])
+        lines = [self.title, f"{'':4}{'controller':<{width}}{'index':<8}{'paper':>12}{'simulated':>12}{'ratio':>8}  "]
         for row in self.rows:
             scale, unit = (1e6, "um") if row.unit == "m" else (1.0, row.unit.removeprefix("1"))
-            name = ", ".join([row.controller, *(f"{label} {value}" for label, value in row.labels.items())])
             printed = f"{row.paper * scale:.4g} {unit}" if row.paper is not None else "-"
             ratio = f"{row.simulated / row.paper:.3f}" if row.paper else "-"
             simulated = f"{row.simulated * scale:.4g} {unit}"
-            lines.append(f"{'':4}{name:<15}{row.index:<8}{printed:>12}{simulated:>12}{ratio:>8}  {row.status}")
+            lines.append(
+                f"{'':4}{self._name(row):<{width}}{row.index:<8}{printed:>12}{simulated:>12}{ratio:>8}  {row.status}"
+            )
         return "\n".join(lines)
 
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from cogging._core import DivergedError, Pid
 from cogging.files import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.xu2001 import INDEXES, SETS, TABLE_1, Unknowns, indexes, pid_parameters, run, to_dict
+from cogging.papers.xu2001_setup import INDEXES, SETS, TABLE_1, Unknowns, indexes, pid_parameters, run, to_dict
 
 FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
 
