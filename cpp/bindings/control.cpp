@@ -2,6 +2,7 @@
 #include "cogging/control/adaptive_robust.hpp"
 #include "cogging/control/cascade.hpp"
 #include "cogging/control/desired_compensation_condition.hpp"
+#include "cogging/control/observer_based.hpp"
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 
@@ -12,24 +13,36 @@ namespace {
 template <class C>
 py::class_<C> bind_controller(py::module_& module, const char* name, const char* doc) {
   static_assert(Controller<C, double>);
-  return py::class_<C>(module, name, doc)
-      .def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
+  py::class_<C> bound(module, name, doc);
+  bound.def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
       .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
       .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
       .def_property_readonly(
           "estimates",
           [](const C& c) { return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end())); },
           "What it believes now, (p,): a copy; empty for a controller that does not adapt.")
-      .def(
-          "command",
-          [](C& c, double position, double velocity, double acceleration, double reading) {
-            return c.command(ReferencePoint{position, velocity, acceleration}, reading);
-          },
-          py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
-          py::arg("reference_acceleration") = 0.0, py::arg("reading"),
-          "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).")
       .def("update", &C::update, py::arg("applied"), "Ends the sample: the command (V) that was really applied.")
       .def("copy", [](const C& c) { return c; }, "A controller in the same state.");
+  constexpr const char* command_doc =
+      "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).";
+  if constexpr (LooksAhead<C>)
+    bound.def(
+        "command",
+        [](C& c, const std::array<double, 3>& reference, const std::array<double, 3>& ahead, double reading) {
+          return c.command({reference[0], reference[1], reference[2]}, {ahead[0], ahead[1], ahead[2]}, reading);
+        },
+        py::kw_only(), py::arg("reference"), py::arg("ahead"), py::arg("reading"),
+        "The command (V) of this sample from the reference now and `preview` s ahead (each m, m/s, m/s^2) and encoder "
+        "reading (m).");
+  else
+    bound.def(
+        "command",
+        [](C& c, double position, double velocity, double acceleration, double reading) {
+          return c.command(ReferencePoint{position, velocity, acceleration}, reading);
+        },
+        py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
+        py::arg("reference_acceleration") = 0.0, py::arg("reading"), command_doc);
+  return bound;
 }
 
 }  // namespace
@@ -92,6 +105,15 @@ adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from
           py::kw_only(), py::arg("position"), py::arg("eta_1"), py::arg("eta_2"), py::arg("psi_2"),
           py::arg("reference"), py::arg("reference_velocity"), py::arg("theta"),
           "alpha_1 (eq. 25, 27) as `value`, and its partial derivatives by the name of the argument.");
+
+  bind_parameters<ObserverBasedParameters<>>(
+      module, "ObserverBasedParameters",
+      "Periods and gains of an ObserverBased (Malaize and Levine 2009, eq. 2, 6, 8).");
+  bind_controller<ObserverBased<>>(module, "ObserverBased", R"(Observer-based cancellation (Malaize and Levine 2009).
+
+Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
+Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period.)")
+      .def_property_readonly("preview", &ObserverBased<>::preview, "how far ahead the second reference is, s");
 
   module.def(
       "desired_compensation_matrix",

@@ -1,6 +1,7 @@
 #include "bindings.hpp"
 #include "cogging/control/adaptive_robust.hpp"
 #include "cogging/control/cascade.hpp"
+#include "cogging/control/observer_based.hpp"
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 #include "cogging/simulation/batch.hpp"
@@ -11,7 +12,7 @@ using namespace cogging;
 
 namespace {
 
-using AnyController = std::variant<Pid<>, Cascade<>, Arc<>, Dcarc<>, OutputFeedbackArc<>>;
+using AnyController = std::variant<Pid<>, Cascade<>, Arc<>, Dcarc<>, OutputFeedbackArc<>, ObserverBased<>>;
 
 Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference,
           const RunOptions& options) {

@@ -18,6 +18,8 @@ from cogging._core import (
     FilteredSine,
     FilteredSineParameters,
     NoiseParameters,
+    ObserverBased,
+    ObserverBasedParameters,
     OutputFeedbackArc,
     OutputFeedbackArcParameters,
     Performance,
@@ -45,9 +47,11 @@ from cogging.gains import pid_gains, pid_poles
 from cogging.logs import Log, read_log
 from cogging.map import MapFit, fit_map
 from cogging.model import Model
-from cogging.papers import reproduce
+from cogging.observer_design import ObserverDesign, ObserverProblem, design_observer
+from cogging.papers import compare, reproduce
 from cogging.reference import read_reference
 from cogging.simulation import simulate
+from cogging.tracking_spectrum import TrackingSpectrum, tracking_spectrum
 
 __version__ = importlib.metadata.version("cogging")
 
@@ -70,6 +74,10 @@ __all__ = [
     "MapFit",
     "Model",
     "NoiseParameters",
+    "ObserverBased",
+    "ObserverBasedParameters",
+    "ObserverDesign",
+    "ObserverProblem",
     "OutputFeedbackArc",
     "OutputFeedbackArcParameters",
     "Performance",
@@ -83,9 +91,12 @@ __all__ = [
     "Sine",
     "SineParameters",
     "SplineHarmonics",
+    "TrackingSpectrum",
     "closed_loop",
     "closed_loop_batch",
     "cogging_slope_max",
+    "compare",
+    "design_observer",
     "desired_compensation_condition",
     "desired_compensation_matrix",
     "effects",
@@ -99,4 +110,5 @@ __all__ = [
     "read_reference",
     "reproduce",
     "simulate",
+    "tracking_spectrum",
 ]

@@ -11,7 +11,7 @@ from pathlib import Path
 from cogging import _core
 from cogging.files import InputError
 from cogging.logs import read_columns
-from cogging.papers import PAPERS, reproduce
+from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.simulation import simulate
 
 
@@ -42,6 +42,7 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("reproduce", help="the published experiments beside the papers' numbers")
     command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
+    command.add_argument("--compare", action="store_true", help="all papers' controllers on one axis")
     command.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
     command.set_defaults(run=_reproduce)
 
@@ -106,10 +107,15 @@ def _reproduce(options: argparse.Namespace) -> None:
     for paper in options.papers:
         if paper not in PAPERS:
             raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {paper!r}")
-    for paper in options.papers or PAPERS:
-        result = reproduce(paper, progress=True)
-        written = result.write(options.out)
-        print(f"{paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written")
+    for paper in options.papers or (() if options.compare else PAPERS):
+        _show(reproduce(paper, progress=True), options.out)
+    if options.compare:
+        _show(compare(progress=True), options.out)
+
+
+def _show(result: Reproduction, folder: str) -> None:
+    written = result.write(folder)
+    print(f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
 
 
 def _simulate(options: argparse.Namespace) -> None:

@@ -20,6 +20,8 @@ from cogging._core import (
     Dcarc,
     EncoderParameters,
     NoiseParameters,
+    ObserverBased,
+    ObserverBasedParameters,
     OutputFeedbackArc,
     OutputFeedbackArcParameters,
     Pid,
@@ -36,9 +38,12 @@ CONTROLLERS: dict[str, tuple[Any, Any]] = {
     "arc": (AdaptiveRobustParameters, Arc),
     "dcarc": (AdaptiveRobustParameters, Dcarc),
     "output_feedback_arc": (OutputFeedbackArcParameters, OutputFeedbackArc),
+    "observer_based": (ObserverBasedParameters, ObserverBased),
 }
-ControllerParameters = PidParameters | CascadeParameters | AdaptiveRobustParameters | OutputFeedbackArcParameters
-Controller = Pid | Cascade | Arc | Dcarc | OutputFeedbackArc
+ControllerParameters = (
+    PidParameters | CascadeParameters | AdaptiveRobustParameters | OutputFeedbackArcParameters | ObserverBasedParameters
+)
+Controller = Pid | Cascade | Arc | Dcarc | OutputFeedbackArc | ObserverBased
 
 SECTIONS = ("axis", "uncertainty", "cogging", "effects", "encoder", "noise", "controller", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
@@ -58,7 +63,7 @@ class Model:
         encoder: resolution and noise of the position reading.
         noise: force noise, for simulation.
         controller: parameters of the controller, or None where it is not known.
-        controller_type: its name in model files ("pid", "cascade", "arc", "dcarc", "output_feedback_arc").
+        controller_type: its name in model files, a key of CONTROLLERS.
         uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
         bounds: 95 % intervals by parameter path, as `identify` writes them.
     """
@@ -221,9 +226,10 @@ def _require_type(value: Any, default: Any, section: str, key: str) -> None:
     elif isinstance(default, str):
         kind, holds = "a text", isinstance(value, str)
     elif isinstance(default, list):
-        kind = "a list of numbers" if key == "cogging_harmonics" or not default else f"{len(default)} numbers"
+        free = not default or key in ("periods", "observer_gain")  # as many as the user has
+        kind = "a list of numbers" if free else f"{len(default)} numbers"
         holds = isinstance(value, list) and all(map(_is_number, value))
-        holds = holds and (not default or len(value) == len(default))
+        holds = holds and (free or len(value) == len(default))
         if key.endswith("harmonics"):
             kind, holds = "a list of whole numbers", holds and all(isinstance(v, int) for v in value)
     elif isinstance(default, int):

@@ -2,6 +2,7 @@
 // Feedforward of acceleration, velocity and friction, as `pid` and `cascade` add it.
 
 #include <string>
+#include <tuple>
 
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
@@ -9,6 +10,18 @@
 #include "cogging/scalar.hpp"
 
 namespace cogging {
+
+/// The fields that every parameter struct with a feedforward has: mass to feedforward_velocity.
+template <class P, class Scalar>
+constexpr auto feedforward_fields() {
+  return std::tuple{
+      Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "feedforward of the reference acceleration; 0 = none"},
+      Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity"},
+      Field<P, Scalar>{"coulomb", &P::coulomb, "V", "friction compensation"},
+      Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn"},
+      Field<P, std::string>{"feedforward_velocity", &P::feedforward_velocity, "",
+                            "\"reference\" or \"measured\" (backward difference of the reading)"}};
+}
 
 template <class Parameters>
 void validate_feedforward(const Parameters& parameters) {

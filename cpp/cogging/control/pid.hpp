@@ -26,18 +26,13 @@ struct PidParameters {
 
   static constexpr auto fields() {
     using P = PidParameters;
-    return std::tuple{
-        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-        Field<P, Scalar>{"kp", &P::kp, "V/m", "proportional gain"},
-        Field<P, Scalar>{"ki", &P::ki, "V/(m s)", "integral gain"},
-        Field<P, Scalar>{"kd", &P::kd, "V/(m/s)", "derivative gain"},
-        Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "feedforward of the reference acceleration; 0 = none"},
-        Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity"},
-        Field<P, Scalar>{"coulomb", &P::coulomb, "V", "friction compensation"},
-        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn"},
-        Field<P, std::string>{"feedforward_velocity", &P::feedforward_velocity, "",
-                              "\"reference\" or \"measured\" (backward difference of the reading)"},
-        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command, with anti-windup; 0 = none"}};
+    return std::tuple_cat(std::tuple{Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
+                                     Field<P, Scalar>{"kp", &P::kp, "V/m", "proportional gain"},
+                                     Field<P, Scalar>{"ki", &P::ki, "V/(m s)", "integral gain"},
+                                     Field<P, Scalar>{"kd", &P::kd, "V/(m/s)", "derivative gain"}},
+                          feedforward_fields<P, Scalar>(),
+                          std::tuple{Field<P, double>{"command_limit", &P::command_limit, "V",
+                                                      "largest command, with anti-windup; 0 = none"}});
   }
 
   void validate() const {

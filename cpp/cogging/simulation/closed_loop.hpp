@@ -124,7 +124,11 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
     const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
     if (options.record_estimates)
       log.estimates.insert(log.estimates.end(), controller.estimates().begin(), controller.estimates().end());
-    Scalar command = controller.command(point, reading);
+    Scalar command;
+    if constexpr (LooksAhead<C>)
+      command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);
+    else
+      command = controller.command(point, reading);
     if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
     controller.update(command);
     log.position[k] = reading;

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -1326,6 +1326,146 @@ class OutputFeedbackArc:
         """
         lambda_2 - alpha_1 of the last sample
         """
+class ObserverBasedParameters:
+    """
+    Periods and gains of an ObserverBased (Malaize and Levine 2009, eq. 2, 6, 8).
+    
+    Fields:
+        sample_rate (Hz): samples a second
+        periods (m): spatial periods P_n that are cancelled (eq. 2)
+        observer_gain: K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)
+        observer_gain_slope: K grows by |nu*| (m/s) times this; empty = constant
+        position_gain (1/s^2): L_x = omega^2 (section IV.C)
+        velocity_gain (1/s): L_nu = 2 xi omega - mu
+        mass (V/(m/s^2)): by which accelerations become commands
+        viscous (1/s): mu (eq. 1)
+        velocity_min (m/s): below this |nu*| the harmonics are frozen
+        delay (s): from reading to acting command; feedforward looks ahead by it
+        rotation: harmonics turn with the "reference" (the paper) or the "measured" position
+        command_limit (V): largest command; 0 = none
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'periods': ('m', 'spatial periods P_n that are cancelled (eq. 2)'), 'observer_gain': ('', "K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)"), 'observer_gain_slope': ('', 'K grows by |nu*| (m/s) times this; empty = constant'), 'position_gain': ('1/s^2', 'L_x = omega^2 (section IV.C)'), 'velocity_gain': ('1/s', 'L_nu = 2 xi omega - mu'), 'mass': ('V/(m/s^2)', 'by which accelerations become commands'), 'viscous': ('1/s', 'mu (eq. 1)'), 'velocity_min': ('m/s', 'below this |nu*| the harmonics are frozen'), 'delay': ('s', 'from reading to acting command; feedforward looks ahead by it'), 'rotation': ('', 'harmonics turn with the "reference" (the paper) or the "measured" position'), 'command_limit': ('V', 'largest command; 0 = none')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, sample_rate: typing.SupportsFloat | typing.SupportsIndex = 10000.0, periods: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [0.024], observer_gain: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [300.0, 30000.0, 1000000.0, 0.0, 0.0], observer_gain_slope: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], position_gain: typing.SupportsFloat | typing.SupportsIndex = 14400.0, velocity_gain: typing.SupportsFloat | typing.SupportsIndex = 239.0, mass: typing.SupportsFloat | typing.SupportsIndex = 1.0, viscous: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, delay: typing.SupportsFloat | typing.SupportsIndex = 0.0, rotation: str = 'reference', command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> ObserverBasedParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        largest command; 0 = none, V
+        """
+    @property
+    def delay(self) -> float:
+        """
+        from reading to acting command; feedforward looks ahead by it, s
+        """
+    @property
+    def mass(self) -> float:
+        """
+        by which accelerations become commands, V/(m/s^2)
+        """
+    @property
+    def observer_gain(self) -> list[float]:
+        """
+        K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)
+        """
+    @property
+    def observer_gain_slope(self) -> list[float]:
+        """
+        K grows by |nu*| (m/s) times this; empty = constant
+        """
+    @property
+    def periods(self) -> list[float]:
+        """
+        spatial periods P_n that are cancelled (eq. 2), m
+        """
+    @property
+    def position_gain(self) -> float:
+        """
+        L_x = omega^2 (section IV.C), 1/s^2
+        """
+    @property
+    def rotation(self) -> str:
+        """
+        harmonics turn with the "reference" (the paper) or the "measured" position
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        samples a second, Hz
+        """
+    @property
+    def velocity_gain(self) -> float:
+        """
+        L_nu = 2 xi omega - mu, 1/s
+        """
+    @property
+    def velocity_min(self) -> float:
+        """
+        below this |nu*| the harmonics are frozen, m/s
+        """
+    @property
+    def viscous(self) -> float:
+        """
+        mu (eq. 1), 1/s
+        """
+class ObserverBased:
+    """
+    Observer-based cancellation (Malaize and Levine 2009).
+    
+    Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
+    Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period.
+    """
+    def __init__(self, parameters: ObserverBasedParameters) -> None:
+        ...
+    def command(self, *, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], ahead: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from the reference now and `preview` s ahead (each m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> ObserverBased:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def parameters(self) -> ObserverBasedParameters:
+        ...
+    @property
+    def preview(self) -> float:
+        """
+        how far ahead the second reference is, s
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
 class Performance:
     """
     The indexes of one run.
@@ -1360,7 +1500,7 @@ class Performance:
         """
         sqrt(mean e^2), m
         """
-def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc | OutputFeedbackArc, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
     """
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
@@ -1372,7 +1512,7 @@ def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc | OutputFe
         ValueError: the reference leaves the travel, a motion without an end and no duration.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Arc | Dcarc | OutputFeedbackArc], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
+def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Arc | Dcarc | OutputFeedbackArc | ObserverBased], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
     """
     Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number.
     """

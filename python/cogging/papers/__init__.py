@@ -7,10 +7,10 @@ import os
 
 from cogging.papers.result import Reproduction, Row, Table
 
-__all__ = ["PAPERS", "Reproduction", "Row", "Table", "reproduce"]
+__all__ = ["PAPERS", "Reproduction", "Row", "Table", "compare", "reproduce"]
 
 #: The papers that can be reproduced; each is a module of this folder.
-PAPERS = ("lu2008", "xu2001")
+PAPERS = ("lu2008", "malaize2009", "xu2001")
 
 
 def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:
@@ -26,16 +26,32 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
     """
     if paper not in PAPERS:
         raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}")
-    module = importlib.import_module(f"cogging.papers.{paper}")
+    return _run(f"cogging.papers.{paper}", "reproduce", paper, out, progress)
+
+
+def compare(*, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:
+    """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.
+
+    Args:
+        out: folder into which `comparison.json` and the figure are written; None writes nothing.
+        progress: show a progress bar on standard error.
+    """
+    return _run("cogging.papers.comparison", "compare", "comparison", out, progress)
+
+
+def _run(
+    module_name: str, function: str, name: str, out: str | os.PathLike[str] | None, progress: bool
+) -> Reproduction:
+    module = importlib.import_module(module_name)
     from tqdm import tqdm
 
-    with tqdm(total=len(module.STEPS), desc=paper, unit="step", disable=not progress, leave=False) as bar:
+    with tqdm(total=len(module.STEPS), desc=name, unit="step", disable=not progress, leave=False) as bar:
 
         def done(step: str) -> None:
             bar.set_postfix_str(step)
             bar.update()
 
-        result: Reproduction = module.reproduce(done)
+        result: Reproduction = getattr(module, function)(done)
     if out is not None:
         result.write(out)
     return result

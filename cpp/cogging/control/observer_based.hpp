@@ -1,0 +1,214 @@
+#pragma once
+// Observer-based cancellation of cogging: positions only, any spatial periods (Malaize and Levine 2009, eq. 1 to 8).
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "cogging/control/controller.hpp"
+#include "cogging/parameters.hpp"
+#include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
+
+namespace cogging {
+
+/// Forces are accelerations in the paper; `mass` carries them over to the command unit.
+template <class Scalar = double>
+struct ObserverBasedParameters {
+  double sample_rate = 10000.0;                                     // Hz
+  std::vector<double> periods = {0.024};                            // m
+  std::vector<double> observer_gain = {300.0, 3e4, 1e6, 0.0, 0.0};  // 1/s, 1/s^2, 1/s^3, ...
+  std::vector<double> observer_gain_slope{};                        // per m/s
+  double position_gain = 14400.0;                                   // 1/s^2
+  double velocity_gain = 239.0;                                     // 1/s
+  double mass = 1.0;                                                // V/(m/s^2)
+  double viscous = 0.0;                                             // 1/s
+  double velocity_min = 0.0;                                        // m/s
+  double delay = 0.0;                                               // s
+  std::string rotation = "reference";
+  double command_limit = 0.0;  // V
+
+  static constexpr int periods_max = 16;
+  static constexpr int delay_max = 64;  // samples
+
+  static constexpr auto fields() {
+    using P = ObserverBasedParameters;
+    using List = std::vector<double>;
+    return std::tuple{
+        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
+        Field<P, List>{"periods", &P::periods, "m", "spatial periods P_n that are cancelled (eq. 2)"},
+        Field<P, List>{"observer_gain", &P::observer_gain, "",
+                       "K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)"},
+        Field<P, List>{"observer_gain_slope", &P::observer_gain_slope, "",
+                       "K grows by |nu*| (m/s) times this; empty = constant"},
+        Field<P, double>{"position_gain", &P::position_gain, "1/s^2", "L_x = omega^2 (section IV.C)"},
+        Field<P, double>{"velocity_gain", &P::velocity_gain, "1/s", "L_nu = 2 xi omega - mu"},
+        Field<P, double>{"mass", &P::mass, "V/(m/s^2)", "by which accelerations become commands"},
+        Field<P, double>{"viscous", &P::viscous, "1/s", "mu (eq. 1)"},
+        Field<P, double>{"velocity_min", &P::velocity_min, "m/s", "below this |nu*| the harmonics are frozen"},
+        Field<P, double>{"delay", &P::delay, "s", "from reading to acting command; feedforward looks ahead by it"},
+        Field<P, std::string>{"rotation", &P::rotation, "",
+                              "harmonics turn with the \"reference\" (the paper) or the \"measured\" position"},
+        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
+  }
+
+  void validate() const {
+    require_positive("sample_rate", sample_rate);
+    require(!periods.empty() && periods.size() <= periods_max, "periods", "must list 1 to 16",
+            static_cast<double>(periods.size()));
+    for (double period : periods) require_positive("periods", period);
+    const double size = 3.0 + 2.0 * static_cast<double>(periods.size());
+    require(static_cast<double>(observer_gain.size()) == size, "observer_gain",
+            "must hold 3 + 2 periods = " + format(size) + " values", static_cast<double>(observer_gain.size()));
+    require_finite("observer_gain", observer_gain);
+    if (!observer_gain_slope.empty())
+      require(static_cast<double>(observer_gain_slope.size()) == size, "observer_gain_slope",
+              "must be empty or hold 3 + 2 periods = " + format(size) + " values",
+              static_cast<double>(observer_gain_slope.size()));
+    require_finite("observer_gain_slope", observer_gain_slope);
+    require_positive("position_gain", position_gain);
+    require_finite("velocity_gain", velocity_gain);
+    require_positive("mass", mass);
+    require_not_negative("viscous", viscous);
+    require_not_negative("velocity_min", velocity_min);
+    require(delay >= 0.0 && delay * sample_rate < delay_max - 2, "delay", "must be 0 to 61 samples", delay);
+    if (rotation != "reference" && rotation != "measured")
+      refuse("rotation", "must be \"reference\" or \"measured\"", rotation);
+    require_not_negative("command_limit", command_limit);
+  }
+};
+
+/// Extended observer (6) and law (8): u = mass (-L_x (y - x*) - L_nu (nu_hat - nu*) - C_N zeta_hat + a* + mu nu*).
+///
+/// Between samples zeta turns exactly, by 2 pi dx* / P_n, and (x, nu) follow by Taylor's formula to third order with
+/// the command that acted; at the sample Ts K (y - x_hat) corrects them. K is that of nu* > 0: for nu* < 0 the signs of
+/// the cosines' gains turn, since (3) does. Below velocity_min the harmonics are frozen, because zeta is not observable
+/// at rest. lambda_0 holds the dry friction, so each direction keeps its own. Feedforward and zeta are looked up
+/// `delay` ahead; the feedback cannot be.
+template <class Scalar = double>
+class ObserverBased {
+ public:
+  using Parameters = ObserverBasedParameters<Scalar>;
+  static constexpr int states_max = 3 + 2 * Parameters::periods_max;
+
+  explicit ObserverBased(const Parameters& parameters = {})
+      : parameters_(parameters),
+        count_(static_cast<int>(parameters.periods.size())),
+        sample_time_(1.0 / parameters.sample_rate),
+        measured_rotation_(parameters.rotation == "measured") {
+    const double samples = parameters.delay * parameters.sample_rate;
+    whole_ = static_cast<int>(samples + 1e-9);
+    fraction_ = std::max(0.0, samples - whole_);
+    for (int n = 0; n < count_; ++n) wavenumber_[n] = 2.0 * std::numbers::pi / parameters.periods[n];
+    state_.fill(Scalar(0.0));
+    history_.fill(Scalar(0.0));
+    kept_.fill(Scalar(0.0));
+  }
+
+  const Parameters& parameters() const { return parameters_; }
+  double sample_rate() const { return parameters_.sample_rate; }
+  double command_limit() const { return parameters_.command_limit; }
+  /// How far ahead (s) the second reference of `command` is: the delay, and half of the sample for which it is held.
+  double preview() const { return parameters_.delay + 0.5 * sample_time_; }
+  /// x_hat, nu_hat, lambda_0, then sine and cosine of each period: m, m/s, m/s^2.
+  std::span<const Scalar> estimates() const { return {state_.data(), static_cast<std::size_t>(3 + 2 * count_)}; }
+
+  Scalar command(const ReferencePoint& reference, const ReferencePoint& ahead, Scalar reading) noexcept {
+    const Parameters& q = parameters_;
+    if (first_) {
+      state_[0] = reading;
+      state_[1] = reference.velocity;
+      first_ = false;
+    } else {
+      predict(reference, reading);
+    }
+    reference_previous_ = reference.position;
+    reading_previous_ = reading;
+    turn_direction(reference.velocity);
+    correct(reading - state_[0], reference.velocity);
+
+    Scalar cogging = state_[2];
+    for (int n = 0; n < count_; ++n) {
+      Scalar s, c;
+      sin_cos(Scalar(wavenumber_[n] * (ahead.position - reference.position)), s, c);
+      cogging += c * state_[3 + 2 * n] + s * state_[4 + 2 * n];
+    }
+    return q.mass *
+           (-q.position_gain * (reading - reference.position) - q.velocity_gain * (state_[1] - reference.velocity) -
+            cogging + ahead.acceleration + q.viscous * ahead.velocity);
+  }
+
+  void update(Scalar applied) noexcept {
+    for (int i = Parameters::delay_max - 1; i > 0; --i) history_[i] = history_[i - 1];
+    history_[0] = applied / parameters_.mass;
+  }
+
+ private:
+  // From the last sample to this one. What acted is the command of `delay` before: a mean over the two that share it.
+  void predict(const ReferencePoint& reference, const Scalar& reading) noexcept {
+    const double t = sample_time_, mu = parameters_.viscous;
+    const Scalar acted = (1.0 - fraction_) * history_[whole_] + fraction_ * history_[whole_ + 1];
+    const Scalar moved =
+        measured_rotation_ ? reading - reading_previous_ : Scalar(reference.position - reference_previous_);
+    const Scalar speed = moved / t;
+    Scalar force = state_[2], force_rate = 0.0, force_curve = 0.0;  // C_N zeta and its derivatives along the motion
+    for (int n = 0; n < count_; ++n) {
+      const double w = wavenumber_[n];
+      const Scalar sine = state_[3 + 2 * n], cosine = state_[4 + 2 * n];
+      force += sine;
+      force_rate += speed * w * cosine;
+      force_curve -= speed * speed * w * w * sine;
+      Scalar s, c;
+      sin_cos(moved * w, s, c);
+      state_[3 + 2 * n] = c * sine + s * cosine;
+      state_[4 + 2 * n] = c * cosine - s * sine;
+    }
+    const Scalar a = acted + force - mu * state_[1], jerk = force_rate - mu * a, snap = force_curve - mu * jerk;
+    state_[0] += t * (state_[1] + t * (0.5 * a + t / 6.0 * jerk));
+    state_[1] += t * (a + t * (0.5 * jerk + t / 6.0 * snap));
+  }
+
+  void turn_direction(double velocity) noexcept {
+    const int direction = velocity > 0.0 ? 1 : (velocity < 0.0 ? -1 : direction_);
+    if (direction == direction_) return;
+    const int from = direction_ > 0 ? 1 : 0, to = direction > 0 ? 1 : 0;
+    if (direction_ != 0) {
+      kept_[from] = state_[2];
+      state_[2] = visited_[to] ? kept_[to] : -state_[2];  // unknown yet: dry friction turns its sign
+    }
+    visited_[to] = true;
+    direction_ = direction;
+  }
+
+  void correct(const Scalar& innovation, double velocity) noexcept {
+    const Parameters& q = parameters_;
+    const double speed = std::abs(velocity);
+    const bool frozen = speed < q.velocity_min;
+    const Scalar step = sample_time_ * innovation;
+    for (int i = 0; i < 3 + 2 * count_; ++i) {
+      if (i >= 3 && frozen) break;
+      const double gain = q.observer_gain[i] + (q.observer_gain_slope.empty() ? 0.0 : speed * q.observer_gain_slope[i]);
+      const bool mirrored = i >= 4 && i % 2 == 0 && direction_ < 0;
+      state_[i] += (mirrored ? -gain : gain) * step;
+    }
+  }
+
+  Parameters parameters_;
+  int count_, whole_ = 0, direction_ = 0;
+  double sample_time_, fraction_ = 0.0;
+  bool measured_rotation_, first_ = true;
+  std::array<double, Parameters::periods_max> wavenumber_{};
+  std::array<Scalar, states_max> state_;
+  std::array<Scalar, Parameters::delay_max> history_;
+  std::array<Scalar, 2> kept_;
+  std::array<bool, 2> visited_{};
+  double reference_previous_ = 0.0;
+  Scalar reading_previous_ = 0.0;
+};
+
+}  // namespace cogging
