@@ -5,6 +5,19 @@
 #include <algorithm>
 #include <cmath>
 
+#ifdef LIBRARY_FUNCTIONS  // the mathematics library's, to see what the core's own sine and arctangent change
+namespace functions {
+using std::atan;
+inline void sin_cos(double angle, double& sine, double& cosine) {
+  sine = std::sin(angle);
+  cosine = std::cos(angle);
+}
+}  // namespace functions
+#else
+#include "cogging/elementary.hpp"
+namespace functions = cogging;
+#endif
+
 struct Setup {  // all double, in the order of lu2008_loop.py
   double mass, viscous, coulomb, coulomb_width, pitch, resolution;
   double start, distance, velocity, acceleration, jerk, dwell, repeats;
@@ -50,15 +63,9 @@ struct PointToPoint {
     double t = std::fmod(time, period);
     const bool back = t >= 0.5 * period;
     if (back) t -= 0.5 * period;
-    ReferencePoint p;
-    if (t >= move) {
-      p = {q.distance, 0.0, 0.0};
-    } else if (t > 0.5 * move) {
-      p = first_half(move - t);
-      p = {q.distance - p.position, p.velocity, -p.acceleration};
-    } else {
-      p = first_half(t);
-    }
+    if (t >= move) return {back ? q.start : q.start + q.distance, 0.0, 0.0};
+    ReferencePoint p = first_half(std::min(t, move - t));
+    if (t > 0.5 * move) p = {q.distance - p.position, p.velocity, -p.acceleration};
     if (back) return {q.start + q.distance - p.position, -p.velocity, -p.acceleration};
     return {q.start + p.position, p.velocity, p.acceleration};
   }
@@ -96,7 +103,8 @@ extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows,
   }
 
   const auto acceleration = [&](double x, double v, double u) {
-    const double s1 = std::sin(wavenumber * x), c1 = std::cos(wavenumber * x);
+    double s1, c1;
+    functions::sin_cos(wavenumber * x, s1, c1);
     const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
     const double s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
     const double s6 = 2.0 * s3 * c3, c6 = c3 * c3 - s3 * s3;
@@ -109,7 +117,7 @@ extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows,
       sine += (b.w0 * a[i] + b.w1 * a[i + 10] + b.w2 * a[i + 20]) * harmonic[i];
       cosine += (b.w0 * a[i + 1] + b.w1 * a[i + 11] + b.w2 * a[i + 21]) * harmonic[i + 1];
     }
-    const double friction = q.viscous * v + q.coulomb * two_over_pi * std::atan(v * inverse_width);
+    const double friction = q.viscous * v + q.coulomb * two_over_pi * functions::atan(v * inverse_width);
     return (u - friction - (sine + cosine)) * inverse_mass;
   };
 
@@ -123,7 +131,8 @@ extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows,
 
     const double xd = reference[k], vd = reference_velocity[k], ad = reference_acceleration[k];
     const double p = measured_velocity - vd + q.error_gain * (reading - xd);
-    const double s1 = std::sin(wavenumber * xd), c1 = std::cos(wavenumber * xd);
+    double s1, c1;
+    functions::sin_cos(wavenumber * xd, s1, c1);
     const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
     const double s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
     const double harmonic[6] = {s1, c1, s2, c2, s3, c3};
@@ -131,7 +140,7 @@ extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows,
     double* a = estimate + 6 * b.first;
     double cogging_estimate = 0.0;
     for (int i = 0; i < 6; ++i) cogging_estimate += (b.w0 * a[i] + b.w1 * a[i + 6] + b.w2 * a[i + 12]) * harmonic[i];
-    const double direction = two_over_pi * std::atan(vd * inverse_width);
+    const double direction = two_over_pi * functions::atan(vd * inverse_width);
     const double u =
         mass * ad + viscous * vd + coulomb * direction - disturbance + cogging_estimate - q.feedback_gain * p;
 

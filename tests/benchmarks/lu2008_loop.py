@@ -2,6 +2,8 @@
 
 The C3 loop of the X axis of Lu et al. 2008 (five harmonics in the plant, three in the controller, B-splines of order
 3, one Runge-Kutta step a sample), over the whole run: reference, control, simulation and the columns of the log.
+"hand-written" uses the core's own sine and arctangent, so that it does the same arithmetic; "hand-written, libm" and
+"numba" those of the mathematics library.
 
     python tests/benchmarks/lu2008_loop.py [--repeats 15]
 """
@@ -110,10 +112,11 @@ def compiler():
     return shutil.which(os.environ.get("CXX", "c++")) or shutil.which("g++") or shutil.which("clang++")
 
 
-def compile_hand_written():
+def compile_hand_written(*definitions):
     """The function of hand_written.cpp with the core's optimisation flags: columns from (setup, coefficients, rows)."""
     source = Path(__file__).with_name("hand_written.cpp")
     flags = ["-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fPIC", "-shared"]
+    flags += [f"-I{source.parents[2] / 'cpp'}", *(f"-D{name}" for name in definitions)]
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder) / "hand_written.so"
         subprocess.run([compiler(), *flags, str(source), "-o", str(library)], check=True)
@@ -165,10 +168,11 @@ def main(repeats):
     plant, controller, reference = core_arguments(SETUP, coefficients)
     core = cogging.closed_loop(plant, controller, reference)
     rows = len(core["time"])
-    hand_written = compile_hand_written()
+    hand_written, with_library = compile_hand_written(), compile_hand_written("LIBRARY_FUNCTIONS")
     runs = {
         "core": lambda: cogging.closed_loop(plant, controller, reference),
         "hand-written": lambda: hand_written(SETUP, coefficients, rows),
+        "hand-written, libm": lambda: with_library(SETUP, coefficients, rows),
     }
     try:
         numba = compile_numba()

@@ -40,12 +40,10 @@ def reference_at(q, time):
     if back:
         t -= 0.5 * period
     if t >= move:
-        x, v, a = q.distance, 0.0, 0.0
-    elif t > 0.5 * move:
-        x, v, a = first_half(q, ramp, move - t)
+        return q.start if back else q.start + q.distance, 0.0, 0.0
+    x, v, a = first_half(q, ramp, min(t, move - t))
+    if t > 0.5 * move:
         x, a = q.distance - x, -a
-    else:
-        x, v, a = first_half(q, ramp, t)
     return (q.start + q.distance - x, -v, -a) if back else (q.start + x, v, a)
 
 

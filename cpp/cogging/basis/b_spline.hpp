@@ -52,7 +52,7 @@ class BSpline {
 
   /// function(order), with the usual orders as constants: loops over the active control points then unroll.
   template <class Function>
-  decltype(auto) with_order(const Function& function) const {
+  COGGING_INLINE decltype(auto) with_order(const Function& function) const {
     switch (order_) {
       case 1:
         return function(std::integral_constant<int, 1>{});

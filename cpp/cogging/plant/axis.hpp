@@ -11,12 +11,6 @@
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/plant/effects/list.hpp"
 
-#ifdef _MSC_VER
-#define COGGING_NOINLINE __declspec(noinline)
-#else
-#define COGGING_NOINLINE __attribute__((noinline))
-#endif
-
 namespace cogging {
 
 using Range = std::array<double, 2>;
@@ -152,7 +146,8 @@ class Axis {
     return sum;
   }
 
-  // f(position, velocity, command, time). The position's sum has v2, v3 and v4 put in: it need not wait for a4.
+  // f(position, velocity, command, time). The new position is stored before a4 is begun, so that the next
+  // reading need not wait for it.
   template <class Acceleration>
   void runge_kutta(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
                    const Acceleration& f) const {
