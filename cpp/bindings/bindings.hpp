@@ -23,6 +23,8 @@ void bind_reference(py::module_& module);
 void bind_plant(py::module_& module);
 void bind_control(py::module_& module);
 void bind_simulation(py::module_& module);
+void bind_prediction(py::module_& module);
+void bind_estimation(py::module_& module);
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 

@@ -9,4 +9,6 @@ PYBIND11_MODULE(_core, module) {
   bind_plant(module);
   bind_control(module);
   bind_simulation(module);
+  bind_prediction(module);
+  bind_estimation(module);
 }

@@ -36,8 +36,17 @@ py::dict to_columns(Log<>&& log) {
 }
 
 RunOptions options_of(double duration, std::uint64_t seed, int steps_per_sample, bool record_estimates,
-                      std::optional<double> initial_position, double initial_velocity) {
-  return {duration, seed, steps_per_sample, record_estimates, initial_position, initial_velocity};
+                      std::optional<double> initial_position, double initial_velocity,
+                      const std::optional<Array>& added_command = std::nullopt) {
+  if (added_command)
+    for (py::ssize_t k = 0; k < added_command->size(); ++k) require_finite("added_command", added_command->data()[k]);
+  return {duration,
+          seed,
+          steps_per_sample,
+          record_estimates,
+          initial_position,
+          initial_velocity,
+          added_command ? to_vector(*added_command) : std::vector<double>{}};
 }
 
 }  // namespace
@@ -47,9 +56,10 @@ void bind_simulation(py::module_& module) {
       "closed_loop",
       [](const Plant<>& plant, const AnyController& controller, const Reference& reference, double duration,
          std::uint64_t seed, int steps_per_sample, bool record_estimates, std::optional<double> initial_position,
-         double initial_velocity) -> std::map<std::string, py::array_t<double>> {
-        const RunOptions options =
-            options_of(duration, seed, steps_per_sample, record_estimates, initial_position, initial_velocity);
+         double initial_velocity,
+         const std::optional<Array>& added_command) -> std::map<std::string, py::array_t<double>> {
+        const RunOptions options = options_of(duration, seed, steps_per_sample, record_estimates, initial_position,
+                                              initial_velocity, added_command);
         Log<> log;
         {
           py::gil_scoped_release release;
@@ -60,11 +70,13 @@ void bind_simulation(py::module_& module) {
       py::arg("plant"), py::arg("controller"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
       py::arg("seed") = 0, py::arg("steps_per_sample") = 1, py::arg("record_estimates") = false,
       py::arg("initial_position") = py::none(), py::arg("initial_velocity") = 0.0,
+      py::arg("added_command") = py::none(),
       R"(One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
 
 A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
 duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by
 `steps_per_sample` Runge-Kutta steps of fourth order. The axis starts at rest on the reference unless told otherwise.
+`added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
 
 Raises:
     ValueError: the reference leaves the travel, a motion without an end and no duration.

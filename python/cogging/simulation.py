@@ -6,6 +6,9 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from cogging._core import Reference, closed_loop
 from cogging.logs import Log
 from cogging.model import Controller, Model
@@ -23,6 +26,7 @@ def simulate(
     record_estimates: bool = False,
     initial_position: float | None = None,
     initial_velocity: float = 0.0,
+    added_command: npt.ArrayLike | None = None,
 ) -> Log:
     """Run an axis under its controller along a reference: reference -> controller -> axis -> encoder -> log.
 
@@ -39,6 +43,7 @@ def simulate(
         record_estimates: also keep what the controller believed, one row a sample.
         initial_position: m; the reference's first position when None.
         initial_velocity: m/s.
+        added_command: V, (n,), added to what the controller computes: test pulses.
 
     Raises:
         ValueError: an argument breaks its rule, the reference leaves the travel, or no controller is known.
@@ -66,5 +71,6 @@ def simulate(
         record_estimates=record_estimates,
         initial_position=initial_position,
         initial_velocity=initial_velocity,
+        added_command=None if added_command is None else np.asarray(added_command, dtype=float),
     )
     return Log.of(columns, metadata)

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/plant/amplifier.hpp"
@@ -21,6 +22,7 @@ struct RunOptions {
   bool record_estimates = false;
   std::optional<double> initial_position;  // m; the reference's first position when not given
   double initial_velocity = 0.0;           // m/s
+  std::vector<double> added_command;       // V, one a row, added to the controller's; empty = none
 };
 
 namespace detail {
@@ -109,6 +111,8 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   for (auto* column : {&log.time, &log.reference, &log.reference_velocity, &log.reference_acceleration})
     column->resize(rows);
   for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) column->resize(rows);
+  require(options.added_command.empty() || options.added_command.size() >= rows, "added_command",
+          "must have an entry for each row", static_cast<double>(options.added_command.size()));
   detail::record_reference(log, reference, sample_rate, plant.axis.travel);
   if (options.record_estimates) {
     log.estimate_count = static_cast<int>(controller.estimates().size());
@@ -129,6 +133,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
       command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);
     else
       command = controller.command(point, reading);
+    if (!options.added_command.empty()) command += options.added_command[k];
     if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
     controller.update(command);
     log.position[k] = reading;

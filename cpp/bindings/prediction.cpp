@@ -1,0 +1,147 @@
+#include "cogging/simulation/prediction.hpp"
+
+#include "bindings.hpp"
+#include "cogging/simulation/batch.hpp"
+
+using namespace cogging;
+
+namespace {
+
+std::span<const double> view(const Array& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+Recording recording_of(const Array& time, const Array& position, const Array& command) {
+  require(position.size() == time.size(), "position", "must be as long as time", double(position.size()));
+  require(command.size() == time.size(), "command", "must be as long as time", double(command.size()));
+  require(time.size() >= 2, "time", "must have at least 2 rows", double(time.size()));
+  return {view(time), view(position), view(command)};
+}
+
+// A log's columns, held for many predictions along it.
+class Predictor {
+ public:
+  Predictor(Array time, Array position, Array command, double bandwidth, double gap, double initial_velocity,
+            int steps_per_sample)
+      : time_(std::move(time)),
+        position_(std::move(position)),
+        command_(std::move(command)),
+        log_(recording_of(time_, position_, command_)),
+        options_{bandwidth, gap, initial_velocity, steps_per_sample} {
+    require_positive("bandwidth", bandwidth);
+    require_positive("gap", gap);
+    require_finite("initial_velocity", initial_velocity);
+    require(steps_per_sample >= 1 && steps_per_sample <= 1000, "steps_per_sample", "must be from 1 to 1000",
+            double(steps_per_sample));
+    for (std::size_t k = 1; k < log_.time.size(); ++k)
+      require(log_.time[k] > log_.time[k - 1], "time", "must be strictly increasing", log_.time[k]);
+  }
+
+  const Recording& log() const { return log_; }
+  const PredictionOptions& options() const { return options_; }
+
+ private:
+  Array time_, position_, command_;
+  Recording log_;
+  PredictionOptions options_;
+};
+
+// Rows of a table, one a job, filled on threads without the GIL.
+template <class Row>
+py::array_t<double> table(std::size_t count, std::size_t rows, unsigned threads, const Row& row) {
+  std::vector<double> values(count * rows);
+  {
+    py::gil_scoped_release release;
+    run_batch(count, threads, [&](std::size_t i) {
+      const std::vector<double> made = row(i);
+      std::copy(made.begin(), made.end(), values.begin() + static_cast<std::ptrdiff_t>(i * rows));
+    });
+  }
+  return to_array(std::move(values), {static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(rows)});
+}
+
+}  // namespace
+
+void bind_prediction(py::module_& module) {
+  py::class_<Prediction>(module, "Prediction", "A prediction along a log, with its slopes: what `propagate` needs.")
+      .def_property_readonly(
+          "innovation", [](const Prediction& p) { return to_array(std::vector(p.innovation)); },
+          "m, reading less what was foreseen")
+      .def_property_readonly(
+          "position", [](const Prediction& p) { return to_array(std::vector(p.position)); }, "m, corrected")
+      .def_property_readonly(
+          "velocity", [](const Prediction& p) { return to_array(std::vector(p.velocity)); }, "m/s, corrected")
+      .def_property_readonly(
+          "middle_position", [](const Prediction& p) { return to_array(std::vector(p.middle_position)); },
+          "m, half-way to the next row")
+      .def_property_readonly(
+          "middle_velocity", [](const Prediction& p) { return to_array(std::vector(p.middle_velocity)); },
+          "m/s, half-way to the next row")
+      .def_property_readonly(
+          "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
+          "1, or 0 where the axis sticks");
+
+  py::class_<Predictor>(module, "Predictor", R"(One step ahead along a log.
+
+The plant is driven by the recorded command and held to the recorded position by an observer with both poles at
+exp(-2 pi bandwidth Ts); the innovation (m) is what the model did not foresee. Time steps may differ; after one longer
+than `gap` (s) the observer starts anew.
+
+Raises:
+    ValueError: columns of different lengths, time that does not increase, a bandwidth that is not positive.)")
+      .def(py::init<Array, Array, Array, double, double, double, int>(), py::arg("time"), py::arg("position"),
+           py::arg("command"), py::kw_only(), py::arg("bandwidth") = 30.0, py::arg("gap") = 1e300,
+           py::arg("initial_velocity") = 0.0, py::arg("steps_per_sample") = 1)
+      .def(
+          "predict",
+          [](const Predictor& self, const Plant<>& plant) {
+            py::gil_scoped_release release;
+            return predict(plant, self.log(), self.options(), true);
+          },
+          py::arg("plant"), "The prediction along the log, with slopes.")
+      .def(
+          "innovations",
+          [](const Predictor& self, const std::vector<Plant<>>& plants, unsigned threads) {
+            return table(plants.size(), self.log().time.size(), threads, [&](std::size_t i) {
+              return predict(plants[i], self.log(), self.options(), false).innovation;
+            });
+          },
+          py::arg("plants"), py::kw_only(), py::arg("threads") = 0,
+          "Innovations (m) of many plants, (plants, n), on `threads` threads (0 = all cores).")
+      .def(
+          "net_force",
+          [](const Predictor& self, const std::vector<Plant<>>& plants, const Array& middle_position,
+             const Array& middle_velocity, unsigned threads) {
+            require(middle_position.size() == py::ssize_t(self.log().time.size()), "middle_position",
+                    "must be as long as the log", double(middle_position.size()));
+            require(middle_velocity.size() == middle_position.size(), "middle_velocity", "must be as long as the log",
+                    double(middle_velocity.size()));
+            const auto x = view(middle_position), v = view(middle_velocity);
+            return table(plants.size(), self.log().time.size(), threads,
+                         [&](std::size_t i) { return net_force(plants[i], self.log(), x, v); });
+          },
+          py::arg("plants"), py::arg("middle_position"), py::arg("middle_velocity"), py::kw_only(),
+          py::arg("threads") = 0,
+          "Command that acts plus all forces (V) along a motion given half-way between rows, (plants, n).")
+      .def(
+          "propagate",
+          [](const Predictor& self, const Prediction& along, double mass, const Array& forces,
+             const std::optional<Array>& reading_errors, unsigned threads) {
+            const std::size_t rows = self.log().time.size();
+            require(forces.ndim() == 2 && std::size_t(forces.shape(1)) == rows, "forces", "must be (p, n)",
+                    double(forces.size()));
+            require(!reading_errors || (reading_errors->ndim() == 2 && reading_errors->shape(0) == forces.shape(0) &&
+                                        reading_errors->shape(1) == forces.shape(1)),
+                    "reading_errors", "must have the shape of forces", 0.0);
+            require_positive("mass", mass);
+            const double* force = forces.data();
+            const double* error = reading_errors ? reading_errors->data() : nullptr;
+            return table(std::size_t(forces.shape(0)), rows, threads, [&, force, error](std::size_t i) {
+              return propagate(along, self.log(), self.options(), mass, {force + i * rows, rows},
+                               error ? std::span<const double>(error + i * rows, rows) : std::span<const double>());
+            });
+          },
+          py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
+          py::arg("threads") = 0,
+          R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)");
+}

@@ -1,0 +1,54 @@
+#pragma once
+// An autoregressive filter that makes a correlated residual white.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "cogging/require.hpp"
+
+namespace cogging {
+
+/// Coefficients a of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e (Yule and Walker's equations, solved by
+/// Levinson's recursion). Only pairs of rows that both count are looked at.
+inline std::vector<double> autoregression(std::span<const double> residual, std::span<const double> counts, int order) {
+  const std::size_t rows = residual.size();
+  require(order >= 1 && static_cast<std::size_t>(order) * 4 < rows, "order", "must be from 1 to a quarter of the rows",
+          order);
+  const std::size_t lags = static_cast<std::size_t>(order) + 1;
+  std::vector<double> covariance(lags, 0.0), pairs(lags, 0.0);
+  for (std::size_t lag = 0; lag < lags; ++lag)
+    for (std::size_t k = lag; k < rows; ++k) {
+      const double weight = counts[k] * counts[k - lag];
+      covariance[lag] += weight * residual[k] * residual[k - lag];
+      pairs[lag] += weight;
+    }
+  require(pairs[0] > 0.0 && covariance[0] > 0.0, "residual", "must have rows that count and differ from 0", pairs[0]);
+  // The biased estimate (all lags over the same count) keeps the filter stable; a trace of white noise keeps it finite.
+  for (double& value : covariance) value /= pairs[0];
+  covariance[0] *= 1.0 + 1e-9;
+
+  std::vector<double> a(static_cast<std::size_t>(order), 0.0), previous;
+  double power = covariance[0];
+  for (int m = 0; m < order; ++m) {
+    double reflection = covariance[static_cast<std::size_t>(m) + 1];
+    for (int i = 0; i < m; ++i) reflection -= a[i] * covariance[static_cast<std::size_t>(m - i)];
+    reflection /= power;
+    previous = a;
+    for (int i = 0; i < m; ++i) a[i] = previous[i] - reflection * previous[m - 1 - i];
+    a[m] = reflection;
+    power *= 1.0 - reflection * reflection;
+    if (power <= 0.0) break;
+  }
+  return a;
+}
+
+/// e_k = r_k - sum_i a_i r_(k-i); before the first row, r is 0.
+inline std::vector<double> whiten(std::span<const double> row, std::span<const double> a) {
+  std::vector<double> white(row.begin(), row.end());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t k = i + 1; k < row.size(); ++k) white[k] -= a[i] * row[k - i - 1];
+  return white;
+}
+
+}  // namespace cogging

@@ -1,0 +1,174 @@
+#pragma once
+// One step ahead along a log: the plant is driven by the recorded command and held to the recorded position by
+// a fixed-gain observer. What it fails to foresee, the innovation, is what the model does not explain.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "cogging/plant/plant.hpp"
+#include "cogging/plant/recorded_amplifier.hpp"
+
+namespace cogging {
+
+/// The columns of a log that a prediction needs; time strictly increasing.
+struct Recording {
+  std::span<const double> time;      // s
+  std::span<const double> position;  // m, readings
+  std::span<const double> command;   // V
+};
+
+struct PredictionOptions {
+  double bandwidth = 30.0;        // Hz, of the observer: both its poles stand at exp(-2 pi bandwidth Ts)
+  double gap = 1e300;             // s: after a longer step the observer starts anew
+  double initial_velocity = 0.0;  // m/s
+  int steps_per_sample = 1;
+};
+
+/// One entry a row; entry k of the middle_* and slope_* columns belongs to the interval from row k to k + 1.
+struct Prediction {
+  std::vector<double> innovation;       // m, reading less what was foreseen; 0 in the first row and after a gap
+  std::vector<double> position;         // m, corrected by the reading
+  std::vector<double> velocity;         // m/s, corrected by the reading
+  std::vector<double> middle_position;  // m, half-way through the interval
+  std::vector<double> middle_velocity;  // m/s
+  std::vector<double> slope_position;   // 1/s^2, d acceleration / d position
+  std::vector<double> slope_velocity;   // 1/s, d acceleration / d velocity
+  std::vector<double> moving;           // 1, or 0 where the axis stuck to the end of the interval
+};
+
+/// Correction of the observer over an interval of length h: both poles at exp(-2 pi bandwidth h).
+struct ObserverGain {
+  double position, velocity;  // 1, 1/s
+
+  static ObserverGain of(double bandwidth, double h) {
+    const double pole = std::exp(-2.0 * std::numbers::pi * bandwidth * h);
+    return {1.0 - pole * pole, (1.0 - pole) * (1.0 - pole) / h};
+  }
+};
+
+inline Prediction predict(const Plant<double>& plant, const Recording& log, const PredictionOptions& options,
+                          bool with_slopes) {
+  const std::size_t rows = log.time.size();
+  require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
+  const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
+  RecordedAmplifier amplifier(plant.effects, log.time, log.command);
+
+  Prediction result;
+  for (auto* column : {&result.innovation, &result.position, &result.velocity}) column->assign(rows, 0.0);
+  if (with_slopes)
+    for (auto* column : {&result.middle_position, &result.middle_velocity, &result.slope_position,
+                         &result.slope_velocity, &result.moving})
+      column->assign(rows, 0.0);
+
+  AxisState<double> state{log.position[0], options.initial_velocity};
+  const double width = std::max(1e-6, 0.3 * plant.axis.coulomb_width);
+  for (std::size_t k = 0; k < rows; ++k) {
+    result.position[k] = state.position;
+    result.velocity[k] = state.velocity;
+    if (k + 1 == rows) break;
+    const double start = log.time[k], end = log.time[k + 1], h = end - start;
+    const AxisState<double> before = state;
+    double acting = 0.0;
+    amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {
+      acting += drive.at(0.5 * (to - from)) * (to - from);
+      double now = from;
+      Drive<double> running = drive;
+      while (now < to) {
+        const double next = std::min(to, axis.next_event(now));
+        const int pieces = std::max(1, static_cast<int>(std::ceil(options.steps_per_sample * (next - now) / h - 1e-9)));
+        const double step = (next - now) / pieces;
+        for (int piece = 0; piece < pieces; ++piece) {
+          axis.advance(state, running, now + piece * step, step);
+          if (running.lagging) running.deviation *= std::exp(-running.rate * step);
+        }
+        now = next;
+      }
+    });
+    if (with_slopes) {
+      const double x = 0.5 * (before.position + state.position), v = 0.5 * (before.velocity + state.velocity);
+      const double t = 0.5 * (start + end), u = acting / h;
+      const bool stuck = before.velocity == 0.0 && state.velocity == 0.0 && plant.axis.coulomb_width == 0.0;
+      result.middle_position[k] = x;
+      result.middle_velocity[k] = v;
+      result.moving[k] = stuck || state.velocity == 0.0 ? 0.0 : 1.0;
+      const double side = plant.axis.coulomb_width == 0.0 ? 0.5 * std::abs(v) : width;  // a sign must not be crossed
+      if (side > 0.0)
+        result.slope_velocity[k] =
+            (axis.acceleration(x, v + side, u, t) - axis.acceleration(x, v - side, u, t)) / (2.0 * side);
+      constexpr double across = 1e-6;
+      result.slope_position[k] =
+          (axis.acceleration(x + across, v, u, t) - axis.acceleration(x - across, v, u, t)) / (2.0 * across);
+    }
+    if (!std::isfinite(state.position) || !std::isfinite(state.velocity))
+      throw DivergedError("the prediction diverged at " + format(end) + " s");
+    const double innovation = log.position[k + 1] - state.position;
+    if (h > options.gap) {
+      state = {log.position[k + 1], (log.position[k + 1] - log.position[k]) / h};
+      continue;
+    }
+    const ObserverGain gain = ObserverGain::of(options.bandwidth, h);
+    result.innovation[k + 1] = innovation;
+    state.position += gain.position * innovation;
+    state.velocity += gain.velocity * innovation;
+  }
+  return result;
+}
+
+/// What pushes the axis along a given motion: command that acts, effects, friction and cogging, V: mass times
+/// acceleration. Position and velocity are those half-way between row k and row k + 1; the last entry repeats.
+inline std::vector<double> net_force(const Plant<double>& plant, const Recording& log,
+                                     std::span<const double> middle_position, std::span<const double> middle_velocity) {
+  const std::size_t rows = log.time.size();
+  require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
+  const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
+  RecordedAmplifier amplifier(plant.effects, log.time, log.command);
+  std::vector<double> force(rows);
+  for (std::size_t k = 0; k + 1 < rows; ++k) {
+    const double start = log.time[k], end = log.time[k + 1];
+    force[k] = plant.axis.mass * axis.acceleration(middle_position[k], middle_velocity[k], amplifier.mean(start, end),
+                                                   0.5 * (start + end));
+  }
+  force[rows - 1] = force[rows - 2];
+  return force;
+}
+
+/// What the innovations change by when the plant gets a small force (V, one entry an interval) or its reading an
+/// error (m, one entry a row; may be empty): the observer's loop, linear along the prediction.
+inline std::vector<double> propagate(const Prediction& along, const Recording& log, const PredictionOptions& options,
+                                     double mass, std::span<const double> force,
+                                     std::span<const double> reading_error) {
+  const std::size_t rows = log.time.size();
+  std::vector<double> innovation(rows, 0.0);
+  double x = 0.0, v = 0.0;
+  if (!reading_error.empty()) x = -reading_error[0];
+  for (std::size_t k = 0; k + 1 < rows; ++k) {
+    const double h = log.time[k + 1] - log.time[k];
+    const double error = reading_error.empty() ? 0.0 : reading_error[k + 1];
+    if (h > options.gap) {
+      x = -error;
+      v = 0.0;
+      continue;
+    }
+    if (along.moving[k] == 0.0) {
+      v = 0.0;
+    } else {
+      // dv/dt = a_x x + a_v v + f / M over the interval, to second order in h.
+      const double a = force[k] / mass + along.slope_position[k] * x;
+      const double decay = along.slope_velocity[k] * h;
+      const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : std::expm1(decay) / decay;
+      const double v_next = v * (1.0 + decay * grown) + a * h * grown;
+      x += 0.5 * h * (v + v_next);
+      v = v_next;
+    }
+    const ObserverGain gain = ObserverGain::of(options.bandwidth, h);
+    innovation[k + 1] = -error - x;
+    x += gain.position * innovation[k + 1];
+    v += gain.velocity * innovation[k + 1];
+  }
+  return innovation;
+}
+
+}  // namespace cogging

@@ -1,0 +1,237 @@
+"""Fits by Gauss and Newton on whitened residuals, with errors that allow for what whitening leaves correlated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import DivergedError, autoregression, whiten
+from cogging.model import Model
+from cogging.parameters import Parameter, Scales, parameters_of, with_values
+from cogging.residuals import Residuals, moving_average
+
+FloatArray = npt.NDArray[np.float64]
+
+BLOCK = 0.2  # s, length of the blocks over which scores are summed: above it, nothing is taken to be correlated
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only.
+
+    Attributes:
+        residual: (n,).
+        columns: d residual / d parameter, (p, n).
+        block: number of the block of each row, (n,).
+        coefficients: of the autoregressive filter.
+        rms: of the whitened residual before division, V.
+    """
+
+    residual: FloatArray
+    columns: FloatArray
+    block: npt.NDArray[np.int64]
+    coefficients: FloatArray
+    rms: float
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a fit found.
+
+    Attributes:
+        paths: the free parameters.
+        values: (p,).
+        covariance: of the values, sandwich over blocks, (p, p).
+        covariance_white: the same if the whitened residual were white, (p, p).
+        model: with the values.
+        residuals: V, one array (n,) a log.
+        whitened: at the values.
+        iterations: that were needed.
+    """
+
+    paths: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    covariance_white: FloatArray
+    model: Model
+    residuals: tuple[FloatArray, ...]
+    whitened: tuple[Whitened, ...]
+    iterations: int
+
+    @property
+    def cost(self) -> float:
+        """Sum over logs and rows of log rms of the whitened residual: twice the difference is a likelihood ratio."""
+        return float(sum(len(w.residual) * np.log(w.rms) for w in self.whitened))
+
+    @property
+    def deviation(self) -> FloatArray:
+        """1-sigma of each value, (p,)."""
+        return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+
+
+def combined_scales(logs: Sequence[Residuals]) -> Scales:
+    """The largest of each size over several logs."""
+    fields = ("force", "position", "velocity", "acceleration", "time")
+    sizes = {name: max(getattr(log.scales, name) for log in logs) for name in fields}
+    return Scales(**sizes, sample_time=min(log.scales.sample_time for log in logs))
+
+
+def order_for(log: Residuals) -> int:
+    """Order of the whitening filter: 20 ms of memory, from 12 to 48 coefficients."""
+    return int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))
+
+
+def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
+    """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
+    counted = np.abs(residual[log.counts > 0])
+    limit = 6.0 * 1.4826 * float(np.median(counted))
+    clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
+    return np.asarray(autoregression(clipped, log.counts, order=order_for(log)))
+
+
+def whitened(
+    log: Residuals, residual: FloatArray, columns: FloatArray, coefficients: FloatArray | None = None
+) -> Whitened:
+    """Whiten a residual and its columns, and keep the rows that count."""
+    if coefficients is None:
+        coefficients = whitening_filter(log, residual)
+    table = np.asarray(whiten(np.vstack([residual[None, :], columns]), coefficients))
+    rows = log.counts > 0
+    rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
+    rms = rms if rms > 0 else 1.0
+    block = np.floor(log.log.time[rows] / BLOCK).astype(np.int64)
+    return Whitened(table[0, rows] / rms, table[1:, rows] / rms, block, coefficients, rms)
+
+
+def columns_of(
+    model: Model, parameters: Sequence[Parameter], logs: Sequence[Residuals], scales: Scales
+) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Residuals (n,) and their derivatives (p, n) by central differences, one of each a log."""
+    models = [model]
+    widths = []
+    for parameter in parameters:
+        step = scales.step(parameter)
+        low, high = parameter.value - step, parameter.value + step
+        made = []
+        for value in (high, low):
+            try:
+                made.append((with_values(model, {parameter.path: value}), value))
+            except ValueError:  # beyond the parameter's range: one-sided
+                made.append((model, parameter.value))
+        models.extend(m for m, _ in made)
+        widths.append(made[0][1] - made[1][1])
+    residuals, columns = [], []
+    for log in logs:
+        table = log.of(models)
+        residuals.append(table[0])
+        columns.append((table[1::2] - table[2::2]) / np.array(widths)[:, None])
+    return residuals, columns
+
+
+def sandwich(logs: Sequence[Whitened], step: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Covariances of a least-squares step, (p, p): sandwich over blocks, and as if the residual were white.
+
+    The meat of the sandwich is sum_b g_b g_b', g_b the score of block b. It is not taken below the white one: with few
+    blocks its own scatter would otherwise make an interval shorter than noise alone allows.
+    """
+    p = logs[0].columns.shape[0]
+    curvature, meat, blocks = np.zeros((p, p)), np.zeros((p, p)), 0
+    for log in logs:
+        residual = log.residual if step is None else log.residual + step @ log.columns
+        curvature += log.columns @ log.columns.T
+        starts = np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1))
+        scores = np.add.reduceat(log.columns * residual, starts, axis=1)
+        meat += scores @ scores.T
+        blocks += len(starts)
+    size = np.sqrt(np.diag(curvature))
+    size[size == 0.0] = 1.0
+    inverse = np.linalg.pinv(curvature / np.outer(size, size), rcond=1e-13, hermitian=True) / np.outer(size, size)
+    robust = inverse @ meat @ inverse * blocks / max(blocks - p, 1)
+    return robust, inverse
+
+
+def fit(
+    model: Model,
+    paths: Sequence[str],
+    logs: Sequence[Residuals],
+    *,
+    iterations: int = 15,
+    tolerance: float = 1e-3,
+) -> Estimate:
+    """Least squares of the whitened residuals of all logs together, by Gauss and Newton with step halving.
+
+    The whitening filters are estimated anew in each iteration, one a log; each log weighs by its own whitened rms.
+
+    Raises:
+        DivergedError: the model diverges on a log.
+    """
+    scales = combined_scales(logs)
+    done = 0
+    while True:
+        known = parameters_of(model)
+        parameters = [known[path] for path in paths]
+        residuals, columns = columns_of(model, parameters, logs, scales)
+        seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, columns, strict=True)]
+        curvature = sum(s.columns @ s.columns.T for s in seen)
+        gradient = sum(s.columns @ s.residual for s in seen)
+        values = np.array([p.value for p in parameters])
+        if done >= iterations or not paths:
+            break
+        size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
+        scaled = curvature / np.outer(size, size)
+        step = -np.linalg.lstsq(scaled + 1e-12 * np.eye(len(size)), gradient / size, rcond=1e-12)[0] / size
+        done += 1
+        moved, length = _move(model, parameters, step, logs, residuals, [s.coefficients for s in seen])
+        model = moved
+        deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
+        if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
+            iterations = done  # one more look, at the values themselves
+    robust, white = sandwich(seen)
+    return Estimate(
+        tuple(paths), values, robust, white, model, tuple(residuals), tuple(seen), done
+    )
+
+
+def _move(
+    model: Model,
+    parameters: Sequence[Parameter],
+    step: FloatArray,
+    logs: Sequence[Residuals],
+    residuals: Sequence[FloatArray],
+    filters: Sequence[FloatArray],
+) -> tuple[Model, float]:
+    """The model after the longest of the steps 1, 1/2, 1/4, ... that lowers the cost under the same filters."""
+
+    def cost(values: Sequence[FloatArray]) -> float:
+        total = 0.0
+        for log, residual, a in zip(logs, values, filters, strict=True):
+            white = np.asarray(whiten(residual[None, :], a))[0, log.counts > 0]
+            total += len(white) * float(np.log(np.mean(white**2)))
+        return total
+
+    before = cost(residuals)
+    length = 1.0
+    while length > 1e-3:
+        values = {p.path: _inside(p, p.value + length * s) for p, s in zip(parameters, step, strict=True)}
+        try:
+            moved = with_values(model, values)
+            after = cost([log.of([moved])[0] for log in logs])
+            if np.isfinite(after) and after <= before:
+                return moved, length
+        except (ValueError, DivergedError):
+            pass
+        length *= 0.5
+    return model, 0.0
+
+
+def _inside(parameter: Parameter, value: float) -> float:
+    if not parameter.positive:
+        return float(value)
+    floor = 0.1 * parameter.value if parameter.path in ("axis.mass", "axis.coulomb_width") else 0.0
+    return float(max(value, floor))
+
+
+__all__ = ["Estimate", "Whitened", "columns_of", "fit", "moving_average", "sandwich", "whitened"]

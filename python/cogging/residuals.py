@@ -1,0 +1,191 @@
+"""What a model leaves unexplained of a log, row by row, in force units: by prediction, or by replaying the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import DivergedError, EncoderParameters, NoiseParameters, Predictor, Sampled, closed_loop
+from cogging.logs import Log
+from cogging.model import Model
+from cogging.parameters import Scales
+
+FloatArray = npt.NDArray[np.float64]
+
+START = 0.06  # s, left out at the start and after a gap: what acted before the first row is not known
+
+
+class Residuals(Protocol):
+    """One log seen by models: rows that count, and what each model leaves unexplained of them, V."""
+
+    log: Log
+    counts: FloatArray  # 1 where a row counts, 0 where it does not, (n,)
+    scales: Scales
+
+    def of(self, models: Sequence[Model]) -> FloatArray:
+        """Residuals (V) of each model, (models, n)."""
+
+
+class Innovations:
+    """Residuals by one-step prediction: command and position alone, no controller, no reference.
+
+    The plant is driven by the recorded command and held to the reading by an observer of fixed gain; what it did not
+    foresee is turned into the constant force that would leave the same innovation, M (2 pi bandwidth)^2 innovation.
+
+    Rows count when the axis moves faster than `rest`, does so since three time constants of the observer, and the
+    record is continuous: at rest, friction takes any force up to its level and shows nothing.
+
+    Args:
+        log: with at least time, position and command.
+        model: gives mass and friction width for the scaling; what is judged is given to `of`.
+        bandwidth: of the observer, Hz.
+        rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
+    """
+
+    def __init__(
+        self,
+        log: Log,
+        model: Model,
+        *,
+        bandwidth: float = 20.0,
+        rest: float | None = None,
+        steps_per_sample: int | None = None,
+    ) -> None:
+        self.log, self.bandwidth = log, bandwidth
+        steps = np.diff(log.time)
+        sample_time = float(np.median(steps))
+        plant = quiet(model).plant()
+        if steps_per_sample is None:
+            steps_per_sample = steps_needed(model, sample_time)
+        few = max(2, min(len(log) // 10, round(START / sample_time)))
+        slope = np.polyfit(log.time[:few] - log.time[0], log.position[:few], 1)[0]
+        self.predictor = Predictor(
+            log.time,
+            log.position,
+            log.command,
+            bandwidth=bandwidth,
+            gap=max(5.0 * sample_time, 0.1 / bandwidth),
+            initial_velocity=float(slope),
+            steps_per_sample=steps_per_sample,
+        )
+        self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
+        self.along = self.predictor.predict(plant)
+        self.velocity = self.along.velocity
+        smooth = max(1, round(0.1 / bandwidth / sample_time))
+        speed = np.abs(moving_average(self.velocity, smooth))
+        speed_max = float(speed.max())
+        self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
+        still = np.abs(self.velocity) < self.rest
+        settle = 3.0 / (2.0 * np.pi * bandwidth)
+        broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
+        counts = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
+        self.counts = counts.astype(float)
+        acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
+        self.scales = Scales(
+            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
+            position=float(np.ptp(log.position)) or 1.0,
+            velocity=speed_max or 1.0,
+            acceleration=float(np.quantile(np.abs(acceleration), 0.99)) or 1.0,
+            time=float(log.time[-1] - log.time[0]),
+            sample_time=sample_time,
+        )
+
+    def of(self, models: Sequence[Model]) -> FloatArray:
+        """Residuals (V) of each model, (models, n).
+
+        Raises:
+            DivergedError: a prediction diverged.
+        """
+        return self.scale * self.predictor.innovations([quiet(model).plant() for model in models])
+
+
+class Replay:
+    """Residuals by closed-loop replay from the reference alone: logged less simulated command, V.
+
+    The quantiser and the noise are off in the replay. It starts at the first reading.
+
+    Raises:
+        ValueError: the log has no reference, the model no controller, or the rows are not evenly spaced.
+    """
+
+    def __init__(self, log: Log, model: Model, *, added_command: npt.ArrayLike | None = None) -> None:
+        if log.reference is None:
+            raise ValueError("reference: must be in the log to replay it, got none")
+        if model.controller is None:
+            raise ValueError("controller: must be given to replay a log, got a model without [controller]")
+        steps = np.diff(log.time)
+        sample_time = 1.0 / model.controller.sample_rate
+        if np.abs(log.time - log.time[0] - np.arange(len(log)) * sample_time).max() > 0.5 * sample_time:
+            raise ValueError(
+                f"time: must be evenly spaced by the controller's 1 / sample_rate = {sample_time:g} s to be replayed, "
+                f"got steps from {steps.min():g} to {steps.max():g} s"
+            )
+        self.log, self.added_command = log, None if added_command is None else np.asarray(added_command, dtype=float)
+        time = np.arange(len(log)) * sample_time
+        self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
+        self.duration = float(time[-1])
+        seen = Innovations(log, model)
+        self.counts, self.scales, self.velocity = seen.counts, seen.scales, seen.velocity
+
+    def run(self, model: Model) -> dict[str, FloatArray]:
+        """The simulated columns of one model."""
+        model = quiet(model)
+        axis = model.axis.replace(travel=[-np.inf, np.inf])
+        steps = steps_needed(model, 1.0 / model.make_controller().sample_rate)
+        return closed_loop(
+            model.replace(axis=axis).plant(),
+            model.make_controller(),
+            self.reference,
+            duration=self.duration,
+            initial_position=float(self.log.position[0]),
+            added_command=self.added_command,
+            steps_per_sample=steps,
+        )
+
+    def of(self, models: Sequence[Model]) -> FloatArray:
+        """Residuals (V) of each model, (models, n).
+
+        Raises:
+            DivergedError: a replay diverged.
+        """
+        with ThreadPoolExecutor() as threads:  # the loop runs in the core, which lets other threads go on
+            runs = list(threads.map(self.run, models))
+        commands = np.array([run["command"] for run in runs])
+        if not np.isfinite(commands).all():
+            raise DivergedError("the replay diverged")
+        return np.asarray(self.log.command - commands)
+
+
+def quiet(model: Model) -> Model:
+    """The model without quantiser and noise: what is expected of it."""
+    return model.replace(encoder=EncoderParameters(), noise=NoiseParameters())
+
+
+def steps_needed(model: Model, sample_time: float) -> int:
+    """Runge-Kutta steps a sample so that the friction's slope at rest stays well inside the stable region."""
+    width = model.axis.coulomb_width
+    if width == 0.0:
+        return 1
+    rate = 2.0 / np.pi * model.axis.coulomb / (width * model.axis.mass)
+    return int(np.clip(np.ceil(rate * sample_time / 1.0), 1, 20))
+
+
+def moving_average(values: FloatArray, length: int) -> FloatArray:
+    """Centred mean over `length` rows (odd from here), shorter at the ends."""
+    half = length // 2
+    if half == 0:
+        return values
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    rows = np.arange(len(values))
+    first, last = np.maximum(rows - half, 0), np.minimum(rows + half + 1, len(values))
+    return np.asarray((total[last] - total[first]) / (last - first))
+
+
+def since(event: npt.NDArray[np.bool_], time: FloatArray) -> FloatArray:
+    """Seconds since the last row with the event, 0 in such a row, infinite before the first, (n,)."""
+    last = np.maximum.accumulate(np.where(event, np.arange(len(time)), -1))
+    return np.where(last >= 0, time - time[np.maximum(last, 0)], np.inf)
