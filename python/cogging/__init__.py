@@ -44,11 +44,13 @@ from cogging._core import (
 )
 from cogging.files import InputError
 from cogging.gains import pid_gains, pid_poles
+from cogging.identify import Identification, identify
 from cogging.logs import Log, read_log
 from cogging.map import MapFit, fit_map
 from cogging.model import Model
 from cogging.observer_design import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers import compare, reproduce
+from cogging.parameters import parameters_of
 from cogging.reference import read_reference
 from cogging.simulation import simulate
 from cogging.tracking_spectrum import TrackingSpectrum, tracking_spectrum
@@ -69,6 +71,7 @@ __all__ = [
     "EncoderParameters",
     "FilteredSine",
     "FilteredSineParameters",
+    "Identification",
     "InputError",
     "Log",
     "MapFit",
@@ -102,6 +105,8 @@ __all__ = [
     "effects",
     "fit_map",
     "friction_slope_max",
+    "identify",
+    "parameters_of",
     "performance",
     "pid_gains",
     "pid_poles",

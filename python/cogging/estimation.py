@@ -190,9 +190,7 @@ def fit(
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more look, at the values themselves
     robust, white = sandwich(seen)
-    return Estimate(
-        tuple(paths), values, robust, white, model, tuple(residuals), tuple(seen), done
-    )
+    return Estimate(tuple(paths), values, robust, white, model, tuple(residuals), tuple(seen), done)
 
 
 def _move(

@@ -144,7 +144,9 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
         else:
             prefix, _, leaf = path.rpartition(".")
             if prefix not in prefixes:
-                raise ValueError(f"{path}: must be a parameter of the model, which has {', '.join(parameters_of(model))}")
+                raise ValueError(
+                    f"{path}: must be a parameter of the model, which has {', '.join(parameters_of(model))}"
+                )
             place = prefixes[prefix]
             changes = effects.setdefault(place, {})
             if leaf.endswith("]"):
