@@ -309,16 +309,17 @@ def test_a_motor_that_sticks_while_its_load_rings(kind, seed):
             return spring + min(max(c * r, -abs(spring)), abs(spring))
 
     tone = effect("disturbance_tone", frequency=1.3, sine=0.7)
-    log = free(cogging.Plant(exact_axis(), effects=[load, tone]), 2.0, 1000.0, v0=0.9)
+    log = free(cogging.Plant(exact_axis(), effects=[load, tone]), 2.0, 1000.0, v0=0.9, steps_per_sample=4)
     x, v, *_ = stick_and_slip(
         2.0, mass, level, pull, ratio, [0.0, 0.9, 0.0, 0.0], lambda t: 0.7 * np.sin(TWO_PI * 1.3 * t)
     )(log["time"])
     rests = log["true_velocity"] == 0.0
     changes = np.count_nonzero(np.diff(rests.astype(int)))
     assert changes >= 2  # it stops, and is torn loose
-    assert (np.diff(log["true_position"])[rests[1:] & rests[:-1]] == 0.0).mean() > 0.8
-    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=1e-4 * np.ptp(x))
-    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=3e-3)
+    assert (np.diff(log["true_position"])[rests[1:] & rests[:-1]] == 0.0).all()
+    tolerance = 1e-9 if kind == "flexible_mode" else 1e-6  # a contact has kinks
+    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=30 * tolerance)
 
 
 # Backlash --------------------------------------------------------------------------------------------------
