@@ -61,8 +61,16 @@ def test_elementary_functions(printed):
 
 @pytest.mark.parametrize(
     "header",
-    ["basis/spline_harmonics", "control/adaptive_robust", "control/desired_compensation_condition", "lanes"]
-    + ["plant/axis", "plant/body_with_states", "plant/encoder", "plant/sticking"],
+    [
+        "basis/spline_harmonics",
+        "control/adaptive_robust",
+        "control/desired_compensation_condition",
+        "lanes",
+        "plant/axis",
+        "plant/body_with_states",
+        "plant/encoder",
+        "plant/sticking",
+    ],
 )
 def test_a_header_stands_alone(compiler, header):
     source = f'#include "cogging/{header}.hpp"\n'

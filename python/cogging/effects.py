@@ -3,9 +3,9 @@
 Each class says of itself, for programs that know no effect by name:
 
 - `NAME`, `LAW`, `FIELDS` (name -> (unit, meaning));
-- `HOOKS`, what it acts on: "force", "friction_level", "command_gain", "shape_command", "command_delay", "lag", "reading",
-  "state". Where a law is a function it is evaluated by `force_at`, `friction_level_at`, `gain_at`, `shape_at`,
-  `reading_at`, on scalars and arrays;
+- `HOOKS`, what it acts on: "force", "friction_level", "command_gain", "shape_command", "command_delay", "lag",
+  "reading", "state". Where its law is a function, that is `force_at`, `friction_level_at`, `gain_at`, `shape_at`,
+  `reading_at`, on scalars and arrays; `resolved(axis, cogging)` first fills in what it takes from the plant;
 - `ROLES`, name -> dict: `role` ("amplitude": the law is linear in it and vanishes at `neutral`; "shape": it is not;
   "setting": not to be searched for), `quantity` (what it is measured against), `low`, `high` (where to search, in
   multiples of that quantity's value), `logarithmic` (step in the logarithm), `neutral` (the value at which the effect
