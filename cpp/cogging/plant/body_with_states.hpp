@@ -2,6 +2,7 @@
 // An axis whose friction has a bristle, or whose load is a second mass. Motor force, friction, cogging and all
 // other forces act on the motor; the load feels the coupling alone.
 
+#include <algorithm>
 #include <cmath>
 
 #include "cogging/plant/bristle.hpp"

@@ -1,6 +1,7 @@
 #pragma once
 // What holds motor and load together where they are two masses.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
