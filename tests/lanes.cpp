@@ -97,12 +97,56 @@ Plant<Scalar> plant_of(const std::vector<Machine>& list) {
   DisturbanceTone<Scalar> tone;
   tone.frequency = of<Scalar>(list, [](const Machine& m) { return 100.0 * m.mass; });
   tone.sine = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  ForceConstantRipple<Scalar> ripple;
+  ripple.period = of<Scalar>(list, [](const Machine& m) { return 0.3 * m.mass; });
+  ripple.sine = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.coulomb; });
+  ForceConstantDrift<Scalar> drift;
+  drift.change = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.mass; });
+  drift.time_constant = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  CommandDeadZone<Scalar> dead_zone;
+  dead_zone.width = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  EncoderPeriodicError<Scalar> wrong_by_period;
+  wrong_by_period.sine = of<Scalar>(list, [](const Machine& m) { return 1e-5 * m.mass; });
+  EncoderScaleError<Scalar> wrong_by_scale;
+  wrong_by_scale.scale = of<Scalar>(list, [](const Machine& m) { return 1e-3 * m.mass; });
+  EndEffect<Scalar> ends;
+  ends.level = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  ends.decay_length = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.mass; });
+  CoggingModulation<Scalar> modulation;
+  for (int c = 0; c < 13; ++c) {
+    modulation.sine.push_back(0.01 * c);
+    modulation.cosine.push_back(-0.005 * c);
+  }
+  PositionDependentFriction<Scalar> along;
+  along.nodes = {0.1, 0.2, 0.4};
+  along.levels = {0.05, -0.02, 0.1};
   ConstantForce<Scalar> force;
   force.level = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
   return {axis,
           CoggingModel<Scalar>(plant_basis(), coefficients),
-          {spring, stribeck, saturation, lag, CommandDelay<Scalar>{0.00013}, coulomb_asymmetry, viscous_asymmetry, drag,
-           harmonic, step, tone, force},
+          {spring,
+           stribeck,
+           saturation,
+           lag,
+           CommandDelay<Scalar>{0.00013},
+           coulomb_asymmetry,
+           viscous_asymmetry,
+           drag,
+           harmonic,
+           step,
+           tone,
+           force,
+           ripple,
+           drift,
+           dead_zone,
+           wrong_by_period,
+           wrong_by_scale,
+           ends,
+           modulation,
+           along,
+           PreslidingFriction<Scalar>{},
+           Backlash<Scalar>{},
+           FlexibleMode<Scalar>{}},
           EncoderParameters{0.5e-6, 1e-7},
           NoiseParameters{0.01, 100.0}};
 }
@@ -179,6 +223,21 @@ void compare(const char* name, const FourParameters& four_parameters, const OneP
               apart);
 }
 
+// Effects with a state run on single machines alone, and say so.
+void refusals() {
+  int refused = 0;
+  for (const Effect<Four>& effect :
+       {Effect<Four>(PreslidingFriction<Four>{1e4, 0.0}), Effect<Four>(Backlash<Four>{1e-3, 0.2, 200.0, 0.3}),
+        Effect<Four>(FlexibleMode<Four>{20.0, 0.01, 0.2})}) {
+    try {
+      Axis<Four>(AxisParameters<Four>{}, CoggingModel<Four>{}, {effect});
+    } catch (const std::invalid_argument&) {
+      ++refused;
+    }
+  }
+  std::printf("refused %d\n", refused);
+}
+
 // In units of the last place of the exact value, from the library's long double.
 double error_in_ulps(double value, long double exact) {
   const double near = std::abs(static_cast<double>(exact));
@@ -217,5 +276,6 @@ int main() {
   compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>);
   compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>);
   compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>);
+  refusals();
   elementary_functions();
 }

@@ -45,6 +45,10 @@ def test_lanes_give_the_bits_of_single_runs(printed, controller):
     assert printed[controller + "_spread"] > 0.5  # V: the lanes are different machines
 
 
+def test_effects_with_a_state_are_refused_in_lanes(printed):
+    assert printed["refused"] == 3
+
+
 def test_elementary_functions(printed):
     """Sine, cosine and arctangent of the core against the library's, in units of the last place."""
     assert printed["at_zero"] == 1.0
@@ -56,7 +60,17 @@ def test_elementary_functions(printed):
 
 
 @pytest.mark.parametrize(
-    "header", ["basis/spline_harmonics", "control/adaptive_robust", "control/desired_compensation_condition", "lanes"]
+    "header",
+    [
+        "basis/spline_harmonics",
+        "control/adaptive_robust",
+        "control/desired_compensation_condition",
+        "lanes",
+        "plant/axis",
+        "plant/body_with_states",
+        "plant/encoder",
+        "plant/sticking",
+    ],
 )
 def test_a_header_stands_alone(compiler, header):
     source = f'#include "cogging/{header}.hpp"\n'

@@ -216,6 +216,39 @@ BAD = {
         '[[effects]]\nname = "actuator_lag"\ntime_constant = 1e-3\n',
         r"actuator_lag: may stand once",
     ),
+    "levels without nodes": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "position_dependent_friction"\nlevels = [0.1]\n',
+        r"line 5: effects\.levels: must have as many values as nodes = 0, got 1",
+    ),
+    "nodes in words": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "position_dependent_friction"\nnodes = ["a"]\nlevels = [0.1]\n',
+        r"line 5: effects\.nodes: must be a list of numbers, got \['a'\]",
+    ),
+    "one node": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "position_dependent_friction"\nnodes = 0.1\nlevels = [0.1]\n',
+        r"line 5: effects\.nodes: must be a list of numbers, got 0\.1",
+    ),
+    "broken order": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "cogging_modulation"\norder = 2.5\n',
+        r"line 5: effects\.order: must be a whole number, got 2\.5",
+    ),
+    "one end": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "end_effect"\ntravel = [0.0]\n',
+        r"line 5: effects\.travel: must be 2 numbers, got \[0\.0\]",
+    ),
+    "no travel": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "end_effect"\nforce = 1.0\n',
+        r"end_effect\.travel: needs two ends, here or in \[axis\], got -inf",
+    ),
+    "no knots": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "cogging_modulation"\nsine = [0.1]\ncosine = [0.1]\n',
+        r"cogging_modulation\.pitch: must be given where there is no \[cogging\]",
+    ),
+    "two loads": (
+        '[axis]\nmass = 1.0\n[[effects]]\nname = "backlash"\ngap = 1e-3\nmass_ratio = 0.5\n'
+        '[[effects]]\nname = "flexible_mode"\nfrequency = 9\nmass_ratio = 0.5\n',
+        r"flexible_mode: may not join another of its kind",
+    ),
     "grammar": ("[axis\nmass = 1.0\n", r"model\.toml: must be TOML"),
 }
 
@@ -286,6 +319,44 @@ def test_a_bad_reference_is_answered_in_one_line(case, write):
     text, message = BAD_REFERENCES[case]
     with pytest.raises(ValueError, match=message):
         cogging.read_reference(write(text, "r.toml"))
+
+
+FILLED = {
+    "position_dependent_friction": {"nodes": [0, 0.1, 0.25], "levels": [0.1, -0.02, 1]},
+    "cogging_modulation": {"period": 0.05, "sine": [0.1, 0.2, 0.3], "cosine": [0, 0, 0.5]},
+    "end_effect": {"force": 0.3, "decay_length": 0.02},
+    "presliding_friction": {"stiffness": 1e5, "damping": 2},
+    "backlash": {"gap": 1e-4, "mass_ratio": 0.3},
+}
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+def test_every_effect_comes_back_from_a_file(name, tmp_path):
+    kind = cogging.EFFECTS[name]
+    ordinary = {key: 0.0123 for key, value in kind().to_dict().items() if isinstance(value, float) and key != "stop"}
+    made = kind(**FILLED.get(name, ordinary))
+    assert made != kind()
+    model = cogging.Model.from_dict(
+        {
+            "axis": {"mass": 1.0, "travel": [0.0, 0.1]},
+            "cogging": {"pitch": 0.05, "harmonics": [1], "sine": [[0.1] * 3], "cosine": [[0.0] * 3]},
+        }
+    ).replace(effects=(made,))
+    path = tmp_path / "m.toml"
+    model.write(path)
+    again = cogging.Model.read(path)
+    assert again.effects == (made,)
+    assert again.to_dict() == model.to_dict()
+    assert again.plant().effects == [made]
+    document = {**model.to_dict(), "effects": [{"name": name, "unheard_of": 1.0}]}
+    with pytest.raises(ValueError, match=r"effects\.unheard_of: is not known here"):
+        cogging.Model.from_dict(document)
+
+
+def test_an_infinite_value_is_the_toml_word():
+    text = '[axis]\nmass = 1.0\n[[effects]]\nname = "presliding_friction"\nstiffness = inf\n'
+    (made,) = cogging.Model.from_dict(cogging.files.parse_toml(text)).effects
+    assert made == cogging.EFFECTS["presliding_friction"]()
 
 
 def test_every_effect_can_be_written_in_a_model_file():

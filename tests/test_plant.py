@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 from scipy.integrate import solve_ivp
+from scipy.interpolate import BSpline
 from scipy.linalg import expm
 
 import cogging
@@ -22,37 +23,115 @@ def atan_sign(v, width):
     return 2 / np.pi * np.arctan(v / width)
 
 
-# One example of every effect, and its law by hand. What an effect does to the axis is `force` (x, v, t) or
-# `level` (v, t: added to Fc); what it does to the command is `limit`, `delay` or `lag`.
+def wave(x, period, sine, cosine):
+    return sine * np.sin(TWO_PI * x / period) + cosine * np.cos(TWO_PI * x / period)
+
+
+def spline(x, values, pitch, order, origin):
+    """sum of values[c] N_c(x); N_c acts on [origin + (c + 1 - order) pitch, origin + (c + 1) pitch)."""
+    knots = origin + (np.arange(len(values) + order) + 1 - order) * pitch
+    end = origin + (len(values) - order + 1) * pitch
+    return BSpline(knots, values, order - 1)(np.clip(x, origin, np.nextafter(end, origin)))
+
+
+def penetration(q, gap):
+    return q - np.clip(q, -gap / 2, gap / 2)
+
+
+def contact(q, rate, gap, stiffness, damping):
+    """The force of a contact behind a gap: the damper gives no more than the spring."""
+    push = stiffness * penetration(q, gap)
+    return push + np.clip(damping * rate, -abs(push), abs(push))
+
+
+# SMOOTH, below, has a mass of 0.3: k = w^2 m1 m2 / (m1 + m2).
+def stiffness_of(frequency, mass_ratio):
+    return (TWO_PI * frequency) ** 2 * 0.3 * mass_ratio * (1 - mass_ratio)
+
+
+def damping_of(frequency, damping_ratio, mass_ratio):
+    return 2 * damping_ratio * TWO_PI * frequency * 0.3 * mass_ratio * (1 - mass_ratio)
+
+
+# One example of every effect, and its law by hand. What an effect does to the axis is `force` (x, v, t), `level` (x, v;
+# added to Fc), `gain` (x, t; added to 1), `bristle` (stiffness, damping), `coupling` (force of q and q', load / total);
+# to the command `shape`, `delay` or `lag`; to the encoder `reading_error` (x).
 EXAMPLES = {
     "constant_force": ({"force": -0.7}, {"force": lambda x, v, t: -0.7}),
     "cable_spring": (
         {"stiffness": 13.0, "center": 0.04},
         {"force": lambda x, v, t: -13.0 * (x - 0.04)},
     ),
+    "end_effect": (
+        {"force": 0.9, "decay_length": 0.03, "travel": [-0.15, 0.55]},
+        {"force": lambda x, v, t: 0.9 * (np.exp(-(0.55 - x) / 0.03) - np.exp(-(x + 0.15) / 0.03))},
+    ),
     "cogging_harmonic": (
         {"period": 0.023, "sine": 0.9, "cosine": -0.4},
-        {"force": lambda x, v, t: -(0.9 * np.sin(TWO_PI * x / 0.023) - 0.4 * np.cos(TWO_PI * x / 0.023))},
+        {"force": lambda x, v, t: -wave(x, 0.023, 0.9, -0.4)},
     ),
-    "coulomb_asymmetry": ({"difference": 0.3}, {"level": lambda v, t: 0.15 * np.sign(v)}),
+    "cogging_modulation": (
+        {"period": 0.025, "sine": [0.5, 0.2, -0.4, 0.8, 0.1], "cosine": [-0.3, 0.6, 0.2, 0.0, 0.4]}
+        | {"pitch": 0.04, "order": 4, "origin": 0.005},
+        {
+            "force": lambda x, v, t: (
+                -wave(
+                    x,
+                    0.025,
+                    spline(x, [0.5, 0.2, -0.4, 0.8, 0.1], 0.04, 4, 0.005),
+                    spline(x, [-0.3, 0.6, 0.2, 0.0, 0.4], 0.04, 4, 0.005),
+                )
+            )
+        },
+    ),
+    "coulomb_asymmetry": ({"difference": 0.3}, {"level": lambda x, v: 0.15 * np.sign(v)}),
     "viscous_asymmetry": ({"difference": 2.4}, {"force": lambda x, v, t: -1.2 * abs(v)}),
     "stribeck_friction": (
         {"static_excess": 0.5, "velocity": 0.03, "exponent": 1.3},
-        {"level": lambda v, t: 0.5 * np.exp(-(np.abs(v / 0.03) ** 1.3))},
+        {"level": lambda x, v: 0.5 * np.exp(-(np.abs(v / 0.03) ** 1.3))},
+    ),
+    "presliding_friction": ({"stiffness": 3e3, "damping": 2.0}, {"bristle": (3e3, 2.0)}),
+    "position_dependent_friction": (
+        {"nodes": [0.03, 0.05, 0.06, 0.2], "levels": [0.1, 0.5, -0.1, 0.3]},
+        {"level": lambda x, v: np.interp(x, [0.03, 0.05, 0.06, 0.2], [0.1, 0.5, -0.1, 0.3])},
     ),
     "quadratic_drag": ({"coefficient": 6.0}, {"force": lambda x, v, t: -6.0 * v * abs(v)}),
+    "force_constant_ripple": (
+        {"period": 0.031, "sine": 0.12, "cosine": -0.07},
+        {"gain": lambda x, t: wave(x, 0.031, 0.12, -0.07)},
+    ),
+    "force_constant_drift": (
+        {"change": -0.3, "time_constant": 0.15},
+        {"gain": lambda x, t: -0.3 * (1 - np.exp(-t / 0.15))},
+    ),
     "command_delay": ({"delay": 0.0137}, {"delay": 0.0137}),
     "actuator_lag": ({"time_constant": 0.013}, {"lag": 0.013}),
-    "command_saturation": ({"limit": 1.5}, {"limit": 1.5}),
+    "command_saturation": ({"limit": 1.5}, {"shape": lambda u: np.clip(u, -1.5, 1.5)}),
+    "command_dead_zone": ({"width": 0.2}, {"shape": lambda u: np.sign(u) * np.maximum(np.abs(u) - 0.2, 0)}),
+    "encoder_periodic_error": (
+        {"period": 0.004, "sine": 3e-5, "cosine": -2e-5},
+        {"reading_error": lambda x: wave(x, 0.004, 3e-5, -2e-5)},
+    ),
+    "encoder_scale_error": ({"scale": 0.004}, {"reading_error": lambda x: 0.004 * x}),
+    "backlash": (
+        {"gap": 4e-4, "mass_ratio": 0.4, "contact_frequency": 40.0, "contact_damping_ratio": 0.2},
+        {"coupling": (lambda q, r: contact(q, r, 4e-4, stiffness_of(40, 0.4), damping_of(40, 0.2, 0.4)), 0.4)},
+    ),
+    "flexible_mode": (
+        {"frequency": 23.0, "damping_ratio": 0.05, "mass_ratio": 0.35},
+        {"coupling": (lambda q, r: stiffness_of(23, 0.35) * q + damping_of(23, 0.05, 0.35) * r, 0.35)},
+    ),
     "disturbance_step": (
         {"force": 2.0, "start": 0.1037, "stop": 0.2291},
-        {"force": lambda x, v, t: 2.0 * (0.1037 <= t < 0.2291), "breaks": [0.1037, 0.2291]},
+        {"force": lambda x, v, t: 2.0 * (t >= 0.1037) * (t < 0.2291), "breaks": [0.1037, 0.2291]},
     ),
     "disturbance_tone": (
         {"frequency": 11.0, "sine": 0.8, "cosine": -1.1},
         {"force": lambda x, v, t: 0.8 * np.sin(TWO_PI * 11 * t) - 1.1 * np.cos(TWO_PI * 11 * t)},
     ),
 }
+# As many as can stand in one plant: an axis has one load.
+TOGETHER = sorted(set(EXAMPLES) - {"backlash"})
 
 
 def effect(name, **fields):
@@ -64,14 +143,24 @@ def example(name):
 
 
 def law(*names):
-    """The laws of several effects as one: forces and levels add, delays add."""
+    """The laws of several effects as one: forces, levels, gains, errors and delays add, shapes follow each other."""
     parts = [EXAMPLES[name][1] for name in names]
-    return {
-        "force": lambda x, v, t: sum(p["force"](x, v, t) for p in parts if "force" in p),
-        "level": lambda v, t: sum(p["level"](v, t) for p in parts if "level" in p),
+
+    def added(key):
+        laws = [part[key] for part in parts if key in part]
+        return lambda *where: sum(one(*where) for one in laws)
+
+    def shape(u):
+        for part in parts:
+            u = part["shape"](u) if "shape" in part else u
+        return u
+
+    one = {key: value for part in parts for key, value in part.items() if key in ("bristle", "coupling")}
+    return one | {
+        **{key: added(key) for key in ("force", "level", "gain", "reading_error")},
+        "shape": shape,
         "delay": sum(p.get("delay", 0.0) for p in parts),
         "lag": sum(p.get("lag", 0.0) for p in parts),
-        "limit": min((p["limit"] for p in parts if "limit" in p), default=math.inf),
         "breaks": [b for p in parts for b in p.get("breaks", [])],
     }
 
@@ -79,23 +168,32 @@ def law(*names):
 def replay(log, axis, effects, cogging_force):
     """True position and velocity at the samples from the logged commands, by Dormand-Prince 8(5,3) in pieces.
 
-    A piece ends where a command arrives (its sample plus the delay) or a law jumps.
+    A piece ends where a command arrives (its sample plus the delay) or a law jumps. The state is x, v, output of the
+    amplifier, bristle, load less motor and its rate.
     """
     t, x0, v0 = log["time"], log["true_position"][0], log["true_velocity"][0]
-    u = np.clip(log["command"], -effects["limit"], effects["limit"])
+    u = effects["shape"](log["command"])
     arrival = t + effects["delay"]
     edges = np.concatenate([t, arrival, effects["breaks"]])
     edges = np.unique(np.round(edges[(edges >= t[0]) & (edges <= t[-1])], 12))
     tau = effects["lag"]
+    pull, ratio = effects.get("coupling", (lambda q, r: 0.0, 0.0))
 
     def rhs(time, state, command):
-        x, v, f = state
-        drive = f if tau > 0 else command
-        friction = (axis.coulomb + effects["level"](v, time)) * atan_sign(v, axis.coulomb_width)
-        total = drive - axis.viscous * v - friction - cogging_force(x) + effects["force"](x, v, time)
-        return [v, total / axis.mass, (command - f) / tau if tau > 0 else 0.0]
+        x, v, f, z, q, r = state
+        level = max(axis.coulomb + effects["level"](x, v), 0.0)
+        friction, bristle_rate = level * atan_sign(v, axis.coulomb_width), 0.0
+        if "bristle" in effects:
+            stiffness, damping = effects["bristle"]
+            bristle_rate = v - stiffness * abs(v) * z / level
+            friction = stiffness * z + damping * bristle_rate
+        drive = (f if tau > 0 else command) * (1 + effects["gain"](x, time))
+        total = drive - axis.viscous * v - friction - cogging_force(x) + effects["force"](x, v, time) + pull(q, r)
+        acceleration = total / (axis.mass * (1 - ratio))
+        relative = -pull(q, r) / (axis.mass * ratio) - acceleration if ratio else 0.0
+        return [v, acceleration, (command - f) / tau if tau > 0 else 0.0, bristle_rate, r, relative]
 
-    state = np.array([x0, v0, 0.0])
+    state = np.array([x0, v0, 0.0, 0.0, 0.0, 0.0])
     states = [state[:2]]
     for start, stop in pairwise(edges):
         index = np.searchsorted(arrival, 0.5 * (start + stop), side="right") - 1
@@ -186,45 +284,71 @@ def test_width_zero_is_the_sign():
         assert plant.acceleration(position=0.0, velocity=v, command=0.0) == expected
 
 
+# What an effect answers, by what it is called in EXAMPLES: hook and method.
+ANSWERS = {
+    "force": ("force", "force_at"),
+    "level": ("friction_level", "friction_level_at"),
+    "gain": ("command_gain", "gain_at"),
+    "shape": ("shape_command", "shape_at"),
+    "reading_error": ("reading", "reading_at"),
+    "delay": ("command_delay", None),
+    "lag": ("lag", None),
+    "bristle": ("state", None),
+    "coupling": ("state", None),
+}
+
+
 @pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
 def test_each_law_is_its_formula(name):
-    """force_at, friction_level_at, and what both do in the force balance."""
+    """Each law alone, on scalars and arrays, and what forces, levels and gains do in the force balance."""
     one, by_hand = example(name), EXAMPLES[name][1]
-    assert hasattr(one, "force_at") == ("force" in by_hand)
-    assert hasattr(one, "friction_level_at") == ("level" in by_hand)
+    assert {ANSWERS[key][0] for key in by_hand if key in ANSWERS} == set(one.HOOKS)
+    for key, (_, method) in ANSWERS.items():
+        assert method is None or hasattr(one, method) == (key in by_hand)
     axis = cogging.AxisParameters(mass=0.4, viscous=0.2, coulomb=0.3, coulomb_width=0.01)
     plant, bare = cogging.Plant(axis, effects=[one]), cogging.Plant(axis)
     rng = np.random.default_rng(2)
-    for x, v, t in zip(
-        rng.uniform(-0.1, 0.5, 200),
-        np.append(rng.normal(size=199) * 10 ** rng.uniform(-4, 0, 199), 0.0),
-        rng.uniform(0, 0.4, 200),
-        strict=True,
-    ):
-        where = {"position": x, "velocity": v, "time": t}
-        added = 0.0
-        if "force" in by_hand:
-            added = by_hand["force"](x, v, t)
-            assert one.force_at(**where) == pytest.approx(added, rel=1e-12, abs=1e-13)
-        if "level" in by_hand:
-            level = by_hand["level"](v, t)
-            assert one.friction_level_at(**where) == pytest.approx(level, rel=1e-12, abs=1e-15)
-            added = -level * atan_sign(v, 0.01)
+    x, u, t = rng.uniform(-0.1, 0.5, 200), rng.normal(size=200), rng.uniform(0, 0.4, 200)
+    v = np.append(rng.normal(size=199) * 10 ** rng.uniform(-4, 0, 199), 0.0)
+
+    def answers(method, expected, **where):
+        got = getattr(one, method)(**where)
+        np.testing.assert_allclose(got, expected, rtol=1e-12, atol=1e-13)
+        first = getattr(one, method)(**{key: values[0] for key, values in where.items()})
+        assert isinstance(first, float)
+        assert first == got[0]
+
+    if "shape" in by_hand:
+        answers("shape_at", by_hand["shape"](u), command=u)
+    if "reading_error" in by_hand:
+        answers("reading_at", x + by_hand["reading_error"](x), position=x)
+    added = np.zeros(200)
+    if "force" in by_hand:
+        added = by_hand["force"](x, v, t) * np.ones(200)
+        answers("force_at", added, position=x, velocity=v, time=t)
+    if "level" in by_hand:
+        level = by_hand["level"](x, v)
+        answers("friction_level_at", level, position=x, velocity=v, time=t)
+        added = -level * atan_sign(v, 0.01)
+    if "gain" in by_hand:
+        added = by_hand["gain"](x, t) * 0.7
+        answers("gain_at", by_hand["gain"](x, t), position=x, time=t)
+    for i in range(200):
+        where = {"position": x[i], "velocity": v[i], "time": t[i]}
         difference = plant.acceleration(**where, command=0.7) - bare.acceleration(**where, command=0.7)
-        assert difference == pytest.approx(added / 0.4, rel=1e-11, abs=1e-12)
+        assert difference == pytest.approx(added[i] / 0.4, rel=1e-11, abs=1e-12)
 
 
 def test_forces_of_several_effects_add():
     axis = cogging.AxisParameters(mass=0.4, coulomb=0.3, coulomb_width=0.01)
-    names = sorted(cogging.EFFECTS)
-    together = cogging.Plant(axis, effects=[example(name) for name in names])
-    where = {"position": 0.013, "velocity": -0.021, "time": 0.15}
-    bare = cogging.Plant(axis).acceleration(**where, command=0.0)
-    parts = [cogging.Plant(axis, effects=[example(name)]).acceleration(**where, command=0.0) - bare for name in names]
-    got = together.acceleration(**where, command=0.0)
+    together = cogging.Plant(axis, effects=[example(name) for name in TOGETHER])
+    where = {"position": 0.013, "velocity": -0.021, "time": 0.15, "command": 0.4}
+    bare = cogging.Plant(axis).acceleration(**where)
+    parts = [cogging.Plant(axis, effects=[example(name)]).acceleration(**where) - bare for name in TOGETHER]
+    got = together.acceleration(**where)
     assert got - bare == pytest.approx(sum(parts), rel=1e-12)
-    twice = cogging.Plant(axis, effects=[example("cable_spring")] * 2).acceleration(**where, command=0.0)
-    assert twice - bare == pytest.approx(2 * parts[names.index("cable_spring")], rel=1e-12)
+    twice = cogging.Plant(axis, effects=[example("cable_spring")] * 2).acceleration(**where)
+    assert twice - bare == pytest.approx(2 * parts[TOGETHER.index("cable_spring")], rel=1e-12)
 
 
 # Whole runs against the independent integrator -------------------------------------------------------------
@@ -255,14 +379,15 @@ def assert_replayed(log, *names, tolerance=1e-9):
 def test_a_run_with_each_effect_is_the_independent_integration(name):
     log = tracking_run([example(name)], steps=512)
     assert_replayed(log, name)
+    shown = law(name)["reading_error"](log["true_position"])
+    np.testing.assert_allclose(log["position"], log["true_position"] + shown, rtol=0, atol=1e-15)
     without = tracking_run([], steps=512)
     assert np.abs(log["true_position"] - without["true_position"]).max() > 1e-6  # it does something
 
 
 def test_a_run_without_effects_and_one_with_all_of_them():
     assert_replayed(tracking_run([], steps=512))
-    names = sorted(cogging.EFFECTS)
-    assert_replayed(tracking_run([example(name) for name in names], steps=512), *names)
+    assert_replayed(tracking_run([example(name) for name in TOGETHER], steps=512), *TOGETHER)
 
 
 @pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
@@ -409,6 +534,25 @@ def test_two_current_loops_are_refused():
     lag = effect("actuator_lag", time_constant=0.001)
     with pytest.raises(ValueError, match=r"^actuator_lag: may stand once among the effects"):
         cogging.Plant(cogging.AxisParameters(), effects=[lag, lag])
+
+
+@pytest.mark.parametrize("width", [0.0, 0.05])
+def test_the_gain_acts_on_the_amplifiers_output_alone(width):
+    """1 + 0.25 everywhere: what passes delay and saturation is larger, force noise and friction are as before."""
+    commands = 3 * np.random.default_rng(16).normal(size=200)
+    noise = cogging.NoiseParameters(force=0.3)
+    axis = cogging.AxisParameters(mass=0.2, viscous=0.7, coulomb=0.4, coulomb_width=width)
+    ripple, cut = effect("force_constant_ripple", cosine=0.25, period=1e9), effect("command_saturation", limit=1.25)
+    lag = [effect("actuator_lag", time_constant=0.003), effect("command_delay", delay=0.0013)]
+    gained = driven(cogging.Plant(axis, effects=[ripple, cut, *lag], noise=noise), commands, 1000.0, seed=3)
+    larger = np.clip(commands, -1.25, 1.25) * 1.25
+    same = driven(cogging.Plant(axis, effects=lag, noise=noise), larger, 1000.0, seed=3)
+    np.testing.assert_allclose(gained["true_position"], same["true_position"], rtol=0, atol=1e-12)
+    assert np.ptp(same["true_position"]) > 1e-4
+    warm = effect("force_constant_drift", change=0.15, time_constant=1e-9)
+    part = effect("force_constant_ripple", cosine=0.10, period=1e9)
+    added = driven(cogging.Plant(axis, effects=[part, warm, cut, *lag], noise=noise), commands, 1000.0, seed=3)
+    np.testing.assert_allclose(added["true_position"], same["true_position"], rtol=0, atol=1e-8)
 
 
 # Disturbances ----------------------------------------------------------------------------------------------
@@ -662,6 +806,22 @@ def test_the_reading_is_the_nearest_count(resolution):
     assert np.abs(reading - x).max() <= 0.5 * resolution * (1 + 1e-9)
 
 
+def test_errors_of_the_encoder_come_before_noise_and_rounding():
+    errors = [example("encoder_periodic_error"), example("encoder_scale_error")]
+    encoder = cogging.EncoderParameters(resolution=1e-6, noise=2e-6)
+    plain, wrong = (
+        free(cogging.Plant(cogging.AxisParameters(), effects=e, encoder=encoder), 2.0, v0=0.1, seed=4)
+        for e in ([], errors)
+    )
+    x = wrong["true_position"]
+    np.testing.assert_array_equal(x, plain["true_position"])
+    counts = wrong["position"] / 1e-6
+    np.testing.assert_allclose(counts, np.round(counts), rtol=0, atol=1e-8)
+    error = wave(x, 0.004, 3e-5, -2e-5) + 0.004 * x
+    # The same noise in both: the readings differ by the error, each rounded.
+    assert np.abs(wrong["position"] - plain["position"] - error).max() <= 1e-6 * (1 + 1e-6)
+
+
 def white(resolution, noise, seed, samples=100_000):
     encoder = cogging.EncoderParameters(resolution=resolution, noise=noise)
     log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), samples / 1000.0, seed=seed)
@@ -791,6 +951,52 @@ FINITE = "must be a finite number, got"
         ("disturbance_step", {"start": math.inf}, f"start: {FINITE} inf"),
         ("disturbance_step", {"start": 1.0, "stop": 1.0}, "stop: must be above start = 1, got 1"),
         ("disturbance_step", {"stop": math.nan}, "stop: must be above start = 0, got nan"),
+        ("end_effect", {"force": math.inf}, f"force: {FINITE} inf"),
+        ("end_effect", {"decay_length": 0.0}, f"decay_length: {POSITIVE} 0"),
+        ("end_effect", {"travel": [0.5, 0.5]}, "travel: needs lower end < upper end, got [0.5, 0.5]"),
+        ("cogging_modulation", {"period": -0.1}, f"period: {POSITIVE} -0.1"),
+        ("cogging_modulation", {"sine": [math.inf], "cosine": [0.0]}, f"sine: {FINITE} inf"),
+        ("cogging_modulation", {"sine": [0.0], "cosine": [math.nan]}, f"cosine: {FINITE} nan"),
+        ("cogging_modulation", {"sine": [1, 2], "cosine": [1]}, "cosine: must have as many values as sine = 2, got 1"),
+        ("cogging_modulation", {"pitch": -0.1}, f"pitch: {NOT_NEGATIVE} -0.1"),
+        ("cogging_modulation", {"order": 0}, "order: must be from 1 to 16, got 0"),
+        ("cogging_modulation", {"order": 17}, "order: must be from 1 to 16, got 17"),
+        ("cogging_modulation", {"origin": math.inf}, f"origin: {FINITE} inf"),
+        (
+            "cogging_modulation",
+            {"pitch": 0.1, "sine": [1, 2], "cosine": [1, 2]},
+            "sine: more than one value must be at least the order = 3, got 2",
+        ),
+        ("presliding_friction", {"stiffness": 0.0}, "stiffness: must be above 0 (infinite = none), got 0"),
+        ("presliding_friction", {"damping": -1.0}, f"damping: {NOT_NEGATIVE} -1"),
+        ("position_dependent_friction", {"nodes": [0.0], "levels": [math.inf]}, f"levels: {FINITE} inf"),
+        (
+            "position_dependent_friction",
+            {"nodes": [0.0, 0.1, 0.1], "levels": [0, 0, 0]},
+            "nodes: must increase: above 0.1, got 0.1",
+        ),
+        (
+            "position_dependent_friction",
+            {"nodes": [0.0, 0.1], "levels": [0.0]},
+            "levels: must have as many values as nodes = 2, got 1",
+        ),
+        ("force_constant_ripple", {"period": 0.0}, f"period: {POSITIVE} 0"),
+        ("force_constant_ripple", {"sine": math.inf}, f"sine: {FINITE} inf"),
+        ("force_constant_ripple", {"cosine": math.nan}, f"cosine: {FINITE} nan"),
+        ("force_constant_drift", {"change": math.inf}, f"change: {FINITE} inf"),
+        ("force_constant_drift", {"time_constant": 0.0}, f"time_constant: {POSITIVE} 0"),
+        ("command_dead_zone", {"width": -0.1}, f"width: {NOT_NEGATIVE} -0.1"),
+        ("encoder_periodic_error", {"period": 0.0}, f"period: {POSITIVE} 0"),
+        ("encoder_periodic_error", {"sine": math.inf}, f"sine: {FINITE} inf"),
+        ("encoder_periodic_error", {"cosine": math.nan}, f"cosine: {FINITE} nan"),
+        ("encoder_scale_error", {"scale": math.inf}, f"scale: {FINITE} inf"),
+        ("backlash", {"gap": -1e-6}, f"gap: {NOT_NEGATIVE} -1e-06"),
+        ("backlash", {"mass_ratio": 1.0}, "mass_ratio: must be at least 0 and below 1, got 1"),
+        ("backlash", {"contact_frequency": 0.0}, f"contact_frequency: {POSITIVE} 0"),
+        ("backlash", {"contact_damping_ratio": -1.0}, f"contact_damping_ratio: {NOT_NEGATIVE} -1"),
+        ("flexible_mode", {"frequency": 0.0}, "frequency: must be above 0 (infinite = rigid), got 0"),
+        ("flexible_mode", {"damping_ratio": -0.1}, f"damping_ratio: {NOT_NEGATIVE} -0.1"),
+        ("flexible_mode", {"mass_ratio": -0.1}, "mass_ratio: must be at least 0 and below 1, got -0.1"),
         ("disturbance_tone", {"frequency": 0.0}, f"frequency: {POSITIVE} 0"),
         ("disturbance_tone", {"sine": math.nan}, f"sine: {FINITE} nan"),
         ("disturbance_tone", {"cosine": math.nan}, f"cosine: {FINITE} nan"),
@@ -806,8 +1012,16 @@ def test_rules(kind, change, message):
 def test_no_effect_takes_a_nan(name):
     kind = cogging.EFFECTS[name]
     for field in kind.FIELDS:
-        with pytest.raises(ValueError, match=f"^{field}: .*, got nan$"):
-            kind(**{field: math.nan})
+        default = getattr(kind(), field)
+        if isinstance(default, int):  # no such thing as a whole NaN
+            with pytest.raises(TypeError):
+                kind(**{field: math.nan})
+        elif isinstance(default, list):
+            with pytest.raises(ValueError, match=f"^{field}: .*nan"):
+                kind(**{field: [0.0, math.nan]})
+        else:
+            with pytest.raises(ValueError, match=f"^{field}: .*, got nan$"):
+                kind(**{field: math.nan})
 
 
 @pytest.mark.parametrize("name", [*sorted(cogging.EFFECTS), "AxisParameters", "EncoderParameters"])
@@ -832,7 +1046,7 @@ def test_parameters_are_values(name):
 
 
 def test_a_plant_keeps_what_it_was_made_of():
-    effects = [example(name) for name in sorted(cogging.EFFECTS)]
+    effects = [example(name) for name in TOGETHER]
     encoder = cogging.EncoderParameters(resolution=1e-6)
     noise = cogging.NoiseParameters(force=0.1)
     plant = cogging.Plant(SMOOTH, cogging=PERIODIC, effects=effects, encoder=encoder, noise=noise)

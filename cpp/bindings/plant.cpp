@@ -21,28 +21,107 @@ std::string class_name(std::string_view name) {
   return result;
 }
 
+// Which of the plant's questions it answers.
+template <class E>
+py::tuple hooks_of() {
+  py::list hooks;
+  const auto add = [&](bool has, const char* name) {
+    if (has) hooks.append(name);
+  };
+  add(HasForce<E, double>, "force");
+  add(HasFrictionLevel<E, double>, "friction_level");
+  add(HasCommandGain<E, double>, "command_gain");
+  add(HasShapeCommand<E, double>, "shape_command");
+  add(HasCommandDelay<E>, "command_delay");
+  add(HasLag<E>, "lag");
+  add(HasReading<E, double>, "reading");
+  add(HasBristle<E> || HasCoupling<E>, "state");
+  return py::tuple(hooks);
+}
+
+template <class E>
+py::dict roles_of() {
+  py::dict roles;
+  const E defaults{};
+  for_each_field<E>([&](const auto& field) {
+    const Trait& trait = field.trait;
+    py::dict role;
+    const bool searched = trait.role != Role::setting;
+    role["role"] = std::string(to_string(trait.role));
+    role["quantity"] = std::string(to_string(trait.quantity));
+    role["low"] = searched ? py::object(py::float_(trait.low)) : py::none();
+    role["high"] = searched ? py::object(py::float_(trait.high)) : py::none();
+    role["logarithmic"] = trait.logarithmic;
+    role["neutral"] = trait.vanishes ? py::cast(defaults.*(field.member)) : py::none();
+    roles[py::str(std::string(field.name))] = role;
+  });
+  return roles;
+}
+
+// The effect in a plant, or by itself where there is none.
+template <class E>
+E resolved(E effect, const PlantContext& plant = {}) {
+  if constexpr (HasBind<E>) effect.bind(plant);
+  return effect;
+}
+
+using Values = py::array_t<double, py::array::forcecast>;
+
+template <class E>
+void bind_laws(py::class_<E>& bound) {
+  const auto by_motion = [&](const char* name, auto law, const char* doc) {
+    bound.def(
+        name,
+        [law](const E& effect, const Values& position, const Values& velocity, const Values& time) {
+          const E made = resolved(effect);
+          return py::vectorize([&](double x, double v, double t) {
+            return law(made, Motion<double>{x, v, sign(v), t});
+          })(position, velocity, time);
+        },
+        py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0, doc);
+  };
+  if constexpr (HasForce<E, double>)
+    by_motion(
+        "force_at", [](const E& effect, const Motion<double>& motion) { return effect.force(motion); },
+        "Force (V) at positions (m), velocities (m/s) and times (s).");
+  if constexpr (HasFrictionLevel<E, double>)
+    by_motion(
+        "friction_level_at",
+        [](const E& effect, const Motion<double>& motion) { return effect.friction_level(motion); },
+        "Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).");
+  if constexpr (HasCommandGain<E, double>)
+    bound.def("gain_at", py::vectorize([](const E* effect, double position, double time) {
+                return effect->command_gain(position, time);
+              }),
+              py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0,
+              "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).");
+  if constexpr (HasShapeCommand<E, double>)
+    bound.def("shape_at", py::vectorize([](const E* effect, double command) { return effect->shape_command(command); }),
+              py::arg("command"), "What the amplifier makes of commands, V.");
+  if constexpr (HasReading<E, double>)
+    bound.def("reading_at", py::vectorize([](const E* effect, double position) {
+                return position + effect->reading_error(position);
+              }),
+              py::arg("position"), "What the encoder reads at positions, m, before noise and rounding.");
+}
+
 template <class E>
 void bind_effect(py::module_& module, py::dict& effects) {
   const std::string doc = "Effect `" + std::string(E::name) + "`: " + std::string(E::law) + ".";
   auto bound = bind_parameters<E>(module, class_name(E::name), doc);
   bound.attr("NAME") = std::string(E::name);
   bound.attr("LAW") = std::string(E::law);
-  if constexpr (HasForce<E, double>)
-    bound.def(
-        "force_at",
-        [](const E& effect, double position, double velocity, double time) {
-          return effect.force(Motion<double>{position, velocity, sign(velocity), time});
-        },
-        py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0,
-        "Force (V) at a position (m), velocity (m/s) and time (s).");
-  if constexpr (HasFrictionLevel<E, double>)
-    bound.def(
-        "friction_level_at",
-        [](const E& effect, double position, double velocity, double time) {
-          return effect.friction_level(Motion<double>{position, velocity, sign(velocity), time});
-        },
-        py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0,
-        "Level (V) that it adds to Fc at a position (m), velocity (m/s) and time (s).");
+  bound.attr("HOOKS") = hooks_of<E>();
+  bound.attr("ROLES") = roles_of<E>();
+  bind_laws<E>(bound);
+  bound.def(
+      "resolved",
+      [](const E& effect, const AxisParameters<>& axis, const std::optional<CoggingModel<>>& cogging) {
+        return resolved(effect, context_of(axis, cogging.value_or(CoggingModel<>())));
+      },
+      py::arg("axis"), py::arg("cogging") = py::none(),
+      "A copy whose fields that stand for those of the plant (travel, knots) are filled in.\n\n"
+      "Raises:\n    ValueError: the plant lacks what it needs.");
   effects[py::str(std::string(E::name))] = bound;
 }
 
@@ -63,7 +142,7 @@ void bind_plant(py::module_& module) {
                                     "Mass and friction of the axis: M x'' = u - B x' - Fc S(x') - "
                                     "F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2).");
   bind_parameters<EncoderParameters>(module, "EncoderParameters",
-                                     "reading = resolution round((x + noise) / resolution).");
+                                     "reading = resolution round((x + errors + noise) / resolution).");
   bind_parameters<NoiseParameters>(module, "NoiseParameters",
                                    "Force noise of a first-order spectrum, held between samples.");
   py::module_ submodule = module.def_submodule("effects", "Every effect that a plant may have, one class each.");
@@ -74,13 +153,16 @@ void bind_plant(py::module_& module) {
   py::class_<Plant<>>(module, "Plant", R"(A whole machine: axis, cogging, effects, encoder and noise.
 
 Raises:
-    ValueError: more than one actuator_lag among the effects.)")
+    ValueError: more than one actuator_lag, presliding_friction, or load (backlash, flexible_mode) among the effects;
+        an effect that needs the travel or the knots of the cogging where there are none.)")
       .def(py::init([](const AxisParameters<>& axis, const std::optional<CoggingModel<>>& cogging,
                        const std::vector<Effect<>>& list, const EncoderParameters& encoder,
                        const NoiseParameters& noise) {
              validate_effects(list);
              Amplifier<double>(list, 1.0);  // refuses a list that no amplifier can have
-             return Plant<>{axis, cogging.value_or(CoggingModel<>()), list, encoder, noise};
+             const CoggingModel<> model = cogging.value_or(CoggingModel<>());
+             const Axis<> refuses(axis, model, list);  // a list that no axis can have
+             return Plant<>{axis, model, list, encoder, noise};
            }),
            py::arg("axis"), py::kw_only(), py::arg("cogging") = py::none(), py::arg("effects") = py::list(),
            py::arg("encoder") = EncoderParameters{}, py::arg("noise") = NoiseParameters{})
@@ -98,6 +180,6 @@ Raises:
             return Axis<>(plant.axis, plant.cogging, plant.effects).acceleration(position, velocity, command, time);
           },
           py::kw_only(), py::arg("position"), py::arg("velocity"), py::arg("command"), py::arg("time") = 0.0,
-          "Acceleration (m/s^2) of the moving axis when `command` (V) acts: the amplifier's effects are not "
-          "in it.");
+          "Acceleration (m/s^2) of the moving axis when `command` (V) acts: shape, delay and lag of the amplifier are "
+          "not in it, nor are states (a bristle, a load of its own).");
 }

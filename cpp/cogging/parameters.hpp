@@ -5,6 +5,8 @@
 #include <string_view>
 #include <tuple>
 
+#include "cogging/trait.hpp"
+
 namespace cogging {
 
 template <class Struct, class Member>
@@ -13,6 +15,7 @@ struct Field {
   Member Struct::* member;
   std::string_view unit;
   std::string_view meaning;
+  Trait trait = {};  // of the effects' parameters
 };
 
 /// Calls visit(field) for each field of Struct, in order.

@@ -1,3 +1,21 @@
-"""Every effect that a plant may have: one class each, its parameters neutral unless given."""
+"""Every effect that a plant may have: one class each, its parameters neutral unless given.
+
+Each class says of itself, for programs that know no effect by name:
+
+- `NAME`, `LAW`, `FIELDS` (name -> (unit, meaning));
+- `HOOKS`, what it acts on: "force", "friction_level", "command_gain", "shape_command", "command_delay", "lag",
+  "reading", "state". Where its law is a function, that is `force_at`, `friction_level_at`, `gain_at`, `shape_at`,
+  `reading_at`, on scalars and arrays; `resolved(axis, cogging)` first fills in what it takes from the plant;
+- `ROLES`, name -> dict: `role` ("amplitude": the law is linear in it and vanishes at `neutral`; "shape": it is not;
+  "setting": not to be searched for), `quantity` (what it is measured against), `low`, `high` (where to search, in
+  multiples of that quantity's value), `logarithmic` (step in the logarithm), `neutral` (the value at which the effect
+  does nothing, None where there is none).
+
+The value of a quantity in a log: `force`, `command`: largest |command|; `friction`: the Coulomb level; `position`: a
+place, 0 the lower and 1 the upper end of the travel; `distance`: length of the travel; `velocity`: largest speed;
+`time`: duration; `sample_time`; `frequency`: half the sample rate; `force_per_position`, `force_per_velocity`,
+`force_per_velocity_squared`: quotients of these; `stiffness`: Coulomb level over length of the travel; `relative`,
+`exponent`, `one`: 1. A list has the role of each of its values.
+"""
 
 from cogging._core.effects import *  # noqa: F403  (the list stands in the core alone)

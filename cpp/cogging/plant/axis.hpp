@@ -2,18 +2,18 @@
 // The axis: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2, 8 to 10).
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <tuple>
 #include <type_traits>
 #include <vector>
 
 #include "cogging/basis/spline_harmonics.hpp"
+#include "cogging/plant/body_with_states.hpp"
 #include "cogging/plant/effects/list.hpp"
+#include "cogging/plant/state.hpp"
+#include "cogging/plant/sticking.hpp"
 
 namespace cogging {
-
-using Range = std::array<double, 2>;
 
 template <class Scalar = double>
 struct AxisParameters {
@@ -43,43 +43,46 @@ struct AxisParameters {
   }
 };
 
+/// What the effects of a plant may ask of it.
 template <class Scalar>
-struct AxisState {
-  Scalar position = 0.0;  // m
-  Scalar velocity = 0.0;  // m/s
-};
-
-/// What drives the axis during one integration step: the amplifier's output as it settles, and a held force.
-template <class Scalar>
-struct Drive {
-  Scalar target = 0.0;     // V, command that acts
-  Scalar deviation = 0.0;  // V, amplifier's output less target at the start of the step
-  Scalar rate = 0.0;       // 1/s, at which the deviation decays
-  Scalar force = 0.0;      // V, disturbance held over the sample
-  bool lagging = false;
-
-  Scalar at(const Scalar& offset) const { return lagging ? target + deviation * exp(-rate * offset) : target; }
-};
+PlantContext context_of(const AxisParameters<Scalar>& axis, const CoggingModel<Scalar>& cogging) {
+  return {axis.travel, !cogging.basis().empty(), cogging.basis().spline()};
+}
 
 template <class Scalar = double>
 class Axis {
  public:
   Axis() = default;
 
+  /// Raises std::invalid_argument for effects that lack what they need of the plant or that exclude each other.
   Axis(const AxisParameters<Scalar>& parameters, CoggingModel<Scalar> cogging,
        const std::vector<Effect<Scalar>>& effects = {})
       : parameters_(parameters),
         cogging_(std::move(cogging)),
         inverse_mass_(Scalar(1.0) / parameters.mass),
         has_friction_(!all(parameters.coulomb == 0.0)) {
-    for (const Effect<Scalar>& effect : effects)
+    CouplingParameters coupling;
+    for (const Effect<Scalar>& effect : bind_effects(effects, context_of(parameters_, cogging_)))
       std::visit(
-          [&]<class E>(const E&) {
+          [&]<class E>(const E& law) {
             if constexpr (HasForce<E, Scalar> || HasFrictionLevel<E, Scalar>) laws_.push_back(effect);
             if constexpr (HasFrictionLevel<E, Scalar>) has_friction_ = true;
+            if constexpr (HasCommandGain<E, Scalar>) gains_.push_back(effect);
             if constexpr (HasEvents<E>) events_.push_back(effect);
+            if constexpr (HasBristle<E>) {
+              if (law.bristle().exists()) add_state(E::name, bristle_, law.bristle(), bristle_.exists());
+            }
+            if constexpr (HasCoupling<E>) {
+              if (!law.coupling().rigid()) add_state(E::name, coupling, law.coupling(), !coupling.rigid());
+            }
           },
           effect);
+    if constexpr (std::is_same_v<Scalar, double>) {
+      coupling_ = Coupling(coupling, parameters_.mass);
+      sticks_ = parameters_.coulomb_width == 0.0 && has_friction_ && !bristle_.exists();
+    }
+    has_states_ = bristle_.exists() || coupling_.exists();
+    plain_ = !has_states_ && !sticks_ && gains_.empty();
   }
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
@@ -97,31 +100,47 @@ class Axis {
     return next;
   }
 
-  /// Force balance over mass, m/s^2, with the smooth sign S(v).
-  Scalar acceleration(const Scalar& position, const Scalar& velocity, const Scalar& drive, double time) const {
-    // Cogging first: in a Runge-Kutta step the position is known before the velocity.
-    const Scalar cogging = cogging_.force(position);
+  struct Balance {
+    Scalar push, friction_level;  // V
+  };
+
+  /// All forces but friction, V, and its level, V. `drive` is what the amplifier puts out plus `held`, a force that
+  /// no force constant multiplies; `direction` is that of Motion.
+  Balance balance(const Scalar& position, const Scalar& velocity, const Scalar& direction, const Scalar& drive,
+                  const Scalar& held, double time) const {
+    const auto [force, friction_level] = forces(cogging_.force(position), position, velocity, direction, time);
+    const Scalar amplified = gains_.empty() ? drive : amplify(drive, held, position, time);
+    return {amplified + force, friction_level};
+  }
+
+  /// Force balance over mass, m/s^2, with the smooth sign S(v); motor and load as one.
+  Scalar acceleration(const Scalar& position, const Scalar& velocity, const Scalar& drive, double time,
+                      const Scalar& held = 0.0) const {
     const Scalar direction = smooth_sign(velocity, parameters_.coulomb_width);
-    const auto [force, friction_level] = forces(cogging, position, velocity, direction, time);
-    return (drive + force - friction_level * direction) * inverse_mass_;
+    const auto [push, friction_level] = balance(position, velocity, direction, drive, held, time);
+    return (push - friction_level * direction) * inverse_mass_;
   }
 
   /// One step of length h from `time` with the drive held: classical Runge-Kutta of fourth order. With
   /// coulomb_width = 0 the step is cut where the axis stops or breaks away, so that it sticks and slips
   /// exactly.
   void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
-    if constexpr (std::is_same_v<Scalar, double>) {
-      if (parameters_.coulomb_width == 0.0 && has_friction_) {
-        advance_sticking(state, drive, time, h);
-        return;
-      }
+    if (!plain_) {
+      advance_other(state, drive, time, h);
+      return;
     }
     runge_kutta(state, drive, time, 0.0, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-      return acceleration(x, v, u, t);
+      // Cogging first: in a Runge-Kutta step the position is known before the velocity.
+      const Scalar cogging = cogging_.force(x);
+      const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
+      const auto [force, friction_level] = forces(cogging, x, v, direction, t);
+      return (u + force - friction_level * direction) * inverse_mass_;
     });
   }
 
  private:
+  friend void advance_sticking<Axis>(const Axis&, AxisState<double>&, const Drive<double>&, double, double, double);
+
   struct Forces {
     Scalar without_friction, friction_level;  // V
   };
@@ -144,6 +163,43 @@ class Axis {
           effect);
     sum.friction_level = select(sum.friction_level < 0.0, Scalar(0.0), sum.friction_level);  // friction never pushes
     return sum;
+  }
+
+  // The force constant's effects multiply what the amplifier puts out, `drive - held`.
+  COGGING_NOINLINE Scalar amplify(const Scalar& drive, const Scalar& held, const Scalar& position, double time) const {
+    Scalar gain = 0.0;
+    for (const Effect<Scalar>& effect : gains_)
+      std::visit(
+          [&]<class E>(const E& law) {
+            if constexpr (HasCommandGain<E, Scalar>) gain += law.command_gain(position, time);
+          },
+          effect);
+    return drive + gain * (drive - held);
+  }
+
+  template <class State>
+  void add_state(std::string_view name, State& state, const State& added, bool already) {
+    require(!already, name, "may not join another of its kind (backlash, flexible_mode; presliding_friction), count",
+            2);
+    require(std::is_same_v<Scalar, double>, name, "runs on single machines alone, lanes", 2);
+    state = added;
+  }
+
+  COGGING_NOINLINE void advance_other(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time,
+                                      double h) const {
+    if constexpr (std::is_same_v<Scalar, double>) {
+      if (has_states_) {
+        BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
+        return;
+      }
+      if (sticks_) {
+        advance_sticking(*this, state, drive, time, 0.0, h);
+        return;
+      }
+    }
+    runge_kutta(state, drive, time, 0.0, h, [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+      return acceleration(x, v, u, t, drive.force);
+    });
   }
 
   // f(position, velocity, command, time). The new position is stored before a4 is begun, so that the next
@@ -169,80 +225,38 @@ class Axis {
   }
 
   // Force balance of an axis that slides in `direction`.
-  double sliding(double position, double velocity, double u, double time, double direction) const {
-    const auto [force, friction_level] = forces(cogging_.force(position), position, velocity, direction, time);
-    return (u + force - friction_level * direction) * inverse_mass_;
+  double sliding(double position, double velocity, double drive, double held, double time, double direction) const {
+    const auto [push, friction_level] = balance(position, velocity, direction, drive, held, time);
+    return (push - friction_level * direction) * inverse_mass_;
   }
 
-  // -1 or +1: the direction in which an axis at rest breaks away; 0: it sticks.
-  double breakaway(double position, double u, double time) const {
+  // What advance_sticking asks of a body.
+  AxisState<double> slide(AxisState<double> state, const Drive<double>& drive, double time, double offset,
+                          double length, double direction) const {
+    runge_kutta(state, drive, time + offset, offset, length,
+                [&](double x, double v, double u, double t) { return sliding(x, v, u, drive.force, t, direction); });
+    return state;
+  }
+
+  const AxisState<double>& rest(const AxisState<double>& state, const Drive<double>&, double, double, double) const {
+    return state;
+  }
+
+  double breakaway(const AxisState<double>& state, const Drive<double>& drive, double time, double offset) const {
+    const double u = drive.at(offset) + drive.force;
     for (double direction : {-1.0, 1.0})
-      if (sliding(position, 0.0, u, time, direction) * direction > 0.0) return direction;
+      if (sliding(state.position, 0.0, u, drive.force, time + offset, direction) * direction > 0.0) return direction;
     return 0.0;
-  }
-
-  // Exact Coulomb friction. The step is a sequence of pieces, in each of which the axis either slides one way
-  // or rests; each ends where the velocity comes to zero or where the force on the resting axis reaches its
-  // level.
-  void advance_sticking(AxisState<double>& state, const Drive<double>& drive, double time, double h) const {
-    constexpr int pieces_max = 64;
-    double done = 0.0;
-    for (int piece = 0; piece < pieces_max && done < h; ++piece) {
-      const double left = h - done;
-      const auto force_at = [&](double offset) { return drive.at(offset) + drive.force; };
-      double direction = sign(state.velocity);
-      if (direction == 0.0) {
-        direction = breakaway(state.position, force_at(done), time + done);
-        if (direction == 0.0) {
-          const auto rests_until = [&](double offset) {
-            return breakaway(state.position, force_at(offset), time + offset) == 0.0;
-          };
-          // Look at quarters of what is left: a force that comes and goes within the step must not be missed.
-          for (int quarter = 1; quarter <= 4 && direction == 0.0; ++quarter) {
-            const double until = quarter == 4 ? h : done + 0.25 * quarter * left;
-            if (!rests_until(until)) {
-              done = bisect(done, until, rests_until);
-              direction = 2.0;  // found: the next piece starts there
-            }
-          }
-          if (direction == 0.0) return;
-          continue;
-        }
-      }
-      const auto slide = [&](double length) {
-        AxisState<double> end = state;
-        runge_kutta(end, drive, time + done, done, length,
-                    [&](double x, double v, double u, double t) { return sliding(x, v, u, t, direction); });
-        return end;
-      };
-      const AxisState<double> end = slide(left);
-      if (end.velocity * direction >= 0.0) {
-        state = end;
-        return;
-      }
-      const double length = bisect(0.0, left, [&](double l) { return slide(l).velocity * direction >= 0.0; });
-      state = {slide(length).position, 0.0};
-      done += std::max(length, 1e-12 * h);
-    }
-    if (done < h) state.velocity = 0.0;  // endless reversals within one step: the axis is at rest
-  }
-
-  // The point between a and b up to which `holds`, to the last bit that a time can show.
-  template <class Predicate>
-  static double bisect(double a, double b, const Predicate& holds) {
-    for (int i = 0; i < 60; ++i) {
-      const double middle = 0.5 * (a + b);
-      if (middle <= a || middle >= b) break;
-      (holds(middle) ? a : b) = middle;
-    }
-    return b;
   }
 
   AxisParameters<Scalar> parameters_;
   CoggingModel<Scalar> cogging_;
   Scalar inverse_mass_ = 1.0;
-  bool has_friction_ = false;
-  std::vector<Effect<Scalar>> laws_, events_;
+  bool has_friction_ = false, sticks_ = false, has_states_ = false;
+  bool plain_ = true;  // smooth friction without states or gains: the fast way
+  std::vector<Effect<Scalar>> laws_, gains_, events_;
+  Bristle bristle_;
+  Coupling coupling_;
 };
 
 }  // namespace cogging

@@ -3,20 +3,29 @@
 //
 // An effect is a struct template over the scalar with
 //   static constexpr std::string_view name, law;      // as in the vocabulary; the formula
-//   static constexpr auto fields();                   // its parameters, whose defaults make it vanish
+//   static constexpr auto fields();                   // its parameters and their traits; defaults make it vanish
 //   void validate() const;                            // throws, naming the field
 // and at least one of
-//   Scalar force(const Motion<Scalar>&) const;           // V, added to the force balance
-//   Scalar friction_level(const Motion<Scalar>&) const;  // V, added to the Coulomb level that multiplies
-//   S(v) Scalar shape_command(const Scalar& command) const;   // V, what the amplifier makes of a command,
-//   without memory double command_delay() const;                        // s, how much later the command acts
-//   Scalar lag_time_constant() const;                    // s, of a first-order current loop
-//   double next_event(double time) const;                // s, the next time at which its law jumps: steps
-//   end there
+//   Scalar force(const Motion<Scalar>&) const;            // V, added to the force balance
+//   Scalar friction_level(const Motion<Scalar>&) const;   // V, added to the Coulomb level that multiplies S(v)
+//   Scalar command_gain(const Scalar& position, double time) const;  // added to 1: the gains of all effects add,
+//                                                         // and multiply what the amplifier puts out
+//   Scalar shape_command(const Scalar& command) const;    // V, what the amplifier makes of a command, no memory
+//   double command_delay() const;                         // s, how much later the command acts
+//   Scalar lag_time_constant() const;                     // s, of a first-order current loop
+//   Scalar reading_error(const Scalar& position) const;   // m, by which the encoder reads too much there: the
+//                                                         // errors of all effects add
+//   Bristle bristle() const;                              // a friction contact with a state, in place of S(v)
+//   CouplingParameters coupling() const;                  // a load that is a mass of its own
+// Beside these it may have
+//   double next_event(double time) const;                 // s, the next time at which its law jumps: steps end there
+//   void bind(const PlantContext&);                       // takes what it needs from the plant; throws where that
+//                                                         // is missing
 
 #include <string_view>
 
 #include "cogging/parameters.hpp"
+#include "cogging/plant/context.hpp"
 #include "cogging/plant/motion.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
@@ -28,12 +37,23 @@ concept HasForce = requires(const E& effect, const Motion<Scalar>& motion) { eff
 template <class E, class Scalar>
 concept HasFrictionLevel = requires(const E& effect, const Motion<Scalar>& motion) { effect.friction_level(motion); };
 template <class E, class Scalar>
+concept HasCommandGain =
+    requires(const E& effect, const Scalar& position, double time) { effect.command_gain(position, time); };
+template <class E, class Scalar>
 concept HasShapeCommand = requires(const E& effect, const Scalar& command) { effect.shape_command(command); };
 template <class E>
 concept HasCommandDelay = requires(const E& effect) { effect.command_delay(); };
 template <class E>
 concept HasLag = requires(const E& effect) { effect.lag_time_constant(); };
+template <class E, class Scalar>
+concept HasReading = requires(const E& effect, const Scalar& position) { effect.reading_error(position); };
+template <class E>
+concept HasBristle = requires(const E& effect) { effect.bristle(); };
+template <class E>
+concept HasCoupling = requires(const E& effect) { effect.coupling(); };
 template <class E>
 concept HasEvents = requires(const E& effect, double time) { effect.next_event(time); };
+template <class E>
+concept HasBind = requires(E& effect, const PlantContext& context) { effect.bind(context); };
 
 }  // namespace cogging

@@ -1,9 +1,11 @@
 #pragma once
-// The encoder: reading = resolution round((x + noise) / resolution).
+// The encoder: reading = resolution round((x + errors + noise) / resolution).
 
 #include <tuple>
+#include <vector>
 
 #include "cogging/parameters.hpp"
+#include "cogging/plant/effects/list.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
@@ -24,6 +26,20 @@ struct EncoderParameters {
     require_not_negative("noise", noise);
   }
 };
+
+/// Where the encoder believes the axis to be, before noise and rounding: x plus the errors of the effects, each of
+/// the true position.
+template <class Scalar>
+Scalar encoder_position(const std::vector<Effect<Scalar>>& effects, const Scalar& position) {
+  Scalar seen = position;
+  for (const Effect<Scalar>& effect : effects)
+    std::visit(
+        [&]<class E>(const E& law) {
+          if constexpr (HasReading<E, Scalar>) seen += law.reading_error(position);
+        },
+        effect);
+  return seen;
+}
 
 /// A position as the encoder shows it. `noise` is a standard normal number.
 template <class Scalar>

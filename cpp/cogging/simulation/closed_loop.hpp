@@ -124,7 +124,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   for (std::size_t k = 0; k < rows; ++k) {
     detail::require_bounded(state, plant.axis.travel, log.time[k]);
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
-    const Scalar reading = read_encoder(plant.encoder, state.position, noise);
+    const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
     const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
     if (options.record_estimates)
       log.estimates.insert(log.estimates.end(), controller.estimates().begin(), controller.estimates().end());

@@ -455,7 +455,7 @@ class AxisParameters:
         """
 class EncoderParameters:
     """
-    reading = resolution round((x + noise) / resolution).
+    reading = resolution round((x + errors + noise) / resolution).
     
     Fields:
         resolution (m): one count; 0 = ideal
@@ -540,13 +540,14 @@ class Plant:
     A whole machine: axis, cogging, effects, encoder and noise.
     
     Raises:
-        ValueError: more than one actuator_lag among the effects.
+        ValueError: more than one actuator_lag, presliding_friction, or load (backlash, flexible_mode) among the effects;
+            an effect that needs the travel or the knots of the cogging where there are none.
     """
-    def __init__(self, axis: AxisParameters, *, cogging: CoggingModel | None = None, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.CoggingHarmonic | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.QuadraticDrag | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.DisturbanceStep | effects.DisturbanceTone] = [], encoder: EncoderParameters = ..., noise: NoiseParameters = ...) -> None:
+    def __init__(self, axis: AxisParameters, *, cogging: CoggingModel | None = None, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone] = [], encoder: EncoderParameters = ..., noise: NoiseParameters = ...) -> None:
         ...
     def acceleration(self, *, position: typing.SupportsFloat | typing.SupportsIndex, velocity: typing.SupportsFloat | typing.SupportsIndex, command: typing.SupportsFloat | typing.SupportsIndex, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
         """
-        Acceleration (m/s^2) of the moving axis when `command` (V) acts: the amplifier's effects are not in it.
+        Acceleration (m/s^2) of the moving axis when `command` (V) acts: shape, delay and lag of the amplifier are not in it, nor are states (a bristle, a load of its own).
         """
     @property
     def axis(self) -> AxisParameters:
@@ -555,7 +556,7 @@ class Plant:
     def cogging(self) -> CoggingModel | None:
         ...
     @property
-    def effects(self) -> list[effects.ConstantForce | effects.CableSpring | effects.CoggingHarmonic | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.QuadraticDrag | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.DisturbanceStep | effects.DisturbanceTone]:
+    def effects(self) -> list[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone]:
         ...
     @property
     def encoder(self) -> EncoderParameters:
@@ -1547,4 +1548,4 @@ def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.
     """
     The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
     """
-EFFECTS: dict = {'constant_force': effects.ConstantForce, 'cable_spring': effects.CableSpring, 'cogging_harmonic': effects.CoggingHarmonic, 'coulomb_asymmetry': effects.CoulombAsymmetry, 'viscous_asymmetry': effects.ViscousAsymmetry, 'stribeck_friction': effects.StribeckFriction, 'quadratic_drag': effects.QuadraticDrag, 'command_delay': effects.CommandDelay, 'actuator_lag': effects.ActuatorLag, 'command_saturation': effects.CommandSaturation, 'disturbance_step': effects.DisturbanceStep, 'disturbance_tone': effects.DisturbanceTone}
+EFFECTS: dict = {'constant_force': effects.ConstantForce, 'cable_spring': effects.CableSpring, 'end_effect': effects.EndEffect, 'cogging_harmonic': effects.CoggingHarmonic, 'cogging_modulation': effects.CoggingModulation, 'coulomb_asymmetry': effects.CoulombAsymmetry, 'viscous_asymmetry': effects.ViscousAsymmetry, 'stribeck_friction': effects.StribeckFriction, 'presliding_friction': effects.PreslidingFriction, 'position_dependent_friction': effects.PositionDependentFriction, 'quadratic_drag': effects.QuadraticDrag, 'force_constant_ripple': effects.ForceConstantRipple, 'force_constant_drift': effects.ForceConstantDrift, 'command_delay': effects.CommandDelay, 'actuator_lag': effects.ActuatorLag, 'command_saturation': effects.CommandSaturation, 'command_dead_zone': effects.CommandDeadZone, 'encoder_periodic_error': effects.EncoderPeriodicError, 'encoder_scale_error': effects.EncoderScaleError, 'backlash': effects.Backlash, 'flexible_mode': effects.FlexibleMode, 'disturbance_step': effects.DisturbanceStep, 'disturbance_tone': effects.DisturbanceTone}

@@ -2,8 +2,12 @@
 Every effect that a plant may have, one class each.
 """
 from __future__ import annotations
+import cogging._core
+import collections.abc
+import numpy
+import numpy.typing
 import typing
-__all__: list[str] = ['ActuatorLag', 'CableSpring', 'CoggingHarmonic', 'CommandDelay', 'CommandSaturation', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'QuadraticDrag', 'StribeckFriction', 'ViscousAsymmetry']
+__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'PositionDependentFriction', 'PreslidingFriction', 'QuadraticDrag', 'StribeckFriction', 'ViscousAsymmetry']
 class ConstantForce:
     """
     Effect `constant_force`: force.
@@ -15,8 +19,10 @@ class ConstantForce:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'pushes towards +x')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = 'force'
     NAME: typing.ClassVar[str] = 'constant_force'
+    ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -28,13 +34,20 @@ class ConstantForce:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> ConstantForce:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> ConstantForce:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -57,8 +70,10 @@ class CableSpring:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'stiffness': ('V/m', 'force a metre of distance'), 'center': ('m', 'where the spring is slack')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = '-stiffness (x - center)'
     NAME: typing.ClassVar[str] = 'cable_spring'
+    ROLES: typing.ClassVar[dict] = {'stiffness': {'role': 'amplitude', 'quantity': 'force_per_position', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'center': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -70,13 +85,20 @@ class CableSpring:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> CableSpring:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CableSpring:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -92,6 +114,68 @@ class CableSpring:
         """
         force a metre of distance, V/m
         """
+class EndEffect:
+    """
+    Effect `end_effect`: force (exp(-(x1 - x) / decay_length) - exp(-(x - x0) / decay_length)).
+    
+    Fields:
+        force (V): at an end, outwards
+        decay_length (m): distance from the end at which it has fallen to 1/e
+        travel (m): ends x0, x1 from which it is measured; infinite = of [axis]
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'force': ('V', 'at an end, outwards'), 'decay_length': ('m', 'distance from the end at which it has fallen to 1/e'), 'travel': ('m', 'ends x0, x1 from which it is measured; infinite = of [axis]')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
+    LAW: typing.ClassVar[str] = 'force (exp(-(x1 - x) / decay_length) - exp(-(x - x0) / decay_length))'
+    NAME: typing.ClassVar[str] = 'end_effect'
+    ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'decay_length': {'role': 'shape', 'quantity': 'distance', 'low': 0.005, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'travel': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, force: typing.SupportsFloat | typing.SupportsIndex = 0.0, decay_length: typing.SupportsFloat | typing.SupportsIndex = 0.01, travel: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = ...) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        Force (V) at positions (m), velocities (m/s) and times (s).
+        """
+    def replace(self, **kwargs) -> EndEffect:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> EndEffect:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def decay_length(self) -> float:
+        """
+        distance from the end at which it has fallen to 1/e, m
+        """
+    @property
+    def force(self) -> float:
+        """
+        at an end, outwards, V
+        """
+    @property
+    def travel(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
+        """
+        ends x0, x1 from which it is measured; infinite = of [axis], m
+        """
 class CoggingHarmonic:
     """
     Effect `cogging_harmonic`: -(sine sin(2 pi x / period) + cosine cos(2 pi x / period)).
@@ -105,8 +189,10 @@ class CoggingHarmonic:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('V', 'amplitude of the sine'), 'cosine': ('V', 'amplitude of the cosine')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = '-(sine sin(2 pi x / period) + cosine cos(2 pi x / period))'
     NAME: typing.ClassVar[str] = 'cogging_harmonic'
+    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -118,13 +204,20 @@ class CoggingHarmonic:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> CoggingHarmonic:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CoggingHarmonic:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -145,6 +238,86 @@ class CoggingHarmonic:
         """
         amplitude of the sine, V
         """
+class CoggingModulation:
+    """
+    Effect `cogging_modulation`: -(S(x) sin(2 pi x / period) + C(x) cos(2 pi x / period)).
+    
+    Fields:
+        period (m): in position
+        sine (V): amplitude of the sine at each control point
+        cosine (V): amplitude of the cosine at each control point
+        pitch (m): distance of the knots; 0 = the knots of [cogging]
+        order: of the B-splines
+        origin (m): first knot of the first full span
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('V', 'amplitude of the sine at each control point'), 'cosine': ('V', 'amplitude of the cosine at each control point'), 'pitch': ('m', 'distance of the knots; 0 = the knots of [cogging]'), 'order': ('1', 'of the B-splines'), 'origin': ('m', 'first knot of the first full span')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
+    LAW: typing.ClassVar[str] = '-(S(x) sin(2 pi x / period) + C(x) cos(2 pi x / period))'
+    NAME: typing.ClassVar[str] = 'cogging_modulation'
+    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'pitch': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'order': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'origin': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, period: typing.SupportsFloat | typing.SupportsIndex = 0.01, sine: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], cosine: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], pitch: typing.SupportsFloat | typing.SupportsIndex = 0.0, order: typing.SupportsInt | typing.SupportsIndex = 3, origin: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        Force (V) at positions (m), velocities (m/s) and times (s).
+        """
+    def replace(self, **kwargs) -> CoggingModulation:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CoggingModulation:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def cosine(self) -> list[float]:
+        """
+        amplitude of the cosine at each control point, V
+        """
+    @property
+    def order(self) -> int:
+        """
+        of the B-splines, 1
+        """
+    @property
+    def origin(self) -> float:
+        """
+        first knot of the first full span, m
+        """
+    @property
+    def period(self) -> float:
+        """
+        in position, m
+        """
+    @property
+    def pitch(self) -> float:
+        """
+        distance of the knots; 0 = the knots of [cogging], m
+        """
+    @property
+    def sine(self) -> list[float]:
+        """
+        amplitude of the sine at each control point, V
+        """
 class CoulombAsymmetry:
     """
     Effect `coulomb_asymmetry`: -(difference / 2) sgn(v) S(v).
@@ -156,8 +329,10 @@ class CoulombAsymmetry:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'difference': ('V', 'forward level less backward level')}
+    HOOKS: typing.ClassVar[tuple] = ('friction_level')
     LAW: typing.ClassVar[str] = '-(difference / 2) sgn(v) S(v)'
     NAME: typing.ClassVar[str] = 'coulomb_asymmetry'
+    ROLES: typing.ClassVar[dict] = {'difference': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -169,13 +344,20 @@ class CoulombAsymmetry:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def friction_level_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def friction_level_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Level (V) that it adds to Fc at a position (m), velocity (m/s) and time (s).
+        Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> CoulombAsymmetry:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CoulombAsymmetry:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -197,8 +379,10 @@ class ViscousAsymmetry:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'difference': ('V/(m/s)', 'forward slope less backward slope')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = '-(difference / 2) |v|'
     NAME: typing.ClassVar[str] = 'viscous_asymmetry'
+    ROLES: typing.ClassVar[dict] = {'difference': {'role': 'amplitude', 'quantity': 'force_per_velocity', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -210,13 +394,20 @@ class ViscousAsymmetry:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> ViscousAsymmetry:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> ViscousAsymmetry:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -240,8 +431,10 @@ class StribeckFriction:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'static_excess': ('V', 'static level above the Coulomb level'), 'velocity': ('m/s', 'speed at which the excess has fallen to 1/e'), 'exponent': ('1', 'shape of the fall: 1 exponential, 2 Gaussian')}
+    HOOKS: typing.ClassVar[tuple] = ('friction_level')
     LAW: typing.ClassVar[str] = '-static_excess exp(-|v / velocity|^exponent) S(v)'
     NAME: typing.ClassVar[str] = 'stribeck_friction'
+    ROLES: typing.ClassVar[dict] = {'static_excess': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}, 'velocity': {'role': 'shape', 'quantity': 'velocity', 'low': 0.001, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'exponent': {'role': 'shape', 'quantity': 'exponent', 'low': 0.5, 'high': 3.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -253,13 +446,20 @@ class StribeckFriction:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def friction_level_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def friction_level_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Level (V) that it adds to Fc at a position (m), velocity (m/s) and time (s).
+        Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> StribeckFriction:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> StribeckFriction:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -280,6 +480,114 @@ class StribeckFriction:
         """
         speed at which the excess has fallen to 1/e, m/s
         """
+class PreslidingFriction:
+    """
+    Effect `presliding_friction`: -(stiffness z + damping z'), z' = v - stiffness |v| z / g, in place of -g S(v).
+    
+    Fields:
+        stiffness (V/m): of the contact at rest; infinite = none
+        damping (V/(m/s)): of the bristle
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'stiffness': ('V/m', 'of the contact at rest; infinite = none'), 'damping': ('V/(m/s)', 'of the bristle')}
+    HOOKS: typing.ClassVar[tuple] = ('state')
+    LAW: typing.ClassVar[str] = "-(stiffness z + damping z'), z' = v - stiffness |v| z / g, in place of -g S(v)"
+    NAME: typing.ClassVar[str] = 'presliding_friction'
+    ROLES: typing.ClassVar[dict]
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, stiffness: typing.SupportsFloat | typing.SupportsIndex = ..., damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> PreslidingFriction:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> PreslidingFriction:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def damping(self) -> float:
+        """
+        of the bristle, V/(m/s)
+        """
+    @property
+    def stiffness(self) -> float:
+        """
+        of the contact at rest; infinite = none, V/m
+        """
+class PositionDependentFriction:
+    """
+    Effect `position_dependent_friction`: -level(x) S(v), level linear between the nodes.
+    
+    Fields:
+        nodes (m): positions, increasing
+        levels (V): added to Fc, one a node
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'nodes': ('m', 'positions, increasing'), 'levels': ('V', 'added to Fc, one a node')}
+    HOOKS: typing.ClassVar[tuple] = ('friction_level')
+    LAW: typing.ClassVar[str] = '-level(x) S(v), level linear between the nodes'
+    NAME: typing.ClassVar[str] = 'position_dependent_friction'
+    ROLES: typing.ClassVar[dict] = {'nodes': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'levels': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': list()}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, nodes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], levels: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def friction_level_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).
+        """
+    def replace(self, **kwargs) -> PositionDependentFriction:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> PositionDependentFriction:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def levels(self) -> list[float]:
+        """
+        added to Fc, one a node, V
+        """
+    @property
+    def nodes(self) -> list[float]:
+        """
+        positions, increasing, m
+        """
 class QuadraticDrag:
     """
     Effect `quadratic_drag`: -coefficient v |v|.
@@ -291,8 +599,10 @@ class QuadraticDrag:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'coefficient': ('V/(m/s)^2', 'force a squared metre a second')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = '-coefficient v |v|'
     NAME: typing.ClassVar[str] = 'quadratic_drag'
+    ROLES: typing.ClassVar[dict] = {'coefficient': {'role': 'amplitude', 'quantity': 'force_per_velocity_squared', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -304,13 +614,20 @@ class QuadraticDrag:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> QuadraticDrag:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> QuadraticDrag:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -320,6 +637,124 @@ class QuadraticDrag:
     def coefficient(self) -> float:
         """
         force a squared metre a second, V/(m/s)^2
+        """
+class ForceConstantRipple:
+    """
+    Effect `force_constant_ripple`: u (1 + sine sin(2 pi x / period) + cosine cos(2 pi x / period)).
+    
+    Fields:
+        period (m): in position
+        sine: relative amplitude of the sine
+        cosine: relative amplitude of the cosine
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('1', 'relative amplitude of the sine'), 'cosine': ('1', 'relative amplitude of the cosine')}
+    HOOKS: typing.ClassVar[tuple] = ('command_gain')
+    LAW: typing.ClassVar[str] = 'u (1 + sine sin(2 pi x / period) + cosine cos(2 pi x / period))'
+    NAME: typing.ClassVar[str] = 'force_constant_ripple'
+    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, period: typing.SupportsFloat | typing.SupportsIndex = 0.01, sine: typing.SupportsFloat | typing.SupportsIndex = 0.0, cosine: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def gain_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        What it adds to the gain 1 of the command (relative) at positions (m) and times (s).
+        """
+    def replace(self, **kwargs) -> ForceConstantRipple:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> ForceConstantRipple:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def cosine(self) -> float:
+        """
+        relative amplitude of the cosine, 1
+        """
+    @property
+    def period(self) -> float:
+        """
+        in position, m
+        """
+    @property
+    def sine(self) -> float:
+        """
+        relative amplitude of the sine, 1
+        """
+class ForceConstantDrift:
+    """
+    Effect `force_constant_drift`: u (1 + change (1 - exp(-t / time_constant))).
+    
+    Fields:
+        change: relative, after a long time
+        time_constant (s): of the drift
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'change': ('1', 'relative, after a long time'), 'time_constant': ('s', 'of the drift')}
+    HOOKS: typing.ClassVar[tuple] = ('command_gain')
+    LAW: typing.ClassVar[str] = 'u (1 + change (1 - exp(-t / time_constant)))'
+    NAME: typing.ClassVar[str] = 'force_constant_drift'
+    ROLES: typing.ClassVar[dict] = {'change': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'time_constant': {'role': 'shape', 'quantity': 'time', 'low': 0.02, 'high': 5.0, 'logarithmic': True, 'neutral': None}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, change: typing.SupportsFloat | typing.SupportsIndex = 0.0, time_constant: typing.SupportsFloat | typing.SupportsIndex = 60.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def gain_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        What it adds to the gain 1 of the command (relative) at positions (m) and times (s).
+        """
+    def replace(self, **kwargs) -> ForceConstantDrift:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> ForceConstantDrift:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def change(self) -> float:
+        """
+        relative, after a long time, 1
+        """
+    @property
+    def time_constant(self) -> float:
+        """
+        of the drift, s
         """
 class CommandDelay:
     """
@@ -332,8 +767,10 @@ class CommandDelay:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'delay': ('s', 'from computed to acting')}
+    HOOKS: typing.ClassVar[tuple] = ('command_delay')
     LAW: typing.ClassVar[str] = 'u(t - delay)'
     NAME: typing.ClassVar[str] = 'command_delay'
+    ROLES: typing.ClassVar[dict] = {'delay': {'role': 'shape', 'quantity': 'sample_time', 'low': 0.0, 'high': 50.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -348,6 +785,13 @@ class CommandDelay:
     def replace(self, **kwargs) -> CommandDelay:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CommandDelay:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -369,8 +813,10 @@ class ActuatorLag:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'time_constant': ('s', 'of the current loop')}
+    HOOKS: typing.ClassVar[tuple] = ('lag')
     LAW: typing.ClassVar[str] = 'u / (time_constant s + 1)'
     NAME: typing.ClassVar[str] = 'actuator_lag'
+    ROLES: typing.ClassVar[dict] = {'time_constant': {'role': 'shape', 'quantity': 'sample_time', 'low': 0.1, 'high': 100.0, 'logarithmic': True, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -385,6 +831,13 @@ class ActuatorLag:
     def replace(self, **kwargs) -> ActuatorLag:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> ActuatorLag:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -406,8 +859,10 @@ class CommandSaturation:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'limit': ('V', 'largest command that passes; infinite = none')}
+    HOOKS: typing.ClassVar[tuple] = ('shape_command')
     LAW: typing.ClassVar[str] = 'min(max(u, -limit), limit)'
     NAME: typing.ClassVar[str] = 'command_saturation'
+    ROLES: typing.ClassVar[dict]
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -423,6 +878,17 @@ class CommandSaturation:
         """
         A copy with the given fields changed.
         """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CommandSaturation:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def shape_at(self, command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        What the amplifier makes of commands, V.
+        """
     def to_dict(self) -> dict:
         """
         All fields by name.
@@ -431,6 +897,290 @@ class CommandSaturation:
     def limit(self) -> float:
         """
         largest command that passes; infinite = none, V
+        """
+class CommandDeadZone:
+    """
+    Effect `command_dead_zone`: sgn(u) max(|u| - width, 0).
+    
+    Fields:
+        width (V): half of the zone: largest command that does nothing
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'width': ('V', 'half of the zone: largest command that does nothing')}
+    HOOKS: typing.ClassVar[tuple] = ('shape_command')
+    LAW: typing.ClassVar[str] = 'sgn(u) max(|u| - width, 0)'
+    NAME: typing.ClassVar[str] = 'command_dead_zone'
+    ROLES: typing.ClassVar[dict] = {'width': {'role': 'shape', 'quantity': 'command', 'low': 0.0, 'high': 0.5, 'logarithmic': False, 'neutral': 0.0}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, width: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> CommandDeadZone:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> CommandDeadZone:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def shape_at(self, command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        What the amplifier makes of commands, V.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def width(self) -> float:
+        """
+        half of the zone: largest command that does nothing, V
+        """
+class EncoderPeriodicError:
+    """
+    Effect `encoder_periodic_error`: reading = x + sine sin(2 pi x / period) + cosine cos(2 pi x / period).
+    
+    Fields:
+        period (m): in position
+        sine (m): amplitude of the sine
+        cosine (m): amplitude of the cosine
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('m', 'amplitude of the sine'), 'cosine': ('m', 'amplitude of the cosine')}
+    HOOKS: typing.ClassVar[tuple] = ('reading')
+    LAW: typing.ClassVar[str] = 'reading = x + sine sin(2 pi x / period) + cosine cos(2 pi x / period)'
+    NAME: typing.ClassVar[str] = 'encoder_periodic_error'
+    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 1e-05, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'distance', 'low': -0.01, 'high': 0.01, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'distance', 'low': -0.01, 'high': 0.01, 'logarithmic': False, 'neutral': 0.0}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, period: typing.SupportsFloat | typing.SupportsIndex = 0.001, sine: typing.SupportsFloat | typing.SupportsIndex = 0.0, cosine: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def reading_at(self, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        What the encoder reads at positions, m, before noise and rounding.
+        """
+    def replace(self, **kwargs) -> EncoderPeriodicError:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> EncoderPeriodicError:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def cosine(self) -> float:
+        """
+        amplitude of the cosine, m
+        """
+    @property
+    def period(self) -> float:
+        """
+        in position, m
+        """
+    @property
+    def sine(self) -> float:
+        """
+        amplitude of the sine, m
+        """
+class EncoderScaleError:
+    """
+    Effect `encoder_scale_error`: reading = x (1 + scale).
+    
+    Fields:
+        scale: by which the reading is too large, relative
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'scale': ('1', 'by which the reading is too large, relative')}
+    HOOKS: typing.ClassVar[tuple] = ('reading')
+    LAW: typing.ClassVar[str] = 'reading = x (1 + scale)'
+    NAME: typing.ClassVar[str] = 'encoder_scale_error'
+    ROLES: typing.ClassVar[dict] = {'scale': {'role': 'amplitude', 'quantity': 'relative', 'low': -0.1, 'high': 0.1, 'logarithmic': False, 'neutral': 0.0}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, scale: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def reading_at(self, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        What the encoder reads at positions, m, before noise and rounding.
+        """
+    def replace(self, **kwargs) -> EncoderScaleError:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> EncoderScaleError:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def scale(self) -> float:
+        """
+        by which the reading is too large, relative, 1
+        """
+class Backlash:
+    """
+    Effect `backlash`: m1 x'' = forces + T(q, q'), m2 (x + q)'' = -T(q, q'), T = 0 for |q| < gap / 2.
+    
+    Fields:
+        gap (m): full play of the load
+        mass_ratio: load over total
+        contact_frequency (Hz): of the free-free vibration in contact
+        contact_damping_ratio: of that vibration
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'gap': ('m', 'full play of the load'), 'mass_ratio': ('1', 'load over total'), 'contact_frequency': ('Hz', 'of the free-free vibration in contact'), 'contact_damping_ratio': ('1', 'of that vibration')}
+    HOOKS: typing.ClassVar[tuple] = ('state')
+    LAW: typing.ClassVar[str] = "m1 x'' = forces + T(q, q'), m2 (x + q)'' = -T(q, q'), T = 0 for |q| < gap / 2"
+    NAME: typing.ClassVar[str] = 'backlash'
+    ROLES: typing.ClassVar[dict] = {'gap': {'role': 'shape', 'quantity': 'distance', 'low': 1e-06, 'high': 0.02, 'logarithmic': True, 'neutral': 0.0}, 'mass_ratio': {'role': 'shape', 'quantity': 'relative', 'low': 0.0, 'high': 0.9, 'logarithmic': False, 'neutral': 0.0}, 'contact_frequency': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'contact_damping_ratio': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, gap: typing.SupportsFloat | typing.SupportsIndex = 0.0, mass_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.0, contact_frequency: typing.SupportsFloat | typing.SupportsIndex = 200.0, contact_damping_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.3) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Backlash:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> Backlash:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def contact_damping_ratio(self) -> float:
+        """
+        of that vibration, 1
+        """
+    @property
+    def contact_frequency(self) -> float:
+        """
+        of the free-free vibration in contact, Hz
+        """
+    @property
+    def gap(self) -> float:
+        """
+        full play of the load, m
+        """
+    @property
+    def mass_ratio(self) -> float:
+        """
+        load over total, 1
+        """
+class FlexibleMode:
+    """
+    Effect `flexible_mode`: m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'.
+    
+    Fields:
+        frequency (Hz): of the free-free vibration; infinite = rigid
+        damping_ratio: of that vibration
+        mass_ratio: load over total
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'frequency': ('Hz', 'of the free-free vibration; infinite = rigid'), 'damping_ratio': ('1', 'of that vibration'), 'mass_ratio': ('1', 'load over total')}
+    HOOKS: typing.ClassVar[tuple] = ('state')
+    LAW: typing.ClassVar[str] = "m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'"
+    NAME: typing.ClassVar[str] = 'flexible_mode'
+    ROLES: typing.ClassVar[dict]
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, frequency: typing.SupportsFloat | typing.SupportsIndex = ..., damping_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.01, mass_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> FlexibleMode:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> FlexibleMode:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def damping_ratio(self) -> float:
+        """
+        of that vibration, 1
+        """
+    @property
+    def frequency(self) -> float:
+        """
+        of the free-free vibration; infinite = rigid, Hz
+        """
+    @property
+    def mass_ratio(self) -> float:
+        """
+        load over total, 1
         """
 class DisturbanceStep:
     """
@@ -445,8 +1195,10 @@ class DisturbanceStep:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'pushes towards +x'), 'start': ('s', 'time at which it begins'), 'stop': ('s', 'time at which it ends')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = 'force for start <= t < stop, else 0'
     NAME: typing.ClassVar[str] = 'disturbance_step'
+    ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'start': {'role': 'shape', 'quantity': 'time', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'stop': {'role': 'shape', 'quantity': 'time', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -458,13 +1210,20 @@ class DisturbanceStep:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> DisturbanceStep:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> DisturbanceStep:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """
@@ -498,8 +1257,10 @@ class DisturbanceTone:
         ValueError: a value breaks its rule; the message names field, rule and value.
     """
     FIELDS: typing.ClassVar[dict] = {'frequency': ('Hz', 'of the tone'), 'sine': ('V', 'amplitude of the sine'), 'cosine': ('V', 'amplitude of the cosine')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = 'sine sin(2 pi frequency t) + cosine cos(2 pi frequency t)'
     NAME: typing.ClassVar[str] = 'disturbance_tone'
+    ROLES: typing.ClassVar[dict] = {'frequency': {'role': 'shape', 'quantity': 'frequency', 'low': 0.0005, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -511,13 +1272,20 @@ class DisturbanceTone:
         ...
     def __setstate__(self, arg0: dict) -> None:
         ...
-    def force_at(self, *, position: typing.SupportsFloat | typing.SupportsIndex = 0.0, velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
         """
-        Force (V) at a position (m), velocity (m/s) and time (s).
+        Force (V) at positions (m), velocities (m/s) and times (s).
         """
     def replace(self, **kwargs) -> DisturbanceTone:
         """
         A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> DisturbanceTone:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
         """
     def to_dict(self) -> dict:
         """

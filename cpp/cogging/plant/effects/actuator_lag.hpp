@@ -17,7 +17,8 @@ struct ActuatorLag {
 
   static constexpr auto fields() {
     using E = ActuatorLag;
-    return std::tuple{Field<E, Scalar>{"time_constant", &E::time_constant, "s", "of the current loop"}};
+    return std::tuple{Field<E, Scalar>{"time_constant", &E::time_constant, "s", "of the current loop",
+                                       vanishing(logarithmic_shape(Quantity::sample_time, 0.1, 100.0))}};
   }
   void validate() const { require_not_negative("time_constant", time_constant); }
 

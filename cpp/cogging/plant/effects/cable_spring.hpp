@@ -18,8 +18,10 @@ struct CableSpring {
 
   static constexpr auto fields() {
     using E = CableSpring;
-    return std::tuple{Field<E, Scalar>{"stiffness", &E::stiffness, "V/m", "force a metre of distance"},
-                      Field<E, Scalar>{"center", &E::center, "m", "where the spring is slack"}};
+    return std::tuple{Field<E, Scalar>{"stiffness", &E::stiffness, "V/m", "force a metre of distance",
+                                       amplitude(Quantity::force_per_position)},
+                      Field<E, Scalar>{"center", &E::center, "m", "where the spring is slack",
+                                       linear_shape(Quantity::position, 0.0, 1.0)}};
   }
   void validate() const {
     require_finite("stiffness", stiffness);

@@ -18,7 +18,8 @@ struct CommandDelay {
 
   static constexpr auto fields() {
     using E = CommandDelay;
-    return std::tuple{Field<E, double>{"delay", &E::delay, "s", "from computed to acting"}};
+    return std::tuple{Field<E, double>{"delay", &E::delay, "s", "from computed to acting",
+                                       vanishing(linear_shape(Quantity::sample_time, 0.0, 50.0))}};
   }
   void validate() const { require_not_negative("delay", delay); }
 

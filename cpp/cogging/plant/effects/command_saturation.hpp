@@ -18,7 +18,8 @@ struct CommandSaturation {
 
   static constexpr auto fields() {
     using E = CommandSaturation;
-    return std::tuple{Field<E, Scalar>{"limit", &E::limit, "V", "largest command that passes; infinite = none"}};
+    return std::tuple{Field<E, Scalar>{"limit", &E::limit, "V", "largest command that passes; infinite = none",
+                                       vanishing(logarithmic_shape(Quantity::command, 0.1, 1.0))}};
   }
   void validate() const { require(limit > 0.0, "limit", "must be above 0 (infinite = none)", limit); }
 

@@ -16,7 +16,8 @@ struct ConstantForce {
   Scalar level = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{Field<ConstantForce, Scalar>{"force", &ConstantForce::level, "V", "pushes towards +x"}};
+    return std::tuple{Field<ConstantForce, Scalar>{"force", &ConstantForce::level, "V", "pushes towards +x",
+                                                   amplitude(Quantity::force)}};
   }
   void validate() const { require_finite("force", level); }
 

@@ -17,7 +17,8 @@ struct CoulombAsymmetry {
 
   static constexpr auto fields() {
     using E = CoulombAsymmetry;
-    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V", "forward level less backward level"}};
+    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V", "forward level less backward level",
+                                       amplitude(Quantity::friction, 2.0)}};
   }
   void validate() const { require_finite("difference", difference); }
 

@@ -20,9 +20,10 @@ struct DisturbanceStep {
 
   static constexpr auto fields() {
     using E = DisturbanceStep;
-    return std::tuple{Field<E, Scalar>{"force", &E::level, "V", "pushes towards +x"},
-                      Field<E, double>{"start", &E::start, "s", "time at which it begins"},
-                      Field<E, double>{"stop", &E::stop, "s", "time at which it ends"}};
+    return std::tuple{
+        Field<E, Scalar>{"force", &E::level, "V", "pushes towards +x", amplitude(Quantity::force)},
+        Field<E, double>{"start", &E::start, "s", "time at which it begins", linear_shape(Quantity::time, 0.0, 1.0)},
+        Field<E, double>{"stop", &E::stop, "s", "time at which it ends", linear_shape(Quantity::time, 0.0, 1.0)}};
   }
   void validate() const {
     require_finite("force", level);

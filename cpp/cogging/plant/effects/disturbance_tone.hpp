@@ -20,9 +20,11 @@ struct DisturbanceTone {
 
   static constexpr auto fields() {
     using E = DisturbanceTone;
-    return std::tuple{Field<E, Scalar>{"frequency", &E::frequency, "Hz", "of the tone"},
-                      Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine"},
-                      Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine"}};
+    return std::tuple{
+        Field<E, Scalar>{"frequency", &E::frequency, "Hz", "of the tone",
+                         logarithmic_shape(Quantity::frequency, 0.0005, 0.5)},
+        Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
+        Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
   }
   void validate() const {
     require_positive("frequency", frequency);

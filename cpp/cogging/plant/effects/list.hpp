@@ -2,16 +2,28 @@
 // Every effect that a plant may have: one line each.
 
 #include <variant>
+#include <vector>
 
 #include "cogging/plant/effects/actuator_lag.hpp"
+#include "cogging/plant/effects/backlash.hpp"
 #include "cogging/plant/effects/cable_spring.hpp"
 #include "cogging/plant/effects/cogging_harmonic.hpp"
+#include "cogging/plant/effects/cogging_modulation.hpp"
+#include "cogging/plant/effects/command_dead_zone.hpp"
 #include "cogging/plant/effects/command_delay.hpp"
 #include "cogging/plant/effects/command_saturation.hpp"
 #include "cogging/plant/effects/constant_force.hpp"
 #include "cogging/plant/effects/coulomb_asymmetry.hpp"
 #include "cogging/plant/effects/disturbance_step.hpp"
 #include "cogging/plant/effects/disturbance_tone.hpp"
+#include "cogging/plant/effects/encoder_periodic_error.hpp"
+#include "cogging/plant/effects/encoder_scale_error.hpp"
+#include "cogging/plant/effects/end_effect.hpp"
+#include "cogging/plant/effects/flexible_mode.hpp"
+#include "cogging/plant/effects/force_constant_drift.hpp"
+#include "cogging/plant/effects/force_constant_ripple.hpp"
+#include "cogging/plant/effects/position_dependent_friction.hpp"
+#include "cogging/plant/effects/presliding_friction.hpp"
 #include "cogging/plant/effects/quadratic_drag.hpp"
 #include "cogging/plant/effects/stribeck_friction.hpp"
 #include "cogging/plant/effects/viscous_asymmetry.hpp"
@@ -19,18 +31,43 @@
 namespace cogging {
 
 template <class Scalar = double>
-using Effect = std::variant<ConstantForce<Scalar>,      // offset, tilt
-                            CableSpring<Scalar>,        // linear in position
-                            CoggingHarmonic<Scalar>,    // a spatial period that the model lacks
-                            CoulombAsymmetry<Scalar>,   // Coulomb level by direction
-                            ViscousAsymmetry<Scalar>,   // viscous slope by direction
-                            StribeckFriction<Scalar>,   // friction falls as speed rises from zero
-                            QuadraticDrag<Scalar>,      // grows with v^2
-                            CommandDelay<Scalar>,       // the command acts later
-                            ActuatorLag<Scalar>,        // first-order current loop
-                            CommandSaturation<Scalar>,  // large commands are cut
-                            DisturbanceStep<Scalar>,    // from one time to another
-                            DisturbanceTone<Scalar>     // a sinusoid in time
+using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
+                            CableSpring<Scalar>,                // linear in position
+                            EndEffect<Scalar>,                  // close to the ends
+                            CoggingHarmonic<Scalar>,            // a spatial period that the model lacks
+                            CoggingModulation<Scalar>,          // a harmonic that changes along the travel
+                            CoulombAsymmetry<Scalar>,           // Coulomb level by direction
+                            ViscousAsymmetry<Scalar>,           // viscous slope by direction
+                            StribeckFriction<Scalar>,           // friction falls as speed rises from zero
+                            PreslidingFriction<Scalar>,         // spring-like before breakaway
+                            PositionDependentFriction<Scalar>,  // Coulomb level along the travel
+                            QuadraticDrag<Scalar>,              // grows with v^2
+                            ForceConstantRipple<Scalar>,        // command gain along the travel
+                            ForceConstantDrift<Scalar>,         // command gain in time
+                            CommandDelay<Scalar>,               // the command acts later
+                            ActuatorLag<Scalar>,                // first-order current loop
+                            CommandSaturation<Scalar>,          // large commands are cut
+                            CommandDeadZone<Scalar>,            // small commands do nothing
+                            EncoderPeriodicError<Scalar>,       // reading wrong with a period
+                            EncoderScaleError<Scalar>,          // reading wrong in scale
+                            Backlash<Scalar>,                   // lost motion between motor and load
+                            FlexibleMode<Scalar>,               // resonance between motor and load
+                            DisturbanceStep<Scalar>,            // from one time to another
+                            DisturbanceTone<Scalar>             // a sinusoid in time
                             >;
+
+/// A copy of the effects, each having taken from the plant what it needs of it.
+///
+/// Raises std::invalid_argument where the plant lacks that.
+template <class Scalar>
+std::vector<Effect<Scalar>> bind_effects(std::vector<Effect<Scalar>> effects, const PlantContext& plant) {
+  for (Effect<Scalar>& effect : effects)
+    std::visit(
+        [&]<class E>(E& law) {
+          if constexpr (HasBind<E>) law.bind(plant);
+        },
+        effect);
+  return effects;
+}
 
 }  // namespace cogging

@@ -17,7 +17,8 @@ struct QuadraticDrag {
 
   static constexpr auto fields() {
     using E = QuadraticDrag;
-    return std::tuple{Field<E, Scalar>{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second"}};
+    return std::tuple{Field<E, Scalar>{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second",
+                                       amplitude(Quantity::force_per_velocity_squared)}};
   }
   void validate() const { require_finite("coefficient", coefficient); }
 

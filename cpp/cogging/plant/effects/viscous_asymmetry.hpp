@@ -17,7 +17,8 @@ struct ViscousAsymmetry {
 
   static constexpr auto fields() {
     using E = ViscousAsymmetry;
-    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope"}};
+    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope",
+                                       amplitude(Quantity::force_per_velocity)}};
   }
   void validate() const { require_finite("difference", difference); }
 

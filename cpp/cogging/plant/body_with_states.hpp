@@ -1,0 +1,134 @@
+#pragma once
+// An axis whose friction has a bristle, or whose load is a second mass. Motor force, friction, cogging and all
+// other forces act on the motor; the load feels the coupling alone.
+
+#include <algorithm>
+#include <cmath>
+
+#include "cogging/plant/bristle.hpp"
+#include "cogging/plant/coupling.hpp"
+#include "cogging/plant/sticking.hpp"
+#include "cogging/require.hpp"
+
+namespace cogging {
+
+/// Runge-Kutta of fourth order in position, velocity and deflection of the load, in as many substeps as the
+/// fastest of its vibrations needs; the bristle follows the path of each stage exactly.
+///
+/// `Axis` gives balance(position, velocity, direction, drive, held, time): all forces but friction, and its level.
+template <class Axis>
+class BodyWithStates {
+ public:
+  BodyWithStates(const Axis& axis, const Bristle& bristle, const Coupling& coupling)
+      : axis_(axis), bristle_(bristle), coupling_(coupling) {}
+
+  void advance(AxisState<double>& state, const Drive<double>& drive, double time, double h, bool sticks) const {
+    const int pieces = substeps(h);
+    for (int piece = 0; piece < pieces; ++piece) {
+      const double from = h * piece / pieces, until = h * (piece + 1) / pieces;
+      if (sticks)
+        advance_sticking(*this, state, drive, time, from, until);
+      else
+        state = step(state, drive, time, from, until - from, Mode::moves, 0.0);
+    }
+  }
+
+  AxisState<double> slide(const AxisState<double>& state, const Drive<double>& drive, double time, double offset,
+                          double length, double direction) const {
+    return step(state, drive, time, offset, length, Mode::slides, direction);
+  }
+
+  AxisState<double> rest(const AxisState<double>& state, const Drive<double>& drive, double time, double offset,
+                         double length) const {
+    return step(state, drive, time, offset, length, Mode::rests, 0.0);
+  }
+
+  double breakaway(const AxisState<double>& state, const Drive<double>& drive, double time, double offset) const {
+    const double coupling = coupling_force(state);
+    for (double direction : {-1.0, 1.0}) {
+      const auto [push, level] =
+          axis_.balance(state.position, 0.0, direction, drive.at(offset) + drive.force, drive.force, time + offset);
+      if ((push + coupling - level * direction) * direction > 0.0) return direction;
+    }
+    return 0.0;
+  }
+
+ private:
+  enum class Mode { moves, slides, rests };  // friction as it is, exact friction in one direction, exact at rest
+
+  struct Rates {
+    double acceleration, relative, level;  // m/s^2, of motor and deflection; V, friction level
+  };
+
+  // A quarter of a radian a substep: the vibration then keeps its frequency within 1e-4.
+  int substeps(double h) const {
+    double rate = coupling_.exists() ? coupling_.rate() : 0.0;
+    if (bristle_.exists()) {
+      const double mass = coupling_.motor_mass();
+      rate = std::max(rate, std::sqrt(bristle_.stiffness / mass) + bristle_.damping / mass);
+    }
+    const double needed = std::ceil(4.0 * rate * h);
+    require(needed <= 1e5, "stiffness, frequency", "must need at most 1e5 substeps a step", needed);
+    return std::max(1, static_cast<int>(needed));
+  }
+
+  double coupling_force(const AxisState<double>& state) const {
+    return coupling_.exists() ? coupling_.force(state.deflection, state.deflection_rate) : 0.0;
+  }
+
+  // `path` leads from `bristle`, the deflection at the start of the step, to this state.
+  Rates rates(const AxisState<double>& state, double bristle, double path, double drive, double held, double time,
+              Mode mode, double direction) const {
+    const double coupling = coupling_force(state);
+    const double load = coupling_.exists() ? -coupling / coupling_.load_mass() : 0.0;
+    if (mode == Mode::rests) return {0.0, load, 0.0};
+    if (mode == Mode::moves)
+      direction =
+          bristle_.exists() ? sign(state.velocity) : smooth_sign(state.velocity, axis_.parameters().coulomb_width);
+    const auto [push, level] = axis_.balance(state.position, state.velocity, direction, drive, held, time);
+    const double friction = bristle_.exists()
+                                ? bristle_.force(bristle_.moved(bristle, path, level), state.velocity, level)
+                                : level * direction;
+    const double acceleration = (push + coupling - friction) / coupling_.motor_mass();
+    return {acceleration, coupling_.exists() ? load - acceleration : 0.0, level};
+  }
+
+  AxisState<double> step(const AxisState<double>& start, const Drive<double>& drive, double time, double offset,
+                         double h, Mode mode, double direction) const {
+    struct Slope {
+      double velocity, acceleration, deflection_rate, relative;
+    };
+    double levels = 0.0;
+    const auto slope_at = [&](const AxisState<double>& state, double at, double weight) {
+      const Rates r = rates(state, start.bristle, state.position - start.position, drive.at(at) + drive.force,
+                            drive.force, time + at, mode, direction);
+      levels += weight * r.level;
+      return Slope{state.velocity, r.acceleration, state.deflection_rate, r.relative};
+    };
+    const auto moved = [&](const Slope& slope, double length) {
+      AxisState<double> state = start;
+      state.position += length * slope.velocity;
+      state.velocity += length * slope.acceleration;
+      state.deflection += length * slope.deflection_rate;
+      state.deflection_rate += length * slope.relative;
+      return state;
+    };
+    const double half = 0.5 * h;
+    const Slope k1 = slope_at(start, offset, 1.0);
+    const Slope k2 = slope_at(moved(k1, half), offset + half, 2.0);
+    const Slope k3 = slope_at(moved(k2, half), offset + half, 2.0);
+    // A law that jumps at the end of the step must not be felt in it: look just before.
+    const Slope k4 = slope_at(moved(k3, h), offset + h * (1.0 - 1e-9), 1.0);
+    const auto mean = [&](double Slope::* part) { return (k1.*part + 2.0 * (k2.*part + k3.*part) + k4.*part) / 6.0; };
+    AxisState<double> end = moved(
+        {mean(&Slope::velocity), mean(&Slope::acceleration), mean(&Slope::deflection_rate), mean(&Slope::relative)}, h);
+    if (bristle_.exists()) end.bristle = bristle_.moved(start.bristle, end.position - start.position, levels / 6.0);
+    return end;
+  }
+
+  const Axis& axis_;
+  const Bristle& bristle_;
+  const Coupling& coupling_;
+};
+
+}  // namespace cogging

@@ -1,0 +1,46 @@
+#pragma once
+// Lost motion between motor and load.
+
+#include <tuple>
+
+#include "cogging/plant/coupling.hpp"
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// Two masses, (1 - mass_ratio) M of the motor and mass_ratio M of the load, with `gap` of play between them: the
+/// load q ahead of the motor is free for |q| < gap / 2. Beyond, the contact is the spring and damper of a
+/// flexible_mode of contact_frequency and contact_damping_ratio that never pulls. All forces act on the motor, and
+/// so does the encoder; the load starts in the middle of the gap and at the motor's velocity. gap = 0: rigid.
+template <class Scalar = double>
+struct Backlash {
+  static constexpr std::string_view name = "backlash";
+  static constexpr std::string_view law =
+      "m1 x'' = forces + T(q, q'), m2 (x + q)'' = -T(q, q'), T = 0 for |q| < gap / 2";
+
+  double gap = 0.0;  // m
+  double mass_ratio = 0.0;
+  double contact_frequency = 200.0;  // Hz
+  double contact_damping_ratio = 0.3;
+
+  static constexpr auto fields() {
+    using E = Backlash;
+    return std::tuple{
+        Field<E, double>{"gap", &E::gap, "m", "full play of the load",
+                         vanishing(logarithmic_shape(Quantity::distance, 1e-6, 0.02))},
+        Field<E, double>{"mass_ratio", &E::mass_ratio, "1", "load over total",
+                         vanishing(linear_shape(Quantity::relative, 0.0, 0.9))},
+        Field<E, double>{"contact_frequency", &E::contact_frequency, "Hz", "of the free-free vibration in contact"},
+        Field<E, double>{"contact_damping_ratio", &E::contact_damping_ratio, "1", "of that vibration"}};
+  }
+  void validate() const {
+    require_not_negative("gap", gap);
+    require(mass_ratio >= 0.0 && mass_ratio < 1.0, "mass_ratio", "must be at least 0 and below 1", mass_ratio);
+    require_positive("contact_frequency", contact_frequency);
+    require_not_negative("contact_damping_ratio", contact_damping_ratio);
+  }
+
+  CouplingParameters coupling() const { return {mass_ratio, contact_frequency, contact_damping_ratio, gap, true}; }
+};
+
+}  // namespace cogging

@@ -1,0 +1,50 @@
+#pragma once
+// An extra force close to the ends of the travel.
+
+#include <cmath>
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// force (exp(-(x1 - x) / decay_length) - exp(-(x - x0) / decay_length)), V: pushes out of the travel [x0, x1]
+/// where positive, at the ends by `force`.
+template <class Scalar = double>
+struct EndEffect {
+  static constexpr std::string_view name = "end_effect";
+  static constexpr std::string_view law = "force (exp(-(x1 - x) / decay_length) - exp(-(x - x0) / decay_length))";
+
+  Scalar level = 0.0;                    // V
+  Scalar decay_length = 0.01;            // m
+  Range travel = PlantContext().travel;  // m
+
+  static constexpr auto fields() {
+    using E = EndEffect;
+    return std::tuple{
+        Field<E, Scalar>{"force", &E::level, "V", "at an end, outwards", amplitude(Quantity::force)},
+        Field<E, Scalar>{"decay_length", &E::decay_length, "m", "distance from the end at which it has fallen to 1/e",
+                         logarithmic_shape(Quantity::distance, 0.005, 0.5)},
+        Field<E, Range>{"travel", &E::travel, "m", "ends x0, x1 from which it is measured; infinite = of [axis]"}};
+  }
+  void validate() const {
+    require_finite("force", level);
+    require_positive("decay_length", decay_length);
+    if (!(travel[0] < travel[1]))
+      refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
+  }
+
+  void bind(const PlantContext& plant) {
+    for (int end : {0, 1})
+      if (!std::isfinite(travel[end])) travel[end] = plant.travel[end];
+    for (double end : travel)
+      require(std::isfinite(end) || all(level == 0.0), "end_effect.travel", "needs two ends, here or in [axis]", end);
+  }
+
+  Scalar force(const Motion<Scalar>& motion) const {
+    return level *
+           (exp((motion.position - travel[1]) / decay_length) - exp((travel[0] - motion.position) / decay_length));
+  }
+};
+
+}  // namespace cogging

@@ -1,0 +1,42 @@
+#pragma once
+// A resonance between motor and load.
+
+#include <limits>
+#include <tuple>
+
+#include "cogging/plant/coupling.hpp"
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// Two masses, (1 - mass_ratio) M of the motor and mass_ratio M of the load, on a spring k = w^2 m1 m2 / (m1 + m2)
+/// and a damper c = 2 damping_ratio w m1 m2 / (m1 + m2), w = 2 pi frequency. All forces act on the motor, and so
+/// does the encoder; the load starts at ease.
+template <class Scalar = double>
+struct FlexibleMode {
+  static constexpr std::string_view name = "flexible_mode";
+  static constexpr std::string_view law = "m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'";
+
+  double frequency = std::numeric_limits<double>::infinity();  // Hz
+  double damping_ratio = 0.01;
+  double mass_ratio = 0.0;
+
+  static constexpr auto fields() {
+    using E = FlexibleMode;
+    return std::tuple{Field<E, double>{"frequency", &E::frequency, "Hz", "of the free-free vibration; infinite = rigid",
+                                       vanishing(logarithmic_shape(Quantity::frequency, 0.002, 0.9))},
+                      Field<E, double>{"damping_ratio", &E::damping_ratio, "1", "of that vibration",
+                                       logarithmic_shape(Quantity::one, 0.001, 0.5)},
+                      Field<E, double>{"mass_ratio", &E::mass_ratio, "1", "load over total",
+                                       vanishing(linear_shape(Quantity::relative, 0.0, 0.9))}};
+  }
+  void validate() const {
+    require(frequency > 0.0, "frequency", "must be above 0 (infinite = rigid)", frequency);
+    require_not_negative("damping_ratio", damping_ratio);
+    require(mass_ratio >= 0.0 && mass_ratio < 1.0, "mass_ratio", "must be at least 0 and below 1", mass_ratio);
+  }
+
+  CouplingParameters coupling() const { return {mass_ratio, frequency, damping_ratio, 0.0, false}; }
+};
+
+}  // namespace cogging

@@ -1,0 +1,41 @@
+#pragma once
+// A force constant that changes along the travel.
+
+#include <numbers>
+#include <tuple>
+
+#include "cogging/plant/effect.hpp"
+
+namespace cogging {
+
+/// The motor pushes with u (1 + sine sin(2 pi x / period) + cosine cos(2 pi x / period)).
+template <class Scalar = double>
+struct ForceConstantRipple {
+  static constexpr std::string_view name = "force_constant_ripple";
+  static constexpr std::string_view law = "u (1 + sine sin(2 pi x / period) + cosine cos(2 pi x / period))";
+
+  Scalar period = 0.01;  // m
+  Scalar sine = 0.0;
+  Scalar cosine = 0.0;
+
+  static constexpr auto fields() {
+    using E = ForceConstantRipple;
+    return std::tuple{
+        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 0.002, 1.0)},
+        Field<E, Scalar>{"sine", &E::sine, "1", "relative amplitude of the sine", amplitude(Quantity::relative)},
+        Field<E, Scalar>{"cosine", &E::cosine, "1", "relative amplitude of the cosine", amplitude(Quantity::relative)}};
+  }
+  void validate() const {
+    require_positive("period", period);
+    require_finite("sine", sine);
+    require_finite("cosine", cosine);
+  }
+
+  Scalar command_gain(const Scalar& position, double) const {
+    Scalar s, c;
+    sin_cos(position * (2.0 * std::numbers::pi) / period, s, c);
+    return sine * s + cosine * c;
+  }
+};
+
+}  // namespace cogging
