@@ -45,6 +45,7 @@ from cogging._core import (
     project,
 )
 from cogging.files import InputError
+from cogging.friction_curve import FrictionCurve, FrictionModel, FrictionParameter, fit_friction_curve
 from cogging.gains import pid_gains, pid_poles
 from cogging.logs import Log, read_log
 from cogging.map import MapFit, fit_map
@@ -71,6 +72,9 @@ __all__ = [
     "EncoderParameters",
     "FilteredSine",
     "FilteredSineParameters",
+    "FrictionCurve",
+    "FrictionModel",
+    "FrictionParameter",
     "InputError",
     "Log",
     "MapFit",
@@ -104,6 +108,7 @@ __all__ = [
     "desired_compensation_condition",
     "desired_compensation_matrix",
     "effects",
+    "fit_friction_curve",
     "fit_map",
     "friction_slope_max",
     "performance",
