@@ -45,7 +45,8 @@ from cogging._core import (
     project,
 )
 from cogging.files import InputError
-from cogging.friction_curve import FrictionCurve, FrictionModel, FrictionParameter, fit_friction_curve
+from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
+from cogging.friction_law import FrictionParameter
 from cogging.gains import pid_gains, pid_poles
 from cogging.logs import Log, read_log
 from cogging.map import MapFit, fit_map
