@@ -44,7 +44,7 @@ def drive(controller, motion, limit=0.0):
     return np.array(computed), np.array(applied)
 
 
-# PID and cascade -------------------------------------------------------------------------------------------
+# PID, cascade and speed -------------------------------------------------------------------------------------------
 
 
 def literal_pid(q, motion, limit=0.0):
@@ -76,9 +76,25 @@ def literal_cascade(q, motion):
     return np.array(commands)
 
 
+def literal_speed(q, motion):
+    """Every command computed first, held over its sample, then moved in time: means over fine pieces of a sample."""
+    Ts, y_prev, computed = 1 / q["sample_rate"], None, []
+    for _, v, a, y in zip(*motion, strict=True):
+        measured = 0.0 if y_prev is None else (y - y_prev) / Ts
+        forward = measured if q["feedforward_velocity"] == "measured" else v
+        feedforward = q["mass"] * a + q["viscous"] * forward + q["coulomb"] * friction_sign(forward, q["coulomb_width"])
+        computed.append(q["kp"] * (v - measured) + feedforward)
+        y_prev = y
+    pieces = 1000
+    held = np.repeat(computed, pieces)
+    moved = np.concatenate([np.zeros(round(q["delay"] / Ts * pieces)), held])[: held.size]
+    return moved.reshape(-1, pieces).mean(axis=1)
+
+
 FEEDFORWARD = {"mass": 0.12, "viscous": 0.166, "coulomb": 0.15}
 PID = {"sample_rate": 5000.0, "kp": 9600.0, "ki": 1e5, "kd": 48.0, **FEEDFORWARD}
 CASCADE = {"sample_rate": 2000.0, "kp": 80.0, "kv": 12.0, **FEEDFORWARD}
+SPEED = {"sample_rate": 1000.0, "kp": 0.09, "delay": 2e-3, **FEEDFORWARD}
 
 
 @pytest.mark.parametrize("velocity", ["reference", "measured"])
@@ -111,6 +127,39 @@ def test_cascade_is_the_formula_of_the_contract(velocity, width):
     computed, _ = drive(cogging.Cascade(cogging.CascadeParameters(**q)), motion)
     expected = literal_cascade(q, motion)
     np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("velocity", ["reference", "measured"])
+@pytest.mark.parametrize("delay", [0.0, 2e-3, 0.7e-3, 3.25e-3, 0.05])
+def test_speed_is_the_formula_of_the_contract(velocity, delay):
+    q = SPEED | {"delay": delay, "coulomb_width": 0.01, "feedforward_velocity": velocity}
+    motion = random_motion(6, 300, q["sample_rate"])
+    computed, _ = drive(cogging.Speed(cogging.SpeedParameters(**q)), motion)
+    expected = literal_speed(q, motion)
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("delay", [0.0, 1e-3, 1.5e-3])
+def test_the_delay_of_speed_is_that_of_the_plants_command_delay(delay):
+    """On an axis that hardly moves within a sample: whole samples bit for bit, half a sample in the mean."""
+    reference = cogging.PointToPoint(cogging.PointToPointParameters(distance=0.4, velocity=0.5, acceleration=10.0))
+    axis = cogging.AxisParameters(mass=0.1, viscous=0.1)
+    plants = [cogging.Plant(axis, effects=[cogging.effects.CommandDelay(delay=d)]) for d in (0.0, delay)]
+    controllers = [cogging.Speed(cogging.SpeedParameters(kp=2.0, delay=d)) for d in (delay, 0.0)]
+    one, other = cogging.closed_loop_batch(plants, controllers, reference, duration=1.0)
+    difference = np.abs(one["true_position"] - other["true_position"]).max()
+    assert np.ptp(one["true_position"]) > 0.3
+    assert difference == 0.0 if delay != 1.5e-3 else difference < 1e-5
+    assert (one["command"] != other["command"]).any() == (delay > 0)
+
+
+def test_the_first_commands_of_speed():
+    """v = 0 in the first sample, whatever the reading; nothing acts until the delay is over."""
+    controller = cogging.Speed(cogging.SpeedParameters(sample_rate=100.0, kp=3.0, delay=0.015))
+    readings = (5.0, 5.01, 5.03, 5.03)
+    commands = [controller.command(reference=0.0, reference_velocity=2.0, reading=y) for y in readings]
+    assert commands == pytest.approx([0.0, 0.5 * 6.0, 0.5 * 6.0 + 0.5 * 3.0, 0.5 * 3.0], abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -814,7 +863,7 @@ NOT_NEGATIVE = "must be finite and at least 0, got"
 POSITIVE = "must be finite and above 0, got"
 
 
-@pytest.mark.parametrize("kind", ["PidParameters", "CascadeParameters", "AdaptiveRobustParameters"])
+@pytest.mark.parametrize("kind", ["PidParameters", "CascadeParameters", "SpeedParameters", "AdaptiveRobustParameters"])
 def test_no_number_may_be_a_nan(kind):
     kind = getattr(cogging, kind)
     for field, value in kind().to_dict().items():
@@ -844,6 +893,12 @@ def test_no_number_may_be_a_nan(kind):
             {"feedforward_velocity": ""},
             'feedforward_velocity: must be "reference" or "measured", got ',
         ),
+        ("SpeedParameters", {"kp": -1.0}, f"kp: {NOT_NEGATIVE} -1"),
+        ("SpeedParameters", {"delay": -1e-3}, f"delay: {NOT_NEGATIVE} -0.001"),
+        ("SpeedParameters", {"delay": 1e4}, "delay: must be below a million samples, got 10000"),
+        ("SpeedParameters", {"sample_rate": 0.0}, f"sample_rate: {POSITIVE} 0"),
+        ("SpeedParameters", {"viscous": -1.0}, f"viscous: {NOT_NEGATIVE} -1"),
+        ("SpeedParameters", {"command_limit": -1.0}, f"command_limit: {NOT_NEGATIVE} -1"),
         ("AdaptiveRobustParameters", {"error_gain": 0.0}, f"error_gain: {POSITIVE} 0"),
         ("AdaptiveRobustParameters", {"error_gain": -200.0}, f"error_gain: {POSITIVE} -200"),
         ("AdaptiveRobustParameters", {"feedback_gain": 0.0}, f"feedback_gain: {POSITIVE} 0"),
@@ -913,6 +968,7 @@ def test_rules(kind, change, message):
     [
         cogging.PidParameters(**PID, feedforward_velocity="measured", command_limit=10.0),
         cogging.CascadeParameters(**CASCADE, coulomb_width=0.01),
+        cogging.SpeedParameters(**SPEED, coulomb_width=0.01),
         X_AXIS.replace(cogging_harmonics=[1, 2], cogging_estimates=[0.01, 0.02, 0.03, 0.04], epsilon=0.1),
     ],
     ids=lambda p: type(p).__name__,

@@ -74,6 +74,7 @@ def stroke(**changes):
 CONTROLLERS = {
     "pid": pid(),
     "cascade": cogging.Cascade(cogging.CascadeParameters(sample_rate=5000.0, kp=150.0, kv=40.0)),
+    "speed": cogging.Speed(cogging.SpeedParameters(sample_rate=5000.0, kp=4.0, delay=3.3e-4)),
     "arc": cogging.Arc(dcarc().parameters.replace(epsilon=0.1)),
     "dcarc": dcarc(),
 }

@@ -5,6 +5,7 @@
 #include "cogging/control/observer_based.hpp"
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
+#include "cogging/control/speed.hpp"
 
 using namespace cogging;
 
@@ -59,6 +60,13 @@ take up an error that pushes further into it.)");
   bind_controller<Cascade<>>(
       module, "Cascade",
       "u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.");
+
+  bind_parameters<SpeedParameters<>>(module, "SpeedParameters", "Gain, delay and feedforward of a Speed.");
+  bind_controller<Speed<>>(module, "Speed", R"(A velocity loop, from positions only.
+
+w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
+sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
+before the first sample: the mean over the sample of the held w after the exact delay.)");
 
   bind_parameters<AdaptiveRobustParameters<>>(
       module, "AdaptiveRobustParameters",

@@ -4,6 +4,7 @@
 #include "cogging/control/observer_based.hpp"
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
+#include "cogging/control/speed.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
@@ -12,7 +13,7 @@ using namespace cogging;
 
 namespace {
 
-using AnyController = std::variant<Pid<>, Cascade<>, Arc<>, Dcarc<>, OutputFeedbackArc<>, ObserverBased<>>;
+using AnyController = std::variant<Pid<>, Cascade<>, Speed<>, Arc<>, Dcarc<>, OutputFeedbackArc<>, ObserverBased<>>;
 
 Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference,
           const RunOptions& options) {

@@ -32,6 +32,8 @@ from cogging._core import (
     Sampled,
     Sine,
     SineParameters,
+    Speed,
+    SpeedParameters,
     SplineHarmonics,
     closed_loop,
     closed_loop_batch,
@@ -43,6 +45,8 @@ from cogging._core import (
     project,
 )
 from cogging.files import InputError
+from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
+from cogging.friction_law import FrictionParameter
 from cogging.gains import pid_gains, pid_poles
 from cogging.identify import Identification, identify
 from cogging.logs import Log, read_log
@@ -71,6 +75,9 @@ __all__ = [
     "EncoderParameters",
     "FilteredSine",
     "FilteredSineParameters",
+    "FrictionCurve",
+    "FrictionModel",
+    "FrictionParameter",
     "Identification",
     "InputError",
     "Log",
@@ -93,6 +100,8 @@ __all__ = [
     "Sampled",
     "Sine",
     "SineParameters",
+    "Speed",
+    "SpeedParameters",
     "SplineHarmonics",
     "TrackingSpectrum",
     "closed_loop",
@@ -103,6 +112,7 @@ __all__ = [
     "desired_compensation_condition",
     "desired_compensation_matrix",
     "effects",
+    "fit_friction_curve",
     "fit_map",
     "friction_slope_max",
     "identify",

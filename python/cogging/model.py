@@ -27,6 +27,8 @@ from cogging._core import (
     Pid,
     PidParameters,
     Plant,
+    Speed,
+    SpeedParameters,
     SplineHarmonics,
 )
 from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
@@ -35,15 +37,21 @@ from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys,
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
     "pid": (PidParameters, Pid),
     "cascade": (CascadeParameters, Cascade),
+    "speed": (SpeedParameters, Speed),
     "arc": (AdaptiveRobustParameters, Arc),
     "dcarc": (AdaptiveRobustParameters, Dcarc),
     "output_feedback_arc": (OutputFeedbackArcParameters, OutputFeedbackArc),
     "observer_based": (ObserverBasedParameters, ObserverBased),
 }
 ControllerParameters = (
-    PidParameters | CascadeParameters | AdaptiveRobustParameters | OutputFeedbackArcParameters | ObserverBasedParameters
+    PidParameters
+    | CascadeParameters
+    | SpeedParameters
+    | AdaptiveRobustParameters
+    | OutputFeedbackArcParameters
+    | ObserverBasedParameters
 )
-Controller = Pid | Cascade | Arc | Dcarc | OutputFeedbackArc | ObserverBased
+Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased
 
 SECTIONS = ("axis", "uncertainty", "cogging", "effects", "encoder", "noise", "controller", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")

@@ -63,7 +63,9 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
                          &result.slope_velocity, &result.moving})
       column->assign(rows, 0.0);
 
-  AxisState<double> state{log.position[0], options.initial_velocity};
+  // Where the axis is when the encoder shows `reading`: its error is small against the scale on which it changes.
+  const auto behind = [&](double reading) { return 2.0 * reading - encoder_position(plant.effects, reading); };
+  AxisState<double> state{behind(log.position[0]), options.initial_velocity};
   const double width = std::max(1e-6, 0.3 * plant.axis.coulomb_width);
   for (std::size_t k = 0; k < rows; ++k) {
     result.position[k] = state.position;
@@ -104,9 +106,9 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     }
     if (!std::isfinite(state.position) || !std::isfinite(state.velocity))
       throw DivergedError("the prediction diverged at " + format(end) + " s");
-    const double innovation = log.position[k + 1] - state.position;
+    const double innovation = log.position[k + 1] - encoder_position(plant.effects, state.position);
     if (h > options.gap) {
-      state = {log.position[k + 1], (log.position[k + 1] - log.position[k]) / h};
+      state = {behind(log.position[k + 1]), (log.position[k + 1] - log.position[k]) / h};
       continue;
     }
     const ObserverGain gain = ObserverGain::of(options.bandwidth, h);

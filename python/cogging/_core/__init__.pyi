@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -802,6 +802,124 @@ class Cascade:
         """
         Hz
         """
+class SpeedParameters:
+    """
+    Gain, delay and feedforward of a Speed.
+    
+    Fields:
+        sample_rate (Hz): samples a second
+        kp (V/(m/s)): gain of the velocity loop
+        delay (s): from a reading to the command that it gives
+        mass (V/(m/s^2)): feedforward of the reference acceleration; 0 = none
+        viscous (V/(m/s)): feedforward of the velocity
+        coulomb (V): friction compensation
+        coulomb_width (m/s): of the compensation's S(v); 0 = sgn
+        feedforward_velocity: "reference" or "measured" (backward difference of the reading)
+        command_limit (V): largest command; 0 = none
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('V/(m/s)', 'gain of the velocity loop'), 'delay': ('s', 'from a reading to the command that it gives'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command; 0 = none')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, sample_rate: typing.SupportsFloat | typing.SupportsIndex = 1000.0, kp: typing.SupportsFloat | typing.SupportsIndex = 0.0, delay: typing.SupportsFloat | typing.SupportsIndex = 0.0, mass: typing.SupportsFloat | typing.SupportsIndex = 0.0, viscous: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb: typing.SupportsFloat | typing.SupportsIndex = 0.0, coulomb_width: typing.SupportsFloat | typing.SupportsIndex = 0.0, feedforward_velocity: str = 'reference', command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> SpeedParameters:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        largest command; 0 = none, V
+        """
+    @property
+    def coulomb(self) -> float:
+        """
+        friction compensation, V
+        """
+    @property
+    def coulomb_width(self) -> float:
+        """
+        of the compensation's S(v); 0 = sgn, m/s
+        """
+    @property
+    def delay(self) -> float:
+        """
+        from a reading to the command that it gives, s
+        """
+    @property
+    def feedforward_velocity(self) -> str:
+        """
+        "reference" or "measured" (backward difference of the reading)
+        """
+    @property
+    def kp(self) -> float:
+        """
+        gain of the velocity loop, V/(m/s)
+        """
+    @property
+    def mass(self) -> float:
+        """
+        feedforward of the reference acceleration; 0 = none, V/(m/s^2)
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        samples a second, Hz
+        """
+    @property
+    def viscous(self) -> float:
+        """
+        feedforward of the velocity, V/(m/s)
+        """
+class Speed:
+    """
+    A velocity loop, from positions only.
+    
+    w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
+    sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
+    before the first sample: the mean over the sample of the held w after the exact delay.
+    """
+    def __init__(self, parameters: SpeedParameters) -> None:
+        ...
+    def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> Speed:
+        """
+        A controller in the same state.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What it believes now, (p,): a copy; empty for a controller that does not adapt.
+        """
+    @property
+    def parameters(self) -> SpeedParameters:
+        ...
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
+        """
 class AdaptiveRobustParameters:
     """
     Gains, bounds and initial estimates of Arc and Dcarc (Lu et al. 2008, eq. 11 to 30).
@@ -1501,7 +1619,7 @@ class Performance:
         """
         sqrt(mean e^2), m
         """
-def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
     """
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
@@ -1513,7 +1631,7 @@ def closed_loop(plant: Plant, controller: Pid | Cascade | Arc | Dcarc | OutputFe
         ValueError: the reference leaves the travel, a motion without an end and no duration.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Arc | Dcarc | OutputFeedbackArc | ObserverBased], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
+def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
     """
     Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number.
     """

@@ -1,0 +1,95 @@
+#pragma once
+// A velocity loop alone.
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "cogging/control/controller.hpp"
+#include "cogging/control/feedforward.hpp"
+
+namespace cogging {
+
+template <class Scalar = double>
+struct SpeedParameters {
+  double sample_rate = 1000.0;  // Hz
+  Scalar kp = 0.0;              // V/(m/s)
+  double delay = 0.0;           // s
+  Scalar mass = 0.0;            // V/(m/s^2)
+  Scalar viscous = 0.0;         // V/(m/s)
+  Scalar coulomb = 0.0;         // V
+  Scalar coulomb_width = 0.0;   // m/s
+  std::string feedforward_velocity = "reference";
+  double command_limit = 0.0;  // V
+
+  static constexpr auto fields() {
+    using P = SpeedParameters;
+    return std::tuple_cat(
+        std::tuple{Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
+                   Field<P, Scalar>{"kp", &P::kp, "V/(m/s)", "gain of the velocity loop"},
+                   Field<P, double>{"delay", &P::delay, "s", "from a reading to the command that it gives"}},
+        feedforward_fields<P, Scalar>(),
+        std::tuple{Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}});
+  }
+
+  void validate() const {
+    require_positive("sample_rate", sample_rate);
+    require_not_negative("kp", kp);
+    require_not_negative("delay", delay);
+    require(delay * sample_rate < 1e6, "delay", "must be below a million samples", delay);
+    validate_feedforward(*this);
+    require_not_negative("command_limit", command_limit);
+  }
+};
+
+/// w = kp (v_r - v) + mass a_r + viscous v_f + coulomb S(v_f), put out `delay` later; v is the backward
+/// difference of the reading (0 in the first sample), v_f what `feedforward_velocity` names.
+///
+/// With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
+/// before the first sample. A command is held over its sample, so it cannot change within one: this is the mean
+/// over the sample of the held w that changes there, after the exact delay.
+template <class Scalar = double>
+class Speed {
+ public:
+  using Parameters = SpeedParameters<Scalar>;
+
+  explicit Speed(const Parameters& parameters = {}) : parameters_(parameters), feedforward_(parameters) {
+    double samples = parameters.delay * parameters.sample_rate;
+    // A delay of 2 ms at 1 kHz is two samples, whatever the rounding of the product.
+    if (std::abs(samples - std::round(samples)) < 1e-9 * (1.0 + samples)) samples = std::round(samples);
+    const double whole = std::floor(samples);
+    fraction_ = samples - whole;
+    past_.assign(static_cast<std::size_t>(whole) + 2, Scalar(0.0));
+  }
+
+  const Parameters& parameters() const { return parameters_; }
+  double sample_rate() const { return parameters_.sample_rate; }
+  double command_limit() const { return parameters_.command_limit; }
+  std::span<const Scalar> estimates() const { return {}; }
+
+  Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
+    const Scalar forward = feedforward_(reference, reading);
+    past_[newest_] = parameters_.kp * (reference.velocity - feedforward_.measured_velocity()) + forward;
+    // A ring of n + 2: behind the newest stands the oldest, w[k-n-1], and behind that w[k-n].
+    const std::size_t oldest = next(newest_);
+    const Scalar delayed = (1.0 - fraction_) * past_[next(oldest)] + fraction_ * past_[oldest];
+    newest_ = oldest;
+    return delayed;
+  }
+
+  void update(Scalar) noexcept {}
+
+ private:
+  std::size_t next(std::size_t place) const noexcept { return place + 1 == past_.size() ? 0 : place + 1; }
+
+  Parameters parameters_;
+  Feedforward<Scalar> feedforward_;
+  double fraction_ = 0.0;
+  std::size_t newest_ = 0;
+  std::vector<Scalar> past_;
+};
+
+}  // namespace cogging
