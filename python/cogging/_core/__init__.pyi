@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -1619,13 +1619,86 @@ class Performance:
         """
         sqrt(mean e^2), m
         """
-def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+class Prediction:
+    """
+    A prediction along a log, with its slopes: what `propagate` needs.
+    """
+    @property
+    def innovation(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        m, reading less what was foreseen
+        """
+    @property
+    def middle_position(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        m, half-way to the next row
+        """
+    @property
+    def middle_velocity(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        m/s, half-way to the next row
+        """
+    @property
+    def moving(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        1, or 0 where the axis sticks
+        """
+    @property
+    def position(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        m, corrected
+        """
+    @property
+    def velocity(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        m/s, corrected
+        """
+class Predictor:
+    """
+    One step ahead along a log.
+    
+    The plant is driven by the recorded command and held to the recorded position by an observer with both poles at
+    exp(-2 pi bandwidth Ts); the innovation (m) is what the model did not foresee. Time steps may differ; after one longer
+    than `gap` (s) the observer starts anew.
+    
+    Raises:
+        ValueError: columns of different lengths, time that does not increase, a bandwidth that is not positive.
+    """
+    def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, bandwidth: typing.SupportsFloat | typing.SupportsIndex = 30.0, gap: typing.SupportsFloat | typing.SupportsIndex = 1e+300, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        ...
+    def innovations(self, plants: collections.abc.Sequence[Plant], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Innovations (m) of many plants, (plants, n), on `threads` threads (0 = all cores).
+        """
+    def net_force(self, plants: collections.abc.Sequence[Plant], middle_position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], middle_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Command that acts plus all forces (V) along a motion given half-way between rows, (plants, n).
+        """
+    def predict(self, plant: Plant) -> Prediction:
+        """
+        The prediction along the log, with slopes.
+        """
+    def propagate(self, along: Prediction, mass: typing.SupportsFloat | typing.SupportsIndex, forces: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reading_errors: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).
+        """
+def autoregression(residual: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], counts: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, order: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
+    """
+    Coefficients a (order,) of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e.
+    
+    Yule and Walker's equations; rows with counts = 0 and pairs with one of them are left out.
+    
+    Raises:
+        ValueError: lengths differ, order above a quarter of the rows, nothing that counts.
+    """
+def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
     """
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
     A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
     duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by
     `steps_per_sample` Runge-Kutta steps of fourth order. The axis starts at rest on the reference unless told otherwise.
+    `added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
     
     Raises:
         ValueError: the reference leaves the travel, a motion without an end and no duration.
@@ -1665,5 +1738,9 @@ def performance(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], e
 def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.SupportsFloat | typing.SupportsIndex, minimum: typing.SupportsFloat | typing.SupportsIndex, maximum: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
+    """
+def whiten(rows: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], coefficients: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    e_k = r_k - sum_i a_i r_(k-i) of every row of (p, n); r is 0 before the first column.
     """
 EFFECTS: dict = {'constant_force': effects.ConstantForce, 'cable_spring': effects.CableSpring, 'end_effect': effects.EndEffect, 'cogging_harmonic': effects.CoggingHarmonic, 'cogging_modulation': effects.CoggingModulation, 'coulomb_asymmetry': effects.CoulombAsymmetry, 'viscous_asymmetry': effects.ViscousAsymmetry, 'stribeck_friction': effects.StribeckFriction, 'presliding_friction': effects.PreslidingFriction, 'position_dependent_friction': effects.PositionDependentFriction, 'quadratic_drag': effects.QuadraticDrag, 'force_constant_ripple': effects.ForceConstantRipple, 'force_constant_drift': effects.ForceConstantDrift, 'command_delay': effects.CommandDelay, 'actuator_lag': effects.ActuatorLag, 'command_saturation': effects.CommandSaturation, 'command_dead_zone': effects.CommandDeadZone, 'encoder_periodic_error': effects.EncoderPeriodicError, 'encoder_scale_error': effects.EncoderScaleError, 'backlash': effects.Backlash, 'flexible_mode': effects.FlexibleMode, 'disturbance_step': effects.DisturbanceStep, 'disturbance_tone': effects.DisturbanceTone}
