@@ -9,4 +9,5 @@ PYBIND11_MODULE(_core, module) {
   bind_plant(module);
   bind_control(module);
   bind_simulation(module);
+  bind_table(module);
 }
