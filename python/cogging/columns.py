@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging.files import InputError
-from cogging.readers import matlab, mdf, parquet, text_table
+from cogging.readers import text_table
+from cogging.readers.apart import FORMATS, read_apart
 from cogging.readers.request import Request
 
 FloatArray = npt.NDArray[np.float64]
-Reader = Callable[[Request], dict[str, Any]]
-
-#: Formats that need an optional library: what they are called, the extra that brings it, and the reader.
-FORMATS: dict[str, tuple[str, str, Reader]] = {
-    "matlab": ("MATLAB file", "matlab", matlab.read),
-    "hdf5": ("MATLAB 7.3 (HDF5) file", "matlab", matlab.read_hdf5),
-    "mdf": ("ASAM MDF file", "mdf", mdf.read),
-    "parquet": ("Parquet file", "parquet", parquet.read),
-}
 SUFFIXES = {".mat": "matlab", ".mf4": "mdf", ".mdf": "mdf", ".parquet": "parquet"}
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 OTHERS = {  # what is often given by mistake
@@ -72,8 +63,7 @@ def read_columns(
     """
     request = _request(path, names, optional, columns, scale, rows, progress)
     kind = format_of(path)
-    table = text_table.read(request) if kind is None else _read_with(FORMATS[kind], request)
-    arrays = table if kind is None else _numbers(request, table)
+    arrays = text_table.read(request) if kind is None else read_apart(kind, request)
     if not arrays or not next(iter(arrays.values())).size:
         raise request.refuse("rows: must be at least 1, got 0")
     for name, factor in (scale or {}).items():
@@ -142,57 +132,3 @@ def format_of(path: str | os.PathLike[str]) -> str | None:
         got = f"{head[:8]!r} at its start" if head else "an empty file"
         raise InputError(f"{path}: must be a {FORMATS[promised][0]} as its name says, got {got}")
     return None
-
-
-def _read_with(kind: tuple[str, str, Reader], request: Request) -> dict[str, Any]:
-    """Call a reader whose library may be missing, and may fail in any way on a broken file."""
-    what, extra, reader = kind
-    try:
-        return reader(request)
-    except InputError:
-        raise
-    except ImportError as error:
-        raise request.refuse(
-            f"needs {error.name or error} to read a {what}: pip install 'cogging[{extra}]'"
-        ) from None
-    except MemoryError:
-        raise request.refuse(f"must be a whole {what}, got one that asks for more memory than there is") from None
-    except Exception as error:
-        said = " ".join(str(error).split())[:120]
-        raise request.refuse(f"must be a whole {what}, got {type(error).__name__}{': ' * bool(said)}{said}") from None
-
-
-def _numbers(request: Request, table: Mapping[str, Any]) -> dict[str, FloatArray]:
-    """Check that what a reader gave is columns of finite real numbers of one length, and take the rows."""
-    arrays: dict[str, FloatArray] = {}
-    for name, values in table.items():
-        array = np.asarray(values)
-        if array.dtype.names is not None or array.dtype.kind == "c":
-            complex_pair = array.dtype.kind == "c" or set(array.dtype.names or ()) == {"real", "imag"}
-            what = "complex numbers" if complex_pair else f"a struct of {', '.join(array.dtype.names or ())}"
-            raise request.refuse(f"{name}: must be real numbers, got {what}")
-        if array.dtype.kind not in "fiub":
-            raise request.refuse(f"{name}: must be real numbers, got {_kind(array)}")
-        if sum(length != 1 for length in array.shape) > 1:
-            shape = " x ".join(map(str, array.shape))
-            raise request.refuse(f"{name}: must be one column, got an array of {shape}")
-        arrays[name] = array.reshape(-1).astype(np.float64)
-    lengths = {name: array.size for name, array in arrays.items()}
-    first = next(iter(lengths), "")
-    for name, length in lengths.items():
-        if length != lengths[first]:
-            raise request.refuse(f"{name}: must be as long as {first} ({lengths[first]}), got {length}")
-    for name, array in arrays.items():
-        arrays[name] = array = array[request.rows]
-        bad = ~np.isfinite(array)
-        if bad.any():
-            row = int(np.argmax(bad))
-            value = array[row]
-            raise request.refuse(f"row {row + (request.rows.start or 0)}: {name}: must be a finite number, got {value:g}")
-    return arrays
-
-
-def _kind(array: npt.NDArray[Any]) -> str:
-    return {"U": "text", "S": "text", "O": "objects (cells)", "M": "dates", "m": "durations"}.get(
-        array.dtype.kind, str(array.dtype)
-    )

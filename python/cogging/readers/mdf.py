@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from typing import Any
 
 from cogging.readers.request import Request
@@ -19,7 +18,6 @@ def read(request: Request) -> dict[str, Any]:
     """
     from asammdf import MDF
 
-    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what is wrong is said in one line, below
     with MDF(request.path) as file:
         masters = set(file.masters_db.items())
         places: dict[str, tuple[int, int]] = {}
