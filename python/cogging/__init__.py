@@ -41,7 +41,11 @@ from cogging._core import (
     friction_slope_max,
     performance,
     project,
+    replay_controller,
 )
+from cogging.audit import Audit, audit, check_against_model
+from cogging.controller_check import ControllerCheck, check_controller
+from cogging.controller_recovery import RecoveredController, recover_controller
 from cogging.files import InputError
 from cogging.gains import pid_gains, pid_poles
 from cogging.logs import Log, read_log
@@ -50,7 +54,8 @@ from cogging.model import Model
 from cogging.observer_design import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers import compare, reproduce
 from cogging.reference import read_reference
-from cogging.simulation import simulate
+from cogging.schema import schema
+from cogging.simulation import repeat, simulate
 from cogging.tracking_spectrum import TrackingSpectrum, tracking_spectrum
 
 __version__ = importlib.metadata.version("cogging")
@@ -59,11 +64,13 @@ __all__ = [
     "EFFECTS",
     "AdaptiveRobustParameters",
     "Arc",
+    "Audit",
     "AxisParameters",
     "BSpline",
     "Cascade",
     "CascadeParameters",
     "CoggingModel",
+    "ControllerCheck",
     "Dcarc",
     "DivergedError",
     "EncoderParameters",
@@ -86,12 +93,16 @@ __all__ = [
     "Plant",
     "PointToPoint",
     "PointToPointParameters",
+    "RecoveredController",
     "Reference",
     "Sampled",
     "Sine",
     "SineParameters",
     "SplineHarmonics",
     "TrackingSpectrum",
+    "audit",
+    "check_against_model",
+    "check_controller",
     "closed_loop",
     "closed_loop_batch",
     "cogging_slope_max",
@@ -108,7 +119,11 @@ __all__ = [
     "project",
     "read_log",
     "read_reference",
+    "recover_controller",
+    "repeat",
+    "replay_controller",
     "reproduce",
+    "schema",
     "simulate",
     "tracking_spectrum",
 ]

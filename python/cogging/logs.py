@@ -101,14 +101,13 @@ class Log:
         try:
             pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
         except ImportError as error:
-            raise InputError(
-                f"{path}: needs {error.name} to be written: pip install 'cogging[{suffix[1:].replace('mat', 'matlab')}]'"
-            ) from None
+            extra = {".mat": "matlab", ".parquet": "parquet"}[suffix]
+            raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[{extra}]'") from None
         files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
         beside = f"{os.fspath(path)}.toml"
         if self.metadata:
             document = {"version": importlib.metadata.version("cogging"), **self.metadata}
-            files[beside] = [to_toml(document).encode()]
+            files[beside] = [to_toml(_plain(document)).encode()]
         write_files(files)
         if not self.metadata:
             Path(beside).unlink(missing_ok=True)  # of another log that stood here
@@ -134,6 +133,13 @@ class Log:
         buffer = pa.BufferOutputStream()
         parquet.write_table(pa.table(self.columns()), buffer)
         return [buffer.getvalue().to_pybytes()]
+
+
+def _plain(value: Any) -> Any:
+    """A document with lists in place of arrays."""
+    if isinstance(value, Mapping):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def read_log(

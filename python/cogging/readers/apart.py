@@ -86,9 +86,7 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
 def serve(job: Mapping[str, Any]) -> None:
     """Read in this process what read_apart asks for: arrays and answer.json in the job's folder."""
     _limit_memory(job["memory"])
-    request = Request(
-        job["path"], job["names"], job["optional"], job["columns"], job["scaled"], slice(*job["rows"])
-    )
+    request = Request(job["path"], job["names"], job["optional"], job["columns"], job["scaled"], slice(*job["rows"]))
     answer: dict[str, Any]
     try:
         columns = _read(job["kind"], request)

@@ -7,6 +7,11 @@ from typing import Any
 from cogging.readers.request import Request
 
 
+def _unit(channel: Any) -> str:
+    """The unit of a channel, whose conversion may hold it instead."""
+    return str(getattr(channel, "unit", "") or getattr(getattr(channel, "conversion", None), "unit", "") or "")
+
+
 def read(request: Request) -> dict[str, Any]:
     """Read channels of one channel group; `time` is its master channel unless a channel bears that name.
 
@@ -33,7 +38,7 @@ def read(request: Request) -> dict[str, Any]:
             wants_master, others, optional = False, tuple(request.names), tuple(request.optional)
         narrowed = Request(request.path, others, optional, request.columns, request.scaled, request.rows)
         names = [name for name, place in places.items() if place not in masters] if wants_master else list(places)
-        units = [str(file.groups[group].channels[channel].unit or "") for group, channel in map(places.get, names)]
+        units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
         chosen = {name: places[names[i]] for name, i in narrowed.choose(names, "file", units).items()}
         groups = {group for group, _ in chosen.values()}
         if len(groups) > 1:

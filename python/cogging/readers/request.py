@@ -26,6 +26,7 @@ TIME_FACTORS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "m
 COMMAND_FACTORS = {"mV": 1e-3, "mA": 1e-3, "mN": 1e-3, "kN": 1e3, "kV": 1e3, "kA": 1e3}
 #: In round brackets only these are units: a name may have a remark in them.
 OTHER_UNITS = ("rad", "deg", "°", "rpm", "rad/s", "deg/s", "rad/s^2", "%", "counts", "count", "inc", "Nm", "g")
+SQUARED = ("s^2", "s2", "s²")
 SHOWN = 40  # columns that an error lists
 
 
@@ -94,7 +95,7 @@ class Request:
         factors = {"s": TIME_FACTORS, "V": COMMAND_FACTORS}.get(wanted, FACTORS)
         length, slash, rest = spelled.partition("/")
         factor = factors.get(length)
-        if slash and (rest not in ("s", "s^2", "s2", "s²") or wanted not in ("m/s", "m/s^2")):
+        if slash and (rest not in ("s", *SQUARED) or wanted not in ("m/s", "m/s^2")):
             factor = None
         advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
         needed = ", ".join(COMMAND_UNITS) if wanted == "V" else wanted
@@ -109,8 +110,9 @@ def split_unit(text: str) -> tuple[str, str]:
     if found.group(2) is not None:
         return found.group(1), found.group(2).strip()
     inside = found.group(3).strip()
-    known = (*OTHER_UNITS, *FACTORS, *TIME_FACTORS, *COMMAND_FACTORS, *(u for spelled in SPELLINGS.values() for u in spelled))
-    known = (*known, *(f"{length}/{rest}" for length in FACTORS for rest in ("s", "s^2", "s2", "s²")))
+    spelled = (unit for spellings in SPELLINGS.values() for unit in spellings)
+    rates = (f"{length}/{rest}" for length in FACTORS for rest in ("s", *SQUARED))
+    known = (*OTHER_UNITS, *FACTORS, *TIME_FACTORS, *COMMAND_FACTORS, *spelled, *rates)
     return (found.group(1), inside) if inside in known else (text, "")
 
 

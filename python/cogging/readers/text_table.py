@@ -32,7 +32,7 @@ def read(request: Request) -> dict[str, FloatArray]:
             while len(head) < min(HEAD, size) and (more := file.read(HEAD - len(head))):
                 head += more
             lines = _lines(head, request)
-            separator, header_line, labels, units, first_data = _find_header(lines, request)
+            separator, labels, units, first_data = _find_header(lines, request)
             index = request.choose(labels, "header", units)
             order = sorted(index, key=lambda name: index[name])
             rows = request.rows
@@ -80,9 +80,7 @@ def _lines(head: bytes, request: Request) -> list[str]:
     """The lines of the file's beginning, the last one left out where it may be cut."""
     whole = len(head) < HEAD
     if b"\0" in head:
-        at = head.index(b"\0")
-        what = f"must be UTF-8 text, got the byte {head[0]:#x}" if at == 0 or head[0] > 127 else "must be text, got a zero"
-        raise request.refuse(f"{what} at byte {at}" if what.endswith("zero") else what)
+        raise request.refuse(f"must be UTF-8 text, got a zero at byte {head.index(0)}")
     try:
         text = head.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -111,10 +109,17 @@ def _offset(head: bytes, line: int) -> int:
 def _split(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.replace("\t", " ").split()
-    fields = [entry.strip().strip('"').strip() for entry in next(csv.reader([line], delimiter=separator), [])]
+    fields = [entry.strip().strip('"').strip() for entry in _cells(line, separator)]
     while fields and not fields[-1]:
         fields.pop()
     return fields
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:  # a field beyond all measure
+        return line.split(separator)
 
 
 def _separator(line: str) -> str:
@@ -131,8 +136,8 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _find_header(lines: list[str], request: Request) -> tuple[str, int, list[str], list[str] | None, int]:
-    """Separator, number of the header line (from 0), names, units of a row below them, and the first data line."""
+def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], list[str] | None, int]:
+    """Separator, names, units of a row below them, and the first data line."""
     wanted = {request.in_file(name) for name in request.names}
     candidates = [i for i, line in enumerate(lines[:HEAD_LINES]) if line.strip()]
     best = candidates[0] if candidates else None
@@ -156,5 +161,5 @@ def _find_header(lines: list[str], request: Request) -> tuple[str, int, list[str
     if below:
         units = _split(lines[below[0]], separator)
         if any(units) and len(units) <= len(labels) and not any(map(_is_number, units)) and len(below) > 1:
-            return separator, best, labels, units + [""] * (len(labels) - len(units)), below[0] + 1
-    return separator, best, labels, None, best + 1
+            return separator, labels, units + [""] * (len(labels) - len(units)), below[0] + 1
+    return separator, labels, None, best + 1
