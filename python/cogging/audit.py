@@ -166,7 +166,10 @@ def encoder_quantum(position: npt.ArrayLike) -> float:
         multiples = np.maximum(np.round(differences / quantum), 1.0)
         off = np.abs(differences - multiples * quantum)
         if np.mean(off > OFF_GRID * quantum) <= 0.01:
-            return _refined(levels - levels[0], quantum * _common_factor(multiples))
+            quantum = _refined(levels - levels[0], quantum * _common_factor(multiples))
+            counts = (levels - levels[0]) / quantum
+            on_grid = np.abs(counts - np.round(counts)) < 2.5 * OFF_GRID
+            return quantum if np.mean(on_grid) > 0.95 else 0.0
         left = np.abs(differences - np.round(differences / quantum) * quantum)
         left = left[left > OFF_GRID * quantum]
         quantum = float(np.quantile(left, 0.01, method="lower")) if left.size else 0.0
@@ -188,13 +191,13 @@ def _common_factor(multiples: FloatArray) -> int:
 def _refined(distance: FloatArray, quantum: float) -> float:
     """The quantum by least squares over ever longer distances, so that the count of multiples stays sure."""
     longest = float(distance.max())
-    reach = 3.0 * quantum
+    reach = 10.0 * quantum
     while True:
         near = distance[distance <= reach]
         multiples = np.round(near / quantum)
-        power = float(np.sum(multiples**2))
-        if power > 0.0:
-            quantum = float(np.sum(near * multiples)) / power
+        sure = (np.abs(near / quantum - multiples) < 2.5 * OFF_GRID) & (multiples > 0.0)
+        if sure.any():
+            quantum = float(np.sum(near[sure] * multiples[sure]) / np.sum(multiples[sure] ** 2))
         if reach >= longest:
             return quantum
         reach *= 3.0

@@ -10,13 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import CascadeParameters, PidParameters, Sampled
-from cogging.controller_check import least_squares, linear_regressors
+from cogging.controller_check import least_squares, linear_regressors, smooth_sign
 from cogging.logs import Log
 
 FloatArray = npt.NDArray[np.float64]
 
+Columns = dict[str, FloatArray]
+
 ACCEPTED = 0.005  # of the rms command: more is left by a controller of another kind
 FEWEST_ROWS = 200
+SEARCHED = 5000  # rows, evenly taken, on which the width is searched
 WIDTHS = 25  # of the friction compensation that are tried
 NEGLIGIBLE = 1e-3  # of the rms command: what a gain of no use contributes at most
 
@@ -74,19 +77,25 @@ def _fit(
 ) -> tuple[dict[str, float], float] | None:
     """Gains by name, the width of S(v) among them, and the rms that they leave; None where one is negative."""
 
-    def solve(names: set[str] | None, width: float) -> tuple[dict[str, float], float, dict[str, FloatArray]]:
-        columns = linear_regressors(kind, base.replace(coulomb_width=width), motion, log.position)
-        columns = {name: column[rows] for name, column in columns.items() if names is None or name in names}
-        if "ki" in columns:
-            columns["start"] = np.ones(int(rows.sum()))
-        return (*least_squares(columns, log.command[rows]), columns)
+    fixed = linear_regressors(kind, base, motion, log.position)
+    fixed = {name: column[rows] for name, column in fixed.items()}
+    command, velocity = log.command[rows], fixed["viscous"]
 
-    top = float(np.abs(motion["reference_velocity"]).max())
+    def solve(names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
+        columns = {name: column[::every] for name, column in fixed.items() if names is None or name in names}
+        if "coulomb" in columns:
+            columns["coulomb"] = smooth_sign(velocity[::every], width)
+        if "ki" in columns:
+            columns["start"] = np.ones(len(columns["ki"]))
+        return (*least_squares(columns, command[::every]), columns)
+
+    every = 1 + command.size // SEARCHED
+    top = float(np.abs(velocity).max())
     widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
-    width = min(widths, key=lambda candidate: solve(None, candidate)[1])
+    width = min(widths, key=lambda candidate: solve(None, candidate, every)[1])
     if width > 0.0:
         middle = math.log(width)
-        width = _golden(lambda exponent: solve(None, math.exp(exponent))[1], middle - 0.4, middle + 0.4)
+        width = _golden(lambda exponent: solve(None, math.exp(exponent), every)[1], middle - 0.4, middle + 0.4)
     names: set[str] | None = None
     for _ in range(6):
         gains, rms, columns = solve(names, width)
