@@ -71,8 +71,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     refusal = _why_not(log, model, command_rms)
     if refusal:
         return ControllerCheck(kind, None, command_rms, notes=(refusal,))
-    assert log.reference is not None
-    motion = Sampled(log.time, log.reference, log.reference_velocity, log.reference_acceleration).samples
+    motion = Sampled(log.time, _reference(log, kind), log.reference_velocity, log.reference_acceleration).samples
     stated: dict[str, float] = {}
     fitted: dict[str, float] = {}
     fitted_rms = None
@@ -118,8 +117,22 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     )
 
 
+def _speed_alone(log: Log, kind: str | None) -> bool:
+    """Whether a speed loop's log has the speed that was asked for, which is all that such a loop looks at."""
+    return kind == "speed" and log.reference_velocity is not None
+
+
+def _reference(log: Log, kind: str) -> FloatArray:
+    if log.reference is not None:
+        return log.reference
+    assert log.reference_velocity is not None
+    velocity = log.reference_velocity
+    moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
+    return log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
+
+
 def _why_not(log: Log, model: Model, command_rms: float) -> str:
-    if log.reference is None:
+    if log.reference is None and not _speed_alone(log, model.controller_type):
         return "the log has no reference: the controller cannot be recomputed"
     if len(log) < FEWEST_ROWS:
         return f"{len(log)} rows are too few to check the controller, which takes {FEWEST_ROWS}"
