@@ -128,7 +128,8 @@ def _reference(log: Log, kind: str) -> FloatArray:
     assert log.reference_velocity is not None
     velocity = log.reference_velocity
     moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
-    return log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
+    reference: FloatArray = log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
+    return reference
 
 
 def _why_not(log: Log, model: Model, command_rms: float) -> str:
