@@ -53,7 +53,7 @@ ControllerParameters = (
 )
 Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased
 
-SECTIONS = ("axis", "uncertainty", "cogging", "effects", "encoder", "noise", "controller", "bounds")
+SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
