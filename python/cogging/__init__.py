@@ -42,6 +42,8 @@ from cogging._core import (
     performance,
     project,
 )
+from cogging.bounds import Bounds
+from cogging.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
 from cogging.gains import pid_gains, pid_poles
 from cogging.logs import Log, read_log
@@ -61,12 +63,14 @@ __all__ = [
     "Arc",
     "AxisParameters",
     "BSpline",
+    "Bounds",
     "Cascade",
     "CascadeParameters",
     "CoggingModel",
     "Dcarc",
     "DivergedError",
     "EncoderParameters",
+    "ErrorPrediction",
     "FilteredSine",
     "FilteredSineParameters",
     "InputError",
@@ -105,6 +109,7 @@ __all__ = [
     "performance",
     "pid_gains",
     "pid_poles",
+    "predict_error",
     "project",
     "read_log",
     "read_reference",
