@@ -141,8 +141,9 @@ class Bounds:
     ) -> ObserverProblem:
         """What the observer of Malaize and Levine 2009 is designed for (`design_observer`, extra `design`).
 
-        The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w: the ratio that makes lambda* about
-        1.25 times a nominal acceleration, as in Table I of the paper, on the X axis of Lu et al. 2008.
+        The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w, at least 2.4 times the fastest
+        harmonic 2 pi velocity_max / P_n, which no smaller disk could hold: the ratios of the comparison of the papers
+        (cogging.papers.comparison), where lambda* is 1.25 times the nominal acceleration as in Table I of the paper.
 
         Args:
             velocity_min: of the reference velocities at which the cogging is cancelled, m/s, above 0.
@@ -156,11 +157,12 @@ class Bounds:
         if self.model.cogging is None:
             raise ValueError("cogging: must be in the model to design an observer for its periods, got none")
         w = _bandwidth(bandwidth, self._sample_rate(ObserverBasedParameters, {}))
+        periods = periods_of(self.model.cogging.basis)
         fields: dict[str, Any] = {
-            "periods": periods_of(self.model.cogging.basis),
+            "periods": periods,
             "viscous": self.model.axis.viscous / self.model.axis.mass,
             "omega": w,
-            "pole_radius": 1.5 * w,
+            "pole_radius": max(1.5 * w, 2.4 * 2.0 * math.pi * velocity_max / min(periods)),
         }
         return ObserverProblem(velocity_min=velocity_min, velocity_max=velocity_max, **{**fields, **overrides})
 

@@ -22,9 +22,9 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
     """The range of the summed force of effects and noise, V; its middle guess; what is not in it, in words.
 
     Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
-    and time. To the range at the model's values come, for each field with an interval, the largest change of force
-    from the value to either end of it: exact for one amplitude, on the safe side for several. Force noise adds 1.96
-    rms. The guess is the force in mid-travel at rest at t = 0.
+    and time. To the range at the model's values come, for each field with an interval, the largest changes of force
+    down and up from the value to the ends of it: exact for one amplitude, on the safe side for several. Force
+    noise adds 1.96 rms. The guess is the force in mid-travel at rest at t = 0.
 
     Args:
         model: whose effects and noise.
@@ -48,8 +48,8 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
         for path in (p for p in parameters_of(model) if p.startswith(f"{prefix}.")):
             interval = intervals.of(path)
             if interval is not None:
-                change = max(_change(model, place, path, end, points, forces) for end in interval)
-                low, high = low - change, high + change
+                changes = [0.0, *(c for end in interval for c in _changes(model, place, path, end, points, forces))]
+                low, high = low + min(changes), high + max(changes)
     noise = SIGMAS_95 * model.noise.force
     return (float(low - noise), float(high + noise)), guess, left_out
 
@@ -63,7 +63,11 @@ def _filled(model: Model, effect: Any) -> Any:
     return effect.resolved(model.axis, model.cogging) if hasattr(effect, "resolved") else effect
 
 
-def _change(model: Model, place: int, path: str, end: float, points: FloatArray, forces: FloatArray) -> float:
+def _changes(
+    model: Model, place: int, path: str, end: float, points: FloatArray, forces: FloatArray
+) -> tuple[float, float]:
+    """The smallest and largest change of force that the end of a field's interval makes, V."""
+
     def allowed(value: float) -> bool:
         try:
             with_values(model, {path: value})
@@ -73,7 +77,8 @@ def _change(model: Model, place: int, path: str, end: float, points: FloatArray,
 
     value = valid_end(parameters_of(model)[path].value, end, allowed)
     effect = with_values(model, {path: value}).effects[place]
-    return float(np.abs(_forces(_filled(model, effect), points) - forces).max())
+    change = _forces(_filled(model, effect), points) - forces
+    return float(change.min()), float(change.max())
 
 
 def _forces(effect: Any, points: FloatArray) -> FloatArray:
