@@ -46,8 +46,10 @@ from cogging._core import (
     replay_controller,
 )
 from cogging.audit import Audit, audit, check_against_model
+from cogging.bounds import Bounds
 from cogging.controller_check import ControllerCheck, check_controller
 from cogging.controller_recovery import RecoveredController, recover_controller
+from cogging.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
 from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction_law import FrictionParameter
@@ -73,6 +75,7 @@ __all__ = [
     "Audit",
     "AxisParameters",
     "BSpline",
+    "Bounds",
     "Cascade",
     "CascadeParameters",
     "CoggingModel",
@@ -80,6 +83,7 @@ __all__ = [
     "Dcarc",
     "DivergedError",
     "EncoderParameters",
+    "ErrorPrediction",
     "FilteredSine",
     "FilteredSineParameters",
     "FrictionCurve",
@@ -131,6 +135,7 @@ __all__ = [
     "performance",
     "pid_gains",
     "pid_poles",
+    "predict_error",
     "project",
     "read_log",
     "read_reference",

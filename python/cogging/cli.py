@@ -54,6 +54,14 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--seed", type=int, default=0, help="of the noise (default: 0)")
     command.set_defaults(run=_simulate)
 
+    command = commands.add_parser("predict", help="the tracking error of each controller, before the machine moves")
+    command.add_argument("model", metavar="MODEL.toml")
+    command.add_argument("--reference", required=True, metavar="REF.toml")
+    command.add_argument("--samples", type=int, default=40, metavar="N", help="machines to draw (default: 40)")
+    command.add_argument("--seed", type=int, default=0, help="of machines and noise (default: 0)")
+    command.add_argument("--json", metavar="OUT", help="where the numbers are written")
+    command.set_defaults(run=_predict)
+
     command = commands.add_parser("map", help="fit the cogging model to a force-against-position scan")
     command.add_argument("scan", metavar="SCAN")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m")
@@ -145,6 +153,24 @@ def _simulate(options: argparse.Namespace) -> None:
         raise InputError(f"{options.model} with {options.reference}: {error}") from None
     log.write(options.out)
     print(f"{options.out}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
+
+
+def _predict(options: argparse.Namespace) -> None:
+    from cogging.error_prediction import predict_error
+
+    for name, least in (("samples", 2), ("seed", 0)):
+        if getattr(options, name) < least:
+            raise InputError(f"--{name}: must be at least {least}, got {getattr(options, name)}")
+    try:
+        prediction = predict_error(options.model, options.reference, samples=options.samples, seed=options.seed)
+    except InputError:
+        raise
+    except ValueError as error:  # what only the draws and the runs can find wrong
+        raise InputError(f"{options.model} with {options.reference}: {error}") from None
+    print(prediction.text())
+    if options.json:
+        write_text(options.json, json.dumps(prediction.to_dict(), indent=2, allow_nan=False) + "\n")
+        print(f"{options.json} written")
 
 
 def _map(options: argparse.Namespace) -> None:

@@ -83,9 +83,9 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
 
 
 def _speed(log: Log) -> float:
-    from cogging.residuals import moving_average
-
     import numpy as np
+
+    from cogging.residuals import moving_average
 
     window = max(1, round(0.01 / _sample_time(log)))
     return float(np.abs(np.gradient(moving_average(log.position, window), log.time)).max())

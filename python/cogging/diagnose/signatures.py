@@ -106,7 +106,9 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
     if role["quantity"] == "exponent":
         return list(EXPONENTS)
     if role["quantity"] == "position":
-        return [float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]]
+        return [
+            float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
+        ]
     if role["logarithmic"]:
         if low <= 0.0:
             low = 1e-3 * high
@@ -123,9 +125,7 @@ def candidates(evidence: Evidence, name: str) -> Iterator[Candidate]:
     low, high = place(evidence)
     sizes = quantities(evidence)
     shapes: dict[str, list[Any]] = {}
-    scalar_shapes = [
-        f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(neutral, f), list)
-    ]
+    scalar_shapes = [f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(neutral, f), list)]
     count = POINTS.get(len(scalar_shapes), 3)
     for field in scalar_shapes:
         shapes[field] = shape_values(evidence, field, roles[field], count)
@@ -154,7 +154,9 @@ def candidates(evidence: Evidence, name: str) -> Iterator[Candidate]:
         amplitudes += [(field, index) for index in indexes]
         units += [step] * len(indexes)
     if "travel" in roles:
-        fixed["travel"] = list(evidence.model.axis.travel) if np.isfinite(evidence.model.axis.travel).all() else [low, high]
+        fixed["travel"] = (
+            list(evidence.model.axis.travel) if np.isfinite(evidence.model.axis.travel).all() else [low, high]
+        )
     for values in itertools.product(*shapes.values()):
         shape = dict(zip(shapes, values, strict=True))
         if {"start", "stop"} <= set(shape) and shape["start"] >= shape["stop"]:
