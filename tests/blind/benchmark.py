@@ -1,4 +1,4 @@
-"""Draw a fresh blind suite from a seed, run, score, print: `python -m tests.blind.benchmark --seed N --cases M --out DIR`.
+"""Draw a fresh blind suite, run, score, print: `python -m tests.blind.benchmark --seed N --cases M --out DIR`.
 
 DIR/cases holds what the runner sees, DIR/key what only the scorer reads, DIR/results_<runner> the answers. A second
 call with --rescore scores the answers that are there; with --keep it draws nothing and runs only what is missing.
@@ -7,6 +7,7 @@ call with --rescore scores the answers that are there; with --keep it draws noth
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -16,7 +17,7 @@ from typing import Any
 from .machines import NULL_FAMILIES
 from .outside import OUTSIDE
 from .report import format_table
-from .runners import run_case
+from .runners import RUNNERS, run_case
 from .score import Outcome, judge, plain, table
 from .suite import LAMBDAS, SHARES, draw_suite, plan_suite
 from .vocabulary import CHANGES, VOCABULARY
@@ -57,7 +58,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--effects", type=listed(EFFECTS), default=list(EFFECTS), help="of the vocabulary")
     parser.add_argument("--outside", type=listed(tuple(OUTSIDE)), default=list(OUTSIDE), help="outside the vocabulary")
     parser.add_argument("--lambdas", type=lambda s: [float(v) for v in s.split(",")], default=list(LAMBDAS))
-    parser.add_argument("--runner", choices=("diagnose", "naive", "both"), default="diagnose")
+    parser.add_argument("--runner", choices=(*RUNNERS, "all"), default="diagnose")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only-draw", action="store_true")
     parser.add_argument("--keep", action="store_true", help="use the cases and answers that are in --out")
@@ -79,8 +80,9 @@ def run_suite(runner: str, out: Path, jobs: int, *, again: bool) -> None:
         target = answers / f"{case.name}.json"
         if again or not target.exists():
             tasks.append((runner, str(case), str(target)))
-    with ProcessPoolExecutor(jobs) as pool:
-        for count, (name, result, seconds) in enumerate(pool.map(run_case, tasks), start=1):
+    with ProcessPoolExecutor(jobs) if jobs > 1 else contextlib.nullcontext() as pool:
+        answered = map(run_case, tasks) if pool is None else pool.map(run_case, tasks)
+        for count, (name, result, seconds) in enumerate(answered, start=1):
             verdict = result.get("verdict", result.get("error"))
             print(f"{count}/{len(tasks)} {name} {seconds:.1f} s {verdict}", file=sys.stderr, flush=True)
 
@@ -118,7 +120,7 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"left out: {reason}", file=sys.stderr)
     if options.only_draw:
         return 0
-    for runner in ("diagnose", "naive") if options.runner == "both" else (options.runner,):
+    for runner in RUNNERS if options.runner == "all" else (options.runner,):
         if not options.rescore:
             run_suite(runner, options.out, options.jobs, again=not options.keep)
         _, figures = score_suite(runner, options.out)

@@ -128,8 +128,8 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
     _require_sane(base.run(), motion, machine)
     hidden: list[tuple[Hidden, float]] = []
     truths: list[dict[str, Any]] = []
+    signal = Signal(base, machine)
     if names:
-        signal = Signal(base, machine)
         seeds = rng.integers(2**31, size=len(names))
         for name, seed in zip(names, seeds, strict=True):
             draws = np.random.default_rng(int(seed))
@@ -168,6 +168,8 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
         "jitter": machine.jitter,
         "rate": machine.rate,
         "peak": machine.peak,
+        "noise": machine.noise_rms,
+        "law_ratio": signal.law_ratio(),
         "confirm_floor": float(np.sqrt(np.mean((confirm_run.command - quiet)[moving] ** 2))),
     }
     if hidden:
@@ -178,7 +180,7 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
 def _change(
     rng: np.random.Generator, name: str, machine: Machine, signal: Signal, ratio: float
 ) -> tuple[Hidden, float, float]:
-    """A change of mass, viscous or Coulomb: lambda = change^2 / (stated sigma^2 + sigma of this log^2), at least 5 sigma.
+    """A change of mass, viscous or Coulomb of at least 5 sigma: lambda = change^2 / (stated sigma^2 + sigma of this log^2).
 
     The change is that from the model's value to the truth's, which is what `diagnose` can see.
     """

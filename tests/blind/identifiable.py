@@ -74,7 +74,7 @@ class Signal:
         return self.whiten(changed.smooth().run().command - self.base)
 
     def ratio(self, difference: np.ndarray, *rivals: np.ndarray) -> float:
-        """lambda of a whitened difference beside the nuisances and any rivals."""
+        """The lambda of a whitened difference beside the nuisances and any rivals."""
         rest = difference - self.nuisances @ (self.nuisances.T @ difference)
         if rivals:
             others = np.column_stack([r - self.nuisances @ (self.nuisances.T @ r) for r in rivals])
@@ -87,6 +87,18 @@ class Signal:
         column = self.directions[name]
         rest = column - others @ (others.T @ column)
         return 1.0 / np.sqrt(max(float(rest @ rest), 1e-12))
+
+    def law_ratio(self) -> float:
+        """The lambda of the friction law itself: how far it is, to first order, from any arctangent with re-tuned nuisances.
+
+        It is no missing effect, but a method that knows one law only sees a gap of this size.
+        """
+        nominal = self.directions["width 1.0"]
+        others = {name: c for name, c in self.directions.items() if not name.startswith("width")}
+        others |= {name: self.directions[name] - nominal for name in ("width 0.7", "width 1.6")}
+        matrix = self._orthonormal(list(others.values()))
+        rest = nominal - matrix @ (matrix.T @ nominal)
+        return float(rest @ rest)
 
     def absorbed(self, difference: np.ndarray, fixed: tuple[str, ...] = ()) -> dict[str, float]:
         """How far re-tuned nuisances would follow a whitened difference; those in `fixed` stay."""

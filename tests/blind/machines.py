@@ -1,4 +1,4 @@
-"""Machines of the blind suite: axes from small ironless to large ball-screw, their controllers, noise and nominal models."""
+"""Machines of the blind suite: axes small and large, their controllers, noise and nominal models."""
 
 from __future__ import annotations
 

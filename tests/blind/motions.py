@@ -89,7 +89,7 @@ def draw_motion(
     *,
     poor: bool = False,
 ) -> Motion:
-    """Draw a motion that fills the time: sweeps of the travel, moves, sines and creep; `poor`: one kind of move only."""
+    """Draw a motion that fills the time: sweeps of the travel, moves, sines, creep; `poor`: one kind of move only."""
     low = travel[0] + 0.03 * (travel[1] - travel[0])
     high = travel[1] - 0.03 * (travel[1] - travel[0])
     place = float(rng.uniform(low, high))

@@ -42,6 +42,7 @@ def format_table(figures: Mapping[str, Any], title: str = "", *, details: bool =
     one("errors", "errors")
     one("false alarm on nulls", "false_alarm")
     many("false alarm by family", "false_alarm_by_family")
+    many("false alarm by lambda of the friction law itself", "false_alarm_by_law_ratio")
     one("confident name on a null", "null_confident")
     many("detected, by lambda", "detected")
     many("named up to alternatives, by lambda", "named")

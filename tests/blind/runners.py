@@ -1,4 +1,4 @@
-"""What is scored: `cogging.diagnose` or the naive baseline, on one case in a worker process."""
+"""What is scored: `cogging.diagnose` or a naive baseline, on one case in a worker process."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import json
 import time
 from pathlib import Path
 from typing import Any
+
+#: `careful` is the naive baseline with a practical floor and confirmation on the other motion.
+RUNNERS = ("diagnose", "naive", "careful")
 
 
 def run_case(task: tuple[str, str, str]) -> tuple[str, dict[str, Any], float]:
@@ -25,7 +28,8 @@ def run_case(task: tuple[str, str, str]) -> tuple[str, dict[str, Any], float]:
         from .naive import diagnose_naively
 
         def answer() -> dict[str, Any]:
-            return diagnose_naively(case / "log.csv", case / "model.toml", [case / "confirm.csv"])
+            confirm = [case / "confirm.csv"]
+            return diagnose_naively(case / "log.csv", case / "model.toml", confirm, careful=runner == "careful")
 
     begin = time.perf_counter()
     try:

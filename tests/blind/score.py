@@ -8,6 +8,7 @@ verdict; for effects outside the vocabulary all names are wrong but those of the
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -202,6 +203,14 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
             family: Rate.of(o.verdict in ALARMS for o in nulls if o.family == family)
             for family in sorted({o.family for o in nulls})
         },
+        "false_alarm_by_law_ratio": {
+            "friction law under 30": share(
+                [o for o in nulls if o.key.get("law_ratio", 0.0) < 30], lambda o: o.verdict in ALARMS
+            ),
+            "friction law above 30": share(
+                [o for o in nulls if o.key.get("law_ratio", 0.0) >= 30], lambda o: o.verdict in ALARMS
+            ),
+        },
         "null_confident": share(nulls, lambda o: bool(o.wrong)),
         "detected": by_ratio(single, lambda o: o.detected),
         "named": by_ratio(single, lambda o: o.right),
@@ -229,7 +238,7 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
                 "stated": float(np.mean(here)) if (here := [c for c, _ in stated if _within(c, low, high)]) else None,
                 "right": Rate.of(good for c, good in stated if _within(c, low, high)),
             }
-            for low, high in zip(BINS[:-1], BINS[1:], strict=True)
+            for low, high in itertools.pairwise(BINS)
         },
         "power": {name: by_ratio([o for o in single + outside if o.truths == (name,)], lambda o: o.detected)
                   for name in sorted({o.truths[0] for o in single + outside})},
@@ -251,7 +260,7 @@ def _median(values: Iterable[float | None]) -> float | None:
 
 
 def confusion(outcomes: list[Outcome]) -> dict[str, dict[str, int]]:
-    """Rows: what is hidden; columns: the verdict, or for `named` and `ambiguous` the first name, marked ? if ambiguous."""
+    """Rows: what is hidden; columns: the verdict, or for `named` and `ambiguous` the first name (? if ambiguous)."""
     rows: dict[str, Counter[str]] = {}
     for o in outcomes:
         row = " + ".join(sorted(o.truths)) or "nothing"

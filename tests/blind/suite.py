@@ -73,7 +73,9 @@ def _even(rng: np.random.Generator, pool: Sequence[Any], count: int) -> list[Any
 def draw_suite(
     seed: int, folder: Path, key_folder: Path, specifications: Sequence[Specification], jobs: int = 1
 ) -> dict[str, Any]:
-    """Draw all cases, write folder/case_XXXX/{log.csv, confirm.csv, model.toml} and key_folder/key.json; return the key.
+    """Draw all cases, write folder/case_XXXX/{log.csv, confirm.csv, model.toml} and key_folder/key.json.
+
+    Returns the key.
 
     A ratio that no machine of some dozens can show (below what is physical for the effect) is replaced by the next
     larger one; a pair that cannot be told apart by another pair. What still fails is named in the key.

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-#: Scalars of a plan, by name; each is one place of the vector that the compiled loop reads.
-SCALARS = """
+_SCALARS = """
 mass viscous coulomb width law bristle bristle_damping resolution x_start v_start
 controller rate kp ki kd kv ff_mass ff_viscous ff_coulomb ff_width ff_measured limit
 coulomb_asymmetry viscous_asymmetry stribeck stribeck_velocity stribeck_exponent stribeck_shape drag drag_exponent
@@ -24,7 +23,9 @@ delay lag second_lag saturation_up saturation_down saturation_soft dead_zone
 coupling load_ratio mode_frequency mode_damping hardening gap
 hysteresis hysteresis_length hysteresis_period gain_speed
 encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular lost_at lost_counts
-""".split()
+"""
+#: Scalars of a plan, by name; each is one place of the vector that the compiled loop reads.
+SCALARS = _SCALARS.split()
 (
     MASS, VISCOUS, COULOMB, WIDTH, LAW, BRISTLE, BRISTLE_DAMPING, RESOLUTION, X_START, V_START,
     CONTROLLER, RATE, KP, KI, KD, KV, FF_MASS, FF_VISCOUS, FF_COULOMB, FF_WIDTH, FF_MEASURED, LIMIT,
@@ -38,11 +39,11 @@ encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_
 
 #: Rows of a plan over the samples: reference, force (noise included), additions to gain, viscous and Coulomb, what is
 #: added to the reading, and 1 where the amplifier misses the new command.
-ROWS = "position velocity acceleration force gain viscous coulomb reading held".split()
+ROWS = ("position", "velocity", "acceleration", "force", "gain", "viscous", "coulomb", "reading", "held")
 R_POSITION, R_VELOCITY, R_ACCELERATION, R_FORCE, R_GAIN, R_VISCOUS, R_COULOMB, R_READING, R_HELD = range(len(ROWS))
 
 #: Maps of a plan over the travel: force, additions to Coulomb, viscous and gain, and force per squared command.
-MAPS = "force coulomb viscous gain reluctance".split()
+MAPS = ("force", "coulomb", "viscous", "gain", "reluctance")
 M_FORCE, M_COULOMB, M_VISCOUS, M_GAIN, M_RELUCTANCE = range(len(MAPS))
 
 #: Friction laws: what stands for the sign of the velocity.
@@ -379,10 +380,7 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
             # predictor
             vp = v + h * a_0
             xp = x + 0.5 * h * (v + vp)
-            if law == BRISTLES:
-                bristle_p = _relaxed(bristle, 0.5 * (v + vp), p[BRISTLE], h)
-            else:
-                bristle_p = 0.0
+            bristle_p = _relaxed(bristle, 0.5 * (v + vp), p[BRISTLE], h) if law == BRISTLES else 0.0
             if p[HYSTERESIS] != 0.0:
                 hysteresis = _relaxed(hysteresis, 0.5 * (v + vp), p[HYSTERESIS_LENGTH], h)
             if not (x_low < xp < x_high):

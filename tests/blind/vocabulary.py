@@ -1,4 +1,4 @@
-"""The effects of the vocabulary as the truth makes them: random sign, off-grid parameters, and other shapes of each cause."""
+"""The effects of the vocabulary as the truth makes them: random sign, off-grid, in other shapes of each cause too."""
 
 from __future__ import annotations
 
