@@ -180,7 +180,9 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
 def _change(
     rng: np.random.Generator, name: str, machine: Machine, signal: Signal, ratio: float
 ) -> tuple[Hidden, float, float]:
-    """A change of mass, viscous or Coulomb of at least 5 sigma: lambda = change^2 / (stated sigma^2 + sigma of this log^2).
+    """A change of mass, viscous or Coulomb of at least 5 stated sigma.
+
+    Its lambda is change^2 / (stated sigma^2 + sigma of this log^2), the test of the change against what is stated.
 
     The change is that from the model's value to the truth's, which is what `diagnose` can see.
     """

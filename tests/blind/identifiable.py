@@ -89,7 +89,7 @@ class Signal:
         return 1.0 / np.sqrt(max(float(rest @ rest), 1e-12))
 
     def law_ratio(self) -> float:
-        """The lambda of the friction law itself: how far it is, to first order, from any arctangent with re-tuned nuisances.
+        """The lambda of the friction law itself: its distance, to first order, from any arctangent, re-tuned.
 
         It is no missing effect, but a method that knows one law only sees a gap of this size.
         """
@@ -112,8 +112,9 @@ class Signal:
     @staticmethod
     def _orthonormal(columns: list[np.ndarray]) -> np.ndarray:
         matrix = np.column_stack([c / (np.linalg.norm(c) or 1.0) for c in columns])
-        left, sizes, _ = np.linalg.svd(matrix, full_matrices=False)
-        return left[:, sizes > 1e-7 * sizes[0]]
+        powers, vectors = np.linalg.eigh(matrix.T @ matrix)
+        kept = powers > 1e-12 * powers[-1]
+        return matrix @ (vectors[:, kept] / np.sqrt(powers[kept]))
 
 
 #: Signatures of the start of a log, which are no property of the machine.

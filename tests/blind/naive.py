@@ -81,7 +81,8 @@ def diagnose_naively(log: Path, model: Path, confirm: list[Path], *, careful: bo
 
 def _prepare(path: Path) -> Columns:
     """Low-passed position, its differences and the command, thinned to some hundred samples a second."""
-    header = path.open().readline().strip().split(",")
+    with path.open() as file:
+        header = file.readline().strip().split(",")
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     column = {name: table[:, i] for i, name in enumerate(header)}
     step = float(np.median(np.diff(column["time"])))

@@ -276,7 +276,7 @@ def confusion(outcomes: list[Outcome]) -> dict[str, dict[str, int]]:
 def plain(value: Any) -> Any:
     """Make a table fit for JSON."""
     if isinstance(value, Rate):
-        return value.to_dict()
+        return plain(value.to_dict())
     if isinstance(value, Mapping):
         return {key: plain(entry) for key, entry in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -168,7 +168,7 @@ class Run:
     velocity: np.ndarray
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _smooth_sign(law, v, width):
     if law == TANH:
         return np.tanh(v / width)
@@ -177,14 +177,14 @@ def _smooth_sign(law, v, width):
     return 2.0 / np.pi * np.arctan(v / width)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _controller_sign(v, width):
     if width > 0.0:
         return 2.0 / np.pi * np.arctan(v / width)
     return np.sign(v)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
     """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
     s = (x - grid_start) / GRID_STEP
@@ -231,7 +231,7 @@ def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
     return total, level
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _actuator(p, u):
     if p[SATURATION_SOFT] > 0.0:
         u = p[SATURATION_SOFT] * np.tanh(u / p[SATURATION_SOFT])
@@ -241,14 +241,14 @@ def _actuator(p, u):
     return u
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _relaxed(state, v, length, h):
     """Bristle or hysteresis state after h at constant velocity: z' = v - |v| z / length, solved exactly."""
     goal = length * np.sign(v)
     return goal + (state - goal) * np.exp(-abs(v) * h / length)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _loop(p, t, rows, maps, active, grid_start, substeps):
     n = t.size
     readings, commands = np.zeros(n), np.zeros(n)
