@@ -307,7 +307,7 @@ def test_hand_made_results_get_their_hand_computed_rates():
     spring, step, drag = "cable_spring", "disturbance_step", "quadratic_drag"
     stiffness = {"stiffness": {"value": 2.0, "unit": "V/m", "deviation": 0.1}}
     found = {"stiffness": {"value": 2.15, "unit": "V/m", "ci95": [1.9, 2.4]}}
-    gap = {"confirm_before": np.sqrt(1.36), "confirm_after": 1.0}
+    gap = {"floor": 1.0, "confirm_before": np.sqrt(1.36), "confirm_after": 1.0}
     worse = {"confirm_before": 1.0, "confirm_after": 1.02}
     outcomes = [
         judge("0", key_of("null"), answer("no_gap")),

@@ -18,7 +18,8 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-CORNER = 40.0  # Hz, of the low-pass on position and command
+CORNER = 40.0  # Hz, of the parallel low-pass on all columns
+DIFFERENCES = 4.0  # corner of the low-pass before differentiation, in units of CORNER
 MOST = 8  # terms at most
 FLOOR = 0.02  # of the rms
 Columns = dict[str, np.ndarray]
@@ -33,8 +34,9 @@ def diagnose_naively(log: Path, model: Path, confirm: list[Path], *, careful: bo
         nominal = tomllib.load(file)
     data = _prepare(log)
     known, extra = _known(data, nominal), _library(data, nominal)
-    target = data["command"]
+    target = _reduced(data, data["command"])
     other = _prepare(confirm[0]) if confirm else data
+    target_there = _reduced(other, other["command"])
     base, library = _known(other, nominal), _library(other, nominal)
     design_there = np.column_stack(list(base.values()))
     small, large = design_there, design_there
@@ -59,7 +61,7 @@ def diagnose_naively(log: Path, model: Path, confirm: list[Path], *, careful: bo
         larger, larger_there = np.column_stack([design, extra[best]]), np.column_stack([large, library[best]])
         trial = _residual(larger, target)
         if careful:
-            there = [other["command"] - m @ _fit(d, target) for m, d in ((large, design), (larger_there, larger))]
+            there = [target_there - m @ _fit(d, target) for m, d in ((large, design), (larger_there, larger))]
             if _rms(trial) > (1 - FLOOR) * _rms(rest) or _rms(there[1]) > (1 - FLOOR) * _rms(there[0]):
                 break
         chosen.append(best)
@@ -68,8 +70,8 @@ def diagnose_naively(log: Path, model: Path, confirm: list[Path], *, careful: bo
     gap: dict[str, Any] = {"unit": "V", "floor": None, "before": _rms(before), "after": _rms(rest)}
     gap |= {"confirm_before": None, "confirm_after": None}
     if confirm:
-        gap["confirm_before"] = _rms(other["command"] - small @ _fit(small_here, target))
-        gap["confirm_after"] = _rms(other["command"] - large @ _fit(design, target))
+        gap["confirm_before"] = _rms(target_there - small @ _fit(small_here, target))
+        gap["confirm_after"] = _rms(target_there - large @ _fit(design, target))
     return {
         "verdict": "named" if names else "no_gap",
         "effects": [{"name": name, "alternatives": [], "confidence": 0.99, "parameters": {}} for name in names],
@@ -80,26 +82,37 @@ def diagnose_naively(log: Path, model: Path, confirm: list[Path], *, careful: bo
 
 
 def _prepare(path: Path) -> Columns:
-    """Low-passed position, its differences and the command, thinned to some hundred samples a second."""
+    """Low-passed position, its differences and the command between the samples, on a grid of some 1000 Hz."""
     with path.open() as file:
         header = file.readline().strip().split(",")
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     column = {name: table[:, i] for i, name in enumerate(header)}
     step = float(np.median(np.diff(column["time"])))
-    filter_ = butter(4, CORNER * 2 * step, output="sos")
-    position = sosfiltfilt(filter_, column["position"])
+    corner = min(DIFFERENCES * CORNER, 0.2 / step)
+    position = sosfiltfilt(butter(4, corner * 2 * step, output="sos"), column["position"])
     velocity = np.gradient(position, step)
-    thin = slice(int(0.1 / step), -int(0.1 / step), max(1, int(1 / (5 * CORNER * step))))
-    command = sosfiltfilt(filter_, column["command"])
+    # the command is held: around a sample, half of it is the one before
+    command = 0.5 * (column["command"] + np.concatenate([column["command"][:1], column["command"][:-1]]))
+    thin = max(1, int(1 / (6 * corner * step)))
+    if thin > 1:
+        command = sosfiltfilt(butter(4, corner * 2 * step, output="sos"), command)
     return {
-        "time": (column["time"] - column["time"][0])[thin],
-        "position": position[thin],
-        "velocity": velocity[thin],
-        "acceleration": np.gradient(velocity, step)[thin],
-        "command": command[thin],
-        "slope": np.gradient(command, step)[thin],
-        "duration": np.full(1, column["time"][-1] - column["time"][0]),
+        "time": (column["time"] - column["time"][0])[::thin],
+        "position": position[::thin],
+        "velocity": velocity[::thin],
+        "acceleration": np.gradient(velocity, step)[::thin],
+        "command": command[::thin],
+        "slope": np.gradient(command, step)[::thin],
+        "step": np.full(1, step * thin),
     }
+
+
+def _reduced(data: Columns, block: np.ndarray) -> np.ndarray:
+    """The parallel filter: what is on either side of the regression, low-passed and thinned alike."""
+    step = float(data["step"][0])
+    low = sosfiltfilt(butter(4, CORNER * 2 * step, output="sos"), block, axis=0)
+    edge = int(0.1 / step)
+    return low[edge : -edge : max(1, int(1 / (5 * CORNER * step)))]
 
 
 def _sign(data: Columns, width: float) -> np.ndarray:
@@ -122,14 +135,14 @@ def _known(data: Columns, nominal: dict[str, Any]) -> Columns:
     for i, period in enumerate(_periods(nominal)):
         waves = _waves(data["position"], period)
         known[f"sine {i}"], known[f"cosine {i}"] = waves[:, 0], waves[:, 1]
-    return known
+    return {name: _reduced(data, column) for name, column in known.items()}
 
 
 def _library(data: Columns, nominal: dict[str, Any]) -> Columns:
     """Candidate terms by `name detail`, (n, p) each."""
     x, v, a, u, t = (data[name] for name in ("position", "velocity", "acceleration", "command", "time"))
     low, high = nominal["axis"]["travel"]
-    length, duration = high - low, float(data["duration"][0])
+    length, duration = high - low, float(t[-1])
     s = (x - low) / length
     sign = _sign(data, max(nominal["axis"]["coulomb_width"], 1e-5))
     slope = data["slope"]
@@ -167,7 +180,7 @@ def _library(data: Columns, nominal: dict[str, Any]) -> Columns:
         for span in (0.1, 0.2, 0.35):
             inside = (t > begin * duration) & (t < (begin + span) * duration)
             terms[f"disturbance_step {begin:g} {span:g}"] = inside.astype(float)
-    return {name: block.reshape(len(x), -1) for name, block in terms.items()}
+    return {name: _reduced(data, block.reshape(len(x), -1)) for name, block in terms.items()}
 
 
 def _residual(design: np.ndarray, target: np.ndarray) -> np.ndarray:

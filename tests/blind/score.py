@@ -163,7 +163,7 @@ def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, 
     if before is None or after is None:
         return None, None, None
     worse = bool(after > 1.01 * before)
-    if not key["stated_controller"] or not key["effects"]:
+    if not key["stated_controller"] or not key["effects"] or gap.get("floor") is None:  # no gap in command units
         return None, None, worse
     floor, gained = key["confirm_floor"], before**2 - after**2
     closed = to_floor = None
