@@ -102,9 +102,7 @@ class Innovations:
         """
         return self.scale * self.predictor.innovations([quiet(model).plant() for model in models])
 
-    def columns(
-        self, model: Model, parameters: Sequence[Parameter], scales: Scales
-    ) -> tuple[FloatArray, FloatArray]:
+    def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and derivatives (p, n) by the parameters.
 
         Parameters of forces are differentiated along the prediction and passed through the observer's loop; those with

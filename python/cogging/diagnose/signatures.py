@@ -109,9 +109,8 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
         return [
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
-    if role["logarithmic"]:
-        if low <= 0.0:
-            low = 1e-3 * high
+    if role["logarithmic"] or role["neutral"] == 0.0:
+        low = max(low, 2e-3 * high)
         return [float(v) for v in np.geomspace(low, high, count)]
     values = np.linspace(low, high, count + 2)[1:-1]
     return [float(v) for v in values]
@@ -210,7 +209,9 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
         for i in linear:
             out[i] = rows[[k for k, (o, _) in enumerate(owner) if o == i]]
     for i in readings:
-        errors = np.array([effect.reading_at(along.position) / unit for effect, unit in _unit_effects(wanted[i])])
+        errors = np.array(
+            [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
+        )
         out[i] = source.scale * source.predictor.propagate(along, model.axis.mass, np.zeros_like(errors), errors)
     if memory:
         models = [model]
