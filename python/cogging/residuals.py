@@ -36,7 +36,7 @@ class Innovations:
     The plant is driven by the recorded command and held to the reading by an observer of fixed gain; what it did not
     foresee is turned into the constant force that would leave the same innovation, M (2 pi bandwidth)^2 innovation.
 
-    Rows count when the axis moves faster than `rest`, does so since three time constants of the observer, and the
+    Rows count when the axis moves faster than `rest`, does so since six time constants of the observer, and the
     record is continuous: at rest, friction takes any force up to its level and shows nothing.
 
     Args:
@@ -80,7 +80,7 @@ class Innovations:
         speed_max = float(speed.max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
         still = np.abs(self.velocity) < self.rest
-        settle = 3.0 / (2.0 * np.pi * bandwidth)
+        settle = 6.0 / (2.0 * np.pi * bandwidth)
         broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
         counts = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
         self.counts = counts.astype(float)

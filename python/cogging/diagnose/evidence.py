@@ -87,7 +87,7 @@ class Evidence:
         free = self.project(columns)
         size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
         left = np.sqrt(np.einsum("ij,ij->i", free, free))
-        seen = left > 5e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
+        seen = left > 2e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
         amplitudes = np.zeros(len(columns))
         if not seen.any():
             return Test(0.0, 0, amplitudes, 0.0, np.zeros(len(self.residual)))

@@ -90,14 +90,6 @@ def place(evidence: Evidence) -> tuple[float, float]:
     return low, high
 
 
-def is_wave(effect: Any) -> bool:
-    """Whether an effect is a sine and a cosine of one period or frequency: found by a spectrum, not by a grid."""
-    amplitudes = {f for f, role in effect.ROLES.items() if role["role"] == "amplitude"}
-    shapes = [role for role in effect.ROLES.values() if role["role"] == "shape"]
-    scalar = all(not isinstance(getattr(effect(), f), list) for f in amplitudes)
-    return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
-
-
 def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: int) -> list[float]:
     """Where to look along one shape parameter."""
     low_end, high_end = place(evidence)
@@ -189,7 +181,7 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
     linear, memory, readings = [], [], []
     for i, candidate in enumerate(wanted):
         hooks = set(EFFECTS[candidate.name].HOOKS)
-        if "reading" in hooks:
+        if "reading" in hooks and len(candidate.amplitudes) > 1:
             readings.append(i)
         elif hooks <= LINEAR_HOOKS:
             linear.append(i)
@@ -219,7 +211,7 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
             models.append(model.replace(effects=(*model.effects, *(e for e, _ in _unit_effects(wanted[i])))))
         rows = source.of(models)
         for k, i in enumerate(memory):
-            out[i] = (rows[k + 1] - rows[0]).reshape(1, n)
+            out[i] = ((rows[k + 1] - rows[0]) / (wanted[i].unit[0] if wanted[i].unit else 1.0)).reshape(1, n)
     return out
 
 
