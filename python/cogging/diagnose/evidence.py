@@ -31,6 +31,7 @@ class Evidence:
         filters: that make each log's residual white.
         residual: whitened to rms 1, rows of all logs one after the other, 0 where none counts, (n,).
         basis: orthonormal, spans what the free parameters could explain, (q, n).
+        columns: whitened, of the free parameters and of the shapes of slow friction, (p + 6, n).
         block: number of the block of each row, (n,).
         residuals: not whitened, V, one (n,) a log.
     """
@@ -40,6 +41,7 @@ class Evidence:
     filters: tuple[Filter, ...]
     residual: FloatArray
     basis: FloatArray
+    columns: FloatArray
     block: npt.NDArray[np.int64]
     residuals: tuple[FloatArray, ...]
 
@@ -246,6 +248,7 @@ def gather(
         tuple(filters),
         np.concatenate(rows),
         orthonormal(np.concatenate(bases, axis=1)),
+        np.concatenate(bases, axis=1),
         np.concatenate(blocks),
         tuple(residuals),
     )
