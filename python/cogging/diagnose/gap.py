@@ -70,7 +70,7 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
             "command of the replayed loop",
             tuple(rows),
             tuple(counts),
-            float(np.sqrt(np.mean(error))),
+            float(np.mean(error)) ** 0.5,
         )
         for rows, error in zip(series, errors, strict=True)
     ]

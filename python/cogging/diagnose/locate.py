@@ -63,7 +63,7 @@ def where_of(effect: Any, evidence: Evidence) -> dict[str, Any]:
                 order = np.argsort(values)
                 heap = np.cumsum(force[order]) / force.sum()
                 rows = np.cumsum(source.counts[order]) / source.counts.sum()
-                low, high = np.searchsorted(heap, 0.05), min(np.searchsorted(heap, 0.95), len(order) - 1)
+                low, high = int(np.searchsorted(heap, 0.05)), min(int(np.searchsorted(heap, 0.95)), len(order) - 1)
                 tight = rows[high] - rows[low]
                 if tight < tightest - 0.02:
                     tightest = tight

@@ -44,7 +44,7 @@ class Finding:
 
     def effect(self) -> object:
         """The effect with its amplitudes."""
-        return self.candidate.effect(self.amplitudes if self.candidate.amplitudes else ())
+        return self.candidate.effect([float(a) for a in self.amplitudes] if self.candidate.amplitudes else [])
 
 
 def judge(evidence: Evidence, candidate: Candidate, columns: FloatArray, looked: float) -> Finding | None:

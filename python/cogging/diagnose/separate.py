@@ -25,7 +25,7 @@ def separating(names: Sequence[str], logs: Sequence[Log]) -> str:
         advice.append("a reference with content above 100 to 200 Hz (a chirp or steps of small amplitude)")
     if "reading" in kinds and kinds - {"reading"}:
         advice.append(
-            f"the same stroke at {speed / 4:.2g} and at {speed:.2g} m/s: an error of the reading grows with speed squared"
+            f"the same stroke at {speed / 4:.2g} and {speed:.2g} m/s: an error of the reading grows with speed squared"
         )
     if "command_gain" in kinds and kinds & {"force", "friction_level"}:
         advice.append("the same places under different commands: a slow and a hard-accelerated pass, or an added mass")

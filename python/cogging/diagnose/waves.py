@@ -35,8 +35,8 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
     low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     spatial = role["quantity"] == "distance"
     wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
-    total: FloatArray | None = None
-    norm: FloatArray | None = None
+    total: Any = None
+    norm: Any = None
     span = sizes["position"] if spatial else sizes["time"]
     start = 0
     origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
