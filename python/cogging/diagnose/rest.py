@@ -95,8 +95,7 @@ def shapes(evidence: Evidence) -> list[Shape]:
     model = evidence.model
     tables: dict[str, list[FloatArray]] = {}
     facts: dict[str, tuple[str, FloatArray]] = {}
-    for source in evidence.sources:
-        along = source.predictor.predict(model_plant(model))
+    for source, along in zip(evidence.sources, evidence.alongs, strict=True):
         for name, (unit, places, columns, _) in coordinates(source, model).items():
             table = source.scale * source.predictor.propagate(along, model.axis.mass, columns)
             tables.setdefault(name, []).append(table)

@@ -120,7 +120,8 @@ def search(
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
             evidence = cleaned(estimate, evidence, best)
-            findings = scan(evidence)
+            again = scan(evidence, [f.name for f in findings if f.log_chance < -1.5])
+            findings = [*again, *(f for f in findings if f.log_chance >= -1.5)]
         left = shapes(evidence)
         names = {one.finding.name for one in added}
         if len(added) == TERMS_MAX:
@@ -149,7 +150,7 @@ def search(
             refused.append((chosen, f"the model with it cannot be fitted: {error}"))
             continue
         added.append(Added(chosen, step_rivals, left, check))
-        evidence = gather(estimate, evidence.sources)
+        evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         if confirm_evidence is not None:
             try:
                 confirm_evidence = retuned(confirm, estimate.model)
@@ -196,14 +197,14 @@ def retuned(logs: Sequence[Log], model: Model) -> Evidence:
     """Evidence of other logs under a model whose nuisances are re-tuned on them, its effects as they are."""
     paths = [p for p in nuisances(model) if not p.startswith("effects.")]
     sources = sources_of(logs, model)
-    return gather(fit(model, paths, sources, iterations=6), sources)
+    return gather(fit(model, paths, sources, iterations=4), sources)
 
 
 def cleaned(estimate: Estimate, evidence: Evidence, finding: Finding) -> Evidence:
     """The evidence with filters estimated from what an effect leaves."""
     made = tables(evidence, [finding.candidate])[0]
     weights = finding.amplitudes if finding.candidate.amplitudes else finding.amplitudes[:1]
-    return gather(estimate, evidence.sources, [-(weights @ table) for table in made])
+    return gather(estimate, evidence.sources, [-(weights @ table) for table in made], evidence.memory)
 
 
 def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:

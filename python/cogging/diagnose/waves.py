@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import EFFECTS, whiten
-from cogging.diagnose.evidence import Evidence, Filter, coloured, model_plant
+from cogging._core import EFFECTS, Prediction, whiten
+from cogging.diagnose.evidence import Evidence, Filter, coloured
 from cogging.diagnose.signatures import Candidate, quantities
 from cogging.residuals import Innovations
 
@@ -40,11 +40,11 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
     span = sizes["position"] if spatial else sizes["time"]
     start = 0
     origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
-    for source, filter_ in zip(evidence.sources, evidence.filters, strict=True):
+    for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
         n = len(source.log)
         residual = evidence.free_residual[start : start + n]
         start += n
-        score, power, wave = _score(evidence, source, filter_, residual, effect, spatial, origin, span)
+        score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span)
         total = score if total is None else total + score
         norm = power if norm is None else norm + power
     statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-3 * float(norm.max()))
@@ -67,6 +67,7 @@ def _score(
     evidence: Evidence,
     source: Innovations,
     filter_: Filter,
+    along: Prediction,
     residual: FloatArray,
     effect: Any,
     spatial: bool,
@@ -75,7 +76,6 @@ def _score(
 ) -> tuple[npt.NDArray[np.complex128], FloatArray, FloatArray]:
     """Score and its variance over wavenumbers (1/m) or frequencies (Hz)."""
     model = evidence.model
-    along = source.predictor.predict(model_plant(model))
     back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
     back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
     force, reading = source.predictor.propagate_transposed(along, model.axis.mass, np.ascontiguousarray(back))
