@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -166,10 +166,19 @@ def fit(
     *,
     iterations: int = 15,
     tolerance: float = 1e-3,
+    floors: Mapping[str, float] | None = None,
 ) -> Estimate:
     """Least squares of the whitened residuals of all logs together, by Gauss and Newton with step halving.
 
     The whitening filters are estimated anew in each iteration, one a log; each log weighs by its own whitened rms.
+
+    Args:
+        model: where to start.
+        paths: of the free parameters.
+        logs: what it is held against.
+        iterations: at most.
+        tolerance: of the last step, in 1-sigma.
+        floors: values below which a parameter does not go, by path.
 
     Raises:
         DivergedError: the model diverges on a log.
@@ -190,7 +199,7 @@ def fit(
         scaled = curvature / np.outer(size, size)
         step = -np.linalg.lstsq(scaled + 1e-12 * np.eye(len(size)), gradient / size, rcond=1e-12)[0] / size
         done += 1
-        moved, length = _move(model, parameters, step, logs, residuals, [s.coefficients for s in seen])
+        moved, length = _move(model, parameters, step, logs, residuals, [s.coefficients for s in seen], floors or {})
         model = moved
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
@@ -206,6 +215,7 @@ def _move(
     logs: Sequence[Residuals],
     residuals: Sequence[FloatArray],
     filters: Sequence[FloatArray],
+    floors: Mapping[str, float],
 ) -> tuple[Model, float]:
     """The model after the longest of the steps 1, 1/2, 1/4, ... that lowers the cost under the same filters."""
 
@@ -219,7 +229,10 @@ def _move(
     before = cost(residuals)
     length = 1.0
     while length > 1e-3:
-        values = {p.path: _inside(p, p.value + length * s) for p, s in zip(parameters, step, strict=True)}
+        values = {
+            p.path: max(_inside(p, p.value + length * s), floors.get(p.path, -np.inf))
+            for p, s in zip(parameters, step, strict=True)
+        }
         try:
             moved = with_values(model, values)
             after = cost([log.of([moved])[0] for log in logs])

@@ -11,6 +11,7 @@ import numpy as np
 
 from cogging._core import EFFECTS
 from cogging.audit import audit, check_against_model
+from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
 from cogging.diagnose.gap import floor_of, gaps
 from cogging.diagnose.locate import describe, where_of
@@ -50,9 +51,9 @@ def diagnose(
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
 
     The model is driven by the logged command and held to the readings by an observer; its innovations are made white
-    and freed of all that re-tuning the model could explain. Every effect of the vocabulary is then tried at all its shapes,
-    by what the simulator says it does. What stands is added and refitted, up to three effects; what other motion
-    (`confirm`) refutes is not.
+    and freed of all that re-tuning the model could explain. Every effect of the vocabulary is then tried at all its
+    shapes, by what the simulator says it does. What stands is added and refitted, up to four effects; what other
+    motion (`confirm`) refutes is not.
 
     Args:
         logs: one or several, or their files.
@@ -119,9 +120,7 @@ def _controller(logs: Sequence[Log], model: Model, notes: list[str]) -> tuple[Mo
             return (
                 model,
                 False,
-                (
-                    f"the stated controller misses the logged command by {100 * (check.relative or 0.0):.1f} % of its rms"
-                ),
+                (f"the stated controller misses the logged command by {100 * (check.relative or 0.0):.1f} % rms"),
             )
         if (check.relative or 0.0) > 1e-3 and check.fitted and model.controller is not None:
             fields = {k: v for k, v in check.fitted.items() if k in type(model.controller).FIELDS}
@@ -131,6 +130,11 @@ def _controller(logs: Sequence[Log], model: Model, notes: list[str]) -> tuple[Mo
             )
             model = model.replace(controller=model.controller.replace(**fields))
     return model, replay, None
+
+
+def _obeys(log: Log, model: Model) -> bool:
+    check = check_controller(log, model) if log.reference is not None else None
+    return check is not None and bool(check.reproduces)
 
 
 def _nothing(verdict: str, logs: Sequence[Log], model: Model, notes: list[str]) -> Diagnosis:
@@ -148,7 +152,10 @@ def _assemble(
 ) -> Diagnosis:
     nominal, final = _file_form(found.nominal.model, model), _file_form(found.estimate.model, model)
     seen = gaps(logs, [nominal, final], replay=replay)
-    confirmed = gaps(others, [nominal, final], replay=replay) if others else None
+    loops = replay and all(_obeys(log, found.nominal.model) for log in others)
+    confirmed = gaps(others, [nominal, final], replay=loops) if others else None
+    if confirmed and loops is not replay:
+        notes.append("a confirm log does not obey the controller: its gap is that of an observer's innovations")
     floor = min(floor_of(seen[1], logs, final), seen[1].rms)
     gap = Gap(
         "V",

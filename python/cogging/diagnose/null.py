@@ -71,7 +71,8 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     for form in forms:
         try:
             sources = sources_of(logs, form, rest=rest)
-            estimate = fit(form, nuisances(form), sources)
+            # A width far below the slowest rows that count is an axis that sticks: that form stands beside.
+            estimate = fit(form, nuisances(form), sources, floors={"axis.coulomb_width": 0.2 * rest})
         except (DivergedError, ValueError) as error:
             failure = error
             continue

@@ -12,9 +12,10 @@ from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
-from cogging.diagnose.rest import Shape, shapes
+from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, scan
 from cogging.diagnose.signatures import tables
+from cogging.diagnose.waves import is_spatial_wave
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
 from cogging.model import Model
@@ -30,8 +31,9 @@ LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
 INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
 CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
-EFFECTS_MAX = 3
-TERMS_MAX = 5
+WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
+EFFECTS_MAX = 4
+TERMS_MAX = 6
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,9 @@ class Confirmation:
 
     @property
     def refuted(self) -> bool:
-        """Whether the other motion speaks against it."""
-        return self.foreseen >= INFORMATIVE and self.ratio < 1.0 - 3.0 * self.deviation
+        """Whether the other motion speaks against it: it shows far less than was foreseen, or far more."""
+        far = 3.0 * self.deviation if self.ratio < 1.0 else 5.0 * self.deviation
+        return self.foreseen >= INFORMATIVE and abs(self.ratio - 1.0) > far
 
     @property
     def confirmed(self) -> bool:
@@ -97,13 +100,13 @@ def search(
     confirm: Sequence[Log] = (),
     progress: Callable[[str], None] = lambda step: None,
 ) -> Search:
-    """Scan, add what stands, until nothing significant is left or three effects were added."""
+    """Scan, add what stands, until nothing significant is left or as many as can be told were added."""
     progress("re-tuning the model")
     nominal, evidence = fit_null(logs, model)
     confirm_evidence = None
     if confirm:
         try:
-            confirm_evidence = retuned(confirm, nominal.model)
+            confirm_evidence = retuned(confirm, nominal.model, model)
         except (DivergedError, ValueError):
             confirm_evidence = None
     estimate = nominal
@@ -130,8 +133,11 @@ def search(
         if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
             barred |= set(EFFECTS) - names
         step = None
+        power = low_power(evidence)
         for finding in findings:
             if finding.log_chance > DETECTED or finding.name in barred:
+                continue
+            if finding.test.statistic < WORTH * power:
                 continue
             check = confirmation(confirm_evidence, finding)
             if check is not None and check.refuted:
@@ -153,7 +159,7 @@ def search(
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         if confirm_evidence is not None:
             try:
-                confirm_evidence = retuned(confirm, estimate.model)
+                confirm_evidence = retuned(confirm, estimate.model, model)
             except (DivergedError, ValueError):
                 confirm_evidence = None
     return Search(
@@ -193,11 +199,16 @@ def choose(
     return rivals, chosen, checks[chosen.name]
 
 
-def retuned(logs: Sequence[Log], model: Model) -> Evidence:
-    """Evidence of other logs under a model whose nuisances are re-tuned on them, its effects as they are."""
-    paths = [p for p in nuisances(model) if not p.startswith("effects.")]
+def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
+    """Evidence of other logs under a model whose nuisances are re-tuned on them, the effects that were added as they are.
+
+    Effects that the given model has are re-tuned too: they may have stood in for what was added.
+    """
+    own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
+    paths = [p for p in nuisances(model) if not p.startswith("effects.") or p.rpartition(".")[0] in own]
     sources = sources_of(logs, model)
-    return gather(fit(model, paths, sources, iterations=4), sources)
+    floors = {"axis.coulomb_width": 0.2 * sources[0].rest}
+    return gather(fit(model, paths, sources, iterations=4, floors=floors), sources)
 
 
 def cleaned(estimate: Estimate, evidence: Evidence, finding: Finding) -> Evidence:
@@ -216,12 +227,23 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
     except (DivergedError, ValueError):
         return None
     columns = evidence.project(evidence.whitened(made))
-    foreseen = finding.amplitudes @ columns
-    size = float(foreseen @ foreseen) / evidence.excess
-    if size <= 0.0:
-        return Confirmation(0.0, 0.0, 0.0)
-    score = -float(foreseen @ evidence.free_residual) / evidence.excess
-    return Confirmation(size, score / size, 2.0 * score - size)
+    # Two logs need not share the encoder's zero: a wave along the travel may come back with another phase.
+    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if is_spatial_wave(EFFECTS[finding.name]) else [0.0]
+    best = Confirmation(0.0, 0.0, -np.inf)
+    for turn in turns:
+        amplitudes = finding.amplitudes
+        if turn:
+            turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            amplitudes = turned @ amplitudes
+        foreseen = amplitudes @ columns
+        size = float(foreseen @ foreseen) / evidence.excess
+        if size <= 0.0:
+            continue
+        score = -float(foreseen @ evidence.free_residual) / evidence.excess
+        gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
+        if gain > best.gain:
+            best = Confirmation(size, score / size, gain)
+    return best if np.isfinite(best.gain) else Confirmation(0.0, 0.0, 0.0)
 
 
 def refit(estimate: Estimate, finding: Finding, logs: Sequence[Log], evidence: Evidence) -> Estimate:
@@ -229,7 +251,8 @@ def refit(estimate: Estimate, finding: Finding, logs: Sequence[Log], evidence: E
     model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
     paths = [p for p in estimate.paths if not p.startswith("effects.")]
     paths += effect_parameters(model)
-    return fit(model, paths, evidence.sources, iterations=8)
+    floors = {"axis.coulomb_width": 0.2 * evidence.sources[0].rest}
+    return fit(model, paths, evidence.sources, iterations=8, floors=floors)
 
 
 def effect_parameters(model: Model) -> list[str]:

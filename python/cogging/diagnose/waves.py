@@ -27,6 +27,13 @@ def is_wave(effect: Any) -> bool:
     return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
 
 
+def is_spatial_wave(effect: Any) -> bool:
+    """Whether it is a wave along the travel."""
+    return is_wave(effect) and any(
+        role["role"] == "shape" and role["quantity"] == "distance" for role in effect.ROLES.values()
+    )
+
+
 def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
     """The likeliest waves of an effect, and how many independent ones were looked at."""
     effect = EFFECTS[name]
