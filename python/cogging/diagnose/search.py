@@ -200,7 +200,7 @@ def choose(
 
 
 def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
-    """Evidence of other logs under a model whose nuisances are re-tuned on them, the effects that were added as they are.
+    """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
 
     Effects that the given model has are re-tuned too: they may have stood in for what was added.
     """
