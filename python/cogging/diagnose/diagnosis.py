@@ -14,6 +14,7 @@ from cogging.audit import audit, check_against_model
 from cogging.controller_recovery import recover_controller
 from cogging.diagnose.gap import floor_of, gaps
 from cogging.diagnose.locate import describe, where_of
+from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import Diagnosis, Gap, NamedEffect, Step, Value
 from cogging.diagnose.search import (
@@ -29,6 +30,7 @@ from cogging.diagnose.search import (
     variance_jumps,
 )
 from cogging.diagnose.separate import separating
+from cogging.diagnose.stand_in import stood_in
 from cogging.logs import Log, read_log
 from cogging.model import Model
 from cogging.parameters import effect_paths, parameters_of
@@ -147,6 +149,8 @@ def _assemble(
     found: Search, logs: Sequence[Log], others: Sequence[Log], model: Model, replay: bool, notes: list[str]
 ) -> Diagnosis:
     nominal, final = _file_form(found.nominal.model, model), _file_form(found.estimate.model, model)
+    final = with_intervals(final, found.estimate)
+    notes = [*notes, *stood_in(nominal, final)]
     seen = gaps(logs, [nominal, final], replay=replay)
     confirmed = gaps(others, [nominal, final], replay=replay) if others else None
     floor = min(floor_of(seen[1], logs, final), seen[1].rms)
@@ -200,6 +204,8 @@ def _assemble(
         ledger=tuple(ledger),
         notes=tuple(notes),
         series={
+            "logs": list(logs),
+            "given": model,
             "time": [log.time for log in logs],
             "gap_before": seen[0].series,
             "gap_after": seen[1].series,

@@ -10,7 +10,7 @@ from cogging.model import Model
 from cogging.parameters import parameters_of
 
 
-def with_intervals((model: Model, estimate: Estimate) -> Model:
+def with_intervals(model: Model, estimate: Estimate) -> Model:
     """The model with 95 % intervals of what was fitted: its `[bounds]`."""
     known = parameters_of(model)
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
