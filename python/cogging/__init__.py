@@ -49,7 +49,7 @@ from cogging.audit import Audit, audit, check_against_model
 from cogging.bounds import Bounds
 from cogging.controller_check import ControllerCheck, check_controller
 from cogging.controller_recovery import RecoveredController, recover_controller
-from cogging.diagnose import Diagnosis, diagnose
+from cogging.diagnose import Diagnosis, Location, diagnose, locate_gap
 from cogging.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
 from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
@@ -93,6 +93,7 @@ __all__ = [
     "FrictionParameter",
     "Identification",
     "InputError",
+    "Location",
     "Log",
     "MapFit",
     "Model",
@@ -134,6 +135,7 @@ __all__ = [
     "fit_map",
     "friction_slope_max",
     "identify",
+    "locate_gap",
     "parameters_of",
     "performance",
     "pid_gains",

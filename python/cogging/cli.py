@@ -72,6 +72,16 @@ def _parser() -> argparse.ArgumentParser:
     _add_log_options(command)
     command.set_defaults(run=_map)
 
+    command = commands.add_parser("diagnose", help="find, name and add the effect that a model lacks")
+    command.add_argument("logs", nargs="+", metavar="LOG")
+    command.add_argument("--model", required=True, metavar="MODEL.toml")
+    command.add_argument("--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found")
+    command.add_argument("--json", metavar="OUT", help="where the result is written")
+    command.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
+    command.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
+    _add_log_options(command)
+    command.set_defaults(run=_diagnose)
+
     command = commands.add_parser("audit", help="what a log is like, and whether a stated controller made it")
     command.add_argument("logs", nargs="+", metavar="LOG")
     command.add_argument("--model", metavar="MODEL.toml", help="whose controller and travel are compared")
@@ -187,6 +197,35 @@ def _map(options: argparse.Namespace) -> None:
     if options.out:
         fit.write(options.out)
         print(f"{options.out} and {Path(options.out).with_suffix('.png')} written")
+
+
+def _diagnose(options: argparse.Namespace) -> None:
+    from tqdm import tqdm
+
+    from cogging.diagnose import diagnose
+    from cogging.files import to_toml, write_files
+    from cogging.model import Model
+
+    named = {"--json": options.json, "--report": options.report, "--out": options.out}
+    targets = [Path(path).resolve() for path in named.values() if path]
+    if len(set(targets)) < len(targets):
+        raise InputError("--json, --report, --out: must be different files, got one twice")
+    model = Model.read(options.model)
+    given, others = _read_logs(options, options.logs), _read_logs(options, options.confirm)
+    with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False) as bar:
+        result = diagnose(given, model, confirm=others, progress=bar.set_description_str)
+        content = {}
+        if options.json:
+            content[options.json] = json.dumps(result.to_dict(), indent=1, allow_nan=False) + "\n"
+        if options.report:
+            bar.set_description_str("writing the report")
+            content[options.report] = result.html(title=", ".join(Path(path).name for path in options.logs))
+        if options.out:
+            content[options.out] = to_toml(result.model.to_dict())
+    write_files({path: [text.encode()] for path, text in content.items()})
+    print(result.text())
+    if content:
+        print(f"{', '.join(content)} written")
 
 
 def _audit(options: argparse.Namespace) -> None:

@@ -15,6 +15,7 @@ from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
 from cogging.diagnose.gap import floor_of, gaps
 from cogging.diagnose.locate import describe, where_of
+from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import Diagnosis, Gap, NamedEffect, Step, Value
 from cogging.diagnose.search import (
@@ -30,6 +31,7 @@ from cogging.diagnose.search import (
     variance_jumps,
 )
 from cogging.diagnose.separate import separating
+from cogging.diagnose.stand_in import stood_in
 from cogging.logs import Log, read_log
 from cogging.model import Model
 from cogging.parameters import effect_paths, parameters_of
@@ -151,6 +153,8 @@ def _assemble(
     found: Search, logs: Sequence[Log], others: Sequence[Log], model: Model, replay: bool, notes: list[str]
 ) -> Diagnosis:
     nominal, final = _file_form(found.nominal.model, model), _file_form(found.estimate.model, model)
+    final = with_intervals(final, found.estimate)
+    notes = [*notes, *stood_in(nominal, final)]
     seen = gaps(logs, [nominal, final], replay=replay)
     loops = replay and all(_obeys(log, found.nominal.model) for log in others)
     confirmed = gaps(others, [nominal, final], replay=loops) if others else None
@@ -207,6 +211,8 @@ def _assemble(
         ledger=tuple(ledger),
         notes=tuple(notes),
         series={
+            "logs": list(logs),
+            "given": model,
             "time": [log.time for log in logs],
             "gap_before": seen[0].series,
             "gap_after": seen[1].series,

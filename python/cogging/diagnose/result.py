@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cogging.diagnose.rest import Shape
+from cogging.files import write_text
 from cogging.model import Model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -88,7 +94,8 @@ class Diagnosis:
         where: the gap before anything was named, by coordinate, the likeliest first.
         ledger: the effects that were tried.
         notes: in words.
-        series: for the figures, by name.
+        series: for the figures, by name: `logs`, the `given` model, and of each log time, position, velocity (m/s),
+            gap_before, gap_after (V) and counts (rows in motion).
     """
 
     verdict: str
@@ -106,8 +113,8 @@ class Diagnosis:
     series: Mapping[str, Any] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as the contract of `diagnose --json` has it, and more beside."""
-        return {
+        """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""
+        told = {
             "verdict": self.verdict,
             "effects": [
                 {
@@ -146,6 +153,40 @@ class Diagnosis:
             "placebo": [dict(entry) for entry in self.placebo],
             "notes": list(self.notes),
         }
+        return {name: finite(value) for name, value in told.items()}
+
+    def html(self, *, title: str = "") -> str:
+        """The report as a text: one HTML page with its figures inside.
+
+        Raises:
+            ValueError: Jinja2, of the extra `report`, is not installed.
+        """
+        from cogging.diagnose.report import html
+
+        return html(self, title=title)
+
+    def report(self, path: str | os.PathLike[str], *, title: str = "") -> None:
+        """Write one HTML file that opens offline: what disagrees, where, why, what else it could be, what to do next.
+
+        Args:
+            path: of the file.
+            title: what was diagnosed, such as the names of the logs.
+
+        Raises:
+            ValueError: Jinja2, of the extra `report`, is not installed.
+            InputError: the file cannot be written.
+        """
+        write_text(path, self.html(title=title))
+
+    def plot(self) -> Figure:
+        """The gap before and after against every coordinate, with 95 % bands, and its spectrum.
+
+        Raises:
+            ValueError: the verdict came before anything was measured.
+        """
+        from cogging.diagnose.report import overview
+
+        return overview(self)
 
     def text(self) -> str:
         """The result for the screen."""
@@ -176,6 +217,19 @@ class Diagnosis:
             lines.append(f"what would tell them apart: {self.separating_experiment}")
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
+
+
+def finite(value: Any) -> Any:
+    """A copy for JSON: tuples and arrays as lists, numbers that are not finite as None."""
+    if isinstance(value, Mapping):
+        return {str(key): finite(entry) for key, entry in value.items()}
+    if isinstance(value, str | bool | int) or value is None:
+        return value
+    if isinstance(value, Sequence):
+        return [finite(entry) for entry in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    return float(value) if math.isfinite(value) else None
 
 
 def _number(value: float | Sequence[float | None] | None) -> str:

@@ -21,7 +21,7 @@ struct CoggingHarmonic {
   static constexpr auto fields() {
     using E = CoggingHarmonic;
     return std::tuple{
-        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 0.002, 1.0)},
+        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 1e-4, 1.0)},
         Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
         Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
   }

@@ -21,7 +21,7 @@ struct ForceConstantRipple {
   static constexpr auto fields() {
     using E = ForceConstantRipple;
     return std::tuple{
-        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 0.002, 1.0)},
+        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 1e-4, 1.0)},
         Field<E, Scalar>{"sine", &E::sine, "1", "relative amplitude of the sine", amplitude(Quantity::relative)},
         Field<E, Scalar>{"cosine", &E::cosine, "1", "relative amplitude of the cosine", amplitude(Quantity::relative)}};
   }

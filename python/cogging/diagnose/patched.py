@@ -1,0 +1,26 @@
+"""The patched model as a file has it: with the intervals of what was fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cogging.estimation import Estimate
+from cogging.intervals import SIGMAS_95
+from cogging.model import Model
+from cogging.parameters import parameters_of
+
+
+def with_intervals(model: Model, estimate: Estimate) -> Model:
+    """The model with 95 % intervals of what was fitted: its `[bounds]`."""
+    known = parameters_of(model)
+    intervals = {path: interval for path, interval in model.intervals.items() if path in known}
+    for path, deviation in zip(estimate.paths, estimate.deviation, strict=True):
+        if path not in known:
+            continue
+        value, half = known[path].value, SIGMAS_95 * float(deviation)
+        if not np.isfinite(half):
+            intervals[path] = (-np.inf, np.inf)
+            continue
+        low = max(0.0, value - half) if known[path].positive else value - half
+        intervals[path] = (low, value + half)
+    return model.replace(intervals=intervals)
