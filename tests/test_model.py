@@ -92,7 +92,7 @@ def test_reads_what_the_contract_shows(write):
     assert model.noise.force == 0.01
     assert model.controller.kp == 9600.0
     assert model.controller.coulomb_width == 1.11e-3, "the axis' as first read"
-    assert model.bounds == {"axis.mass": (0.118, 0.122)}
+    assert model.intervals == {"axis.mass": (0.118, 0.122)}
 
 
 def test_written_and_read_again_is_the_same(write, tmp_path):

@@ -25,6 +25,7 @@ void bind_control(py::module_& module);
 void bind_simulation(py::module_& module);
 void bind_prediction(py::module_& module);
 void bind_estimation(py::module_& module);
+void bind_table(py::module_& module);
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 

@@ -11,4 +11,5 @@ PYBIND11_MODULE(_core, module) {
   bind_simulation(module);
   bind_prediction(module);
   bind_estimation(module);
+  bind_table(module);
 }

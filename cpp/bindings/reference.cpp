@@ -73,6 +73,21 @@ Raises:
              return Sampled(to_vector(time), to_vector(position), optional_column(velocity, "velocity", time),
                             optional_column(acceleration, "acceleration", time));
            }),
-           py::arg("time"), py::arg("position"), py::arg("velocity") = py::none(),
-           py::arg("acceleration") = py::none());
+           py::arg("time"), py::arg("position"), py::arg("velocity") = py::none(), py::arg("acceleration") = py::none())
+      .def_property_readonly(
+          "samples",
+          [](const Sampled& motion) {
+            std::map<std::string, std::vector<double>> columns;
+            for (std::size_t i = 0; i < motion.size(); ++i) {
+              const ReferencePoint point = motion.sample(i);
+              columns["time"].push_back(motion.time(i));
+              columns["reference"].push_back(point.position);
+              columns["reference_velocity"].push_back(point.velocity);
+              columns["reference_acceleration"].push_back(point.acceleration);
+            }
+            std::map<std::string, py::array_t<double>> arrays;
+            for (auto& [name, values] : columns) arrays[name] = to_array(std::move(values));
+            return arrays;
+          },
+          "Its samples and their derivatives by the names of a log's columns, (n,) each.");
 }

@@ -8,6 +8,7 @@
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
+#include "cogging/simulation/replay_controller.hpp"
 
 using namespace cogging;
 
@@ -108,6 +109,41 @@ Raises:
       py::arg("seeds") = std::vector<std::uint64_t>{}, py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
       "Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the "
       "number.");
+
+  module.def(
+      "replay_controller",
+      [](const AnyController& controller, const Array& time, const Array& reference,
+         const std::optional<Array>& reference_velocity, const std::optional<Array>& reference_acceleration,
+         const Array& position, const std::optional<Array>& applied) {
+        const auto optional = [](const std::optional<Array>& column) {
+          return column ? to_vector(*column) : std::vector<double>{};
+        };
+        const std::vector<double> times = to_vector(time), positions = to_vector(reference),
+                                  velocities = optional(reference_velocity),
+                                  accelerations = optional(reference_acceleration), readings = to_vector(position),
+                                  given = optional(applied);
+        std::vector<double> commands;
+        {
+          py::gil_scoped_release release;
+          commands = std::visit(
+              [&](const auto& c) {
+                return replay_controller(c, times, positions, velocities, accelerations, readings, given);
+              },
+              controller);
+        }
+        return to_array(std::move(commands));
+      },
+      py::arg("controller"), py::kw_only(), py::arg("time"), py::arg("reference"),
+      py::arg("reference_velocity") = py::none(), py::arg("reference_acceleration") = py::none(), py::arg("position"),
+      py::arg("applied") = py::none(),
+      R"(The commands (V, (n,)) that a controller gives for the references and readings of a log.
+
+Columns (n,): s, m, m/s, m/s^2, m, V. A missing derivative of the reference is differentiated. The controller is copied,
+called once a row whatever the times are, and told that its own command, cut at its limit, was applied, or what
+`applied` holds; one that looks ahead sees the reference interpolated between rows, at rest after the last.
+
+Raises:
+    ValueError: fewer than three rows, time not strictly increasing, lengths that differ, a NaN.)");
 
   py::class_<Performance>(module, "Performance", "The indexes of one run.")
       .def_readonly("error_max", &Performance::error_max, "max |e|, m")

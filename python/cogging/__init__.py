@@ -43,7 +43,13 @@ from cogging._core import (
     friction_slope_max,
     performance,
     project,
+    replay_controller,
 )
+from cogging.audit import Audit, audit, check_against_model
+from cogging.bounds import Bounds
+from cogging.controller_check import ControllerCheck, check_controller
+from cogging.controller_recovery import RecoveredController, recover_controller
+from cogging.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
 from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction_law import FrictionParameter
@@ -56,7 +62,8 @@ from cogging.observer_design import ObserverDesign, ObserverProblem, design_obse
 from cogging.papers import compare, reproduce
 from cogging.parameters import parameters_of
 from cogging.reference import read_reference
-from cogging.simulation import simulate
+from cogging.schema import schema
+from cogging.simulation import repeat, simulate
 from cogging.tracking_spectrum import TrackingSpectrum, tracking_spectrum
 
 __version__ = importlib.metadata.version("cogging")
@@ -65,14 +72,18 @@ __all__ = [
     "EFFECTS",
     "AdaptiveRobustParameters",
     "Arc",
+    "Audit",
     "AxisParameters",
     "BSpline",
+    "Bounds",
     "Cascade",
     "CascadeParameters",
     "CoggingModel",
+    "ControllerCheck",
     "Dcarc",
     "DivergedError",
     "EncoderParameters",
+    "ErrorPrediction",
     "FilteredSine",
     "FilteredSineParameters",
     "FrictionCurve",
@@ -96,6 +107,7 @@ __all__ = [
     "Plant",
     "PointToPoint",
     "PointToPointParameters",
+    "RecoveredController",
     "Reference",
     "Sampled",
     "Sine",
@@ -104,6 +116,9 @@ __all__ = [
     "SpeedParameters",
     "SplineHarmonics",
     "TrackingSpectrum",
+    "audit",
+    "check_against_model",
+    "check_controller",
     "closed_loop",
     "closed_loop_batch",
     "cogging_slope_max",
@@ -120,10 +135,15 @@ __all__ = [
     "performance",
     "pid_gains",
     "pid_poles",
+    "predict_error",
     "project",
     "read_log",
     "read_reference",
+    "recover_controller",
+    "repeat",
+    "replay_controller",
     "reproduce",
+    "schema",
     "simulate",
     "tracking_spectrum",
 ]

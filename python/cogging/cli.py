@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import importlib.metadata
+import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from cogging import _core
-from cogging.files import InputError
-from cogging.logs import read_columns
+from cogging.files import InputError, write_text
+from cogging.logs import Log, read_columns, read_log
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.simulation import simulate
 
@@ -53,6 +54,14 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--seed", type=int, default=0, help="of the noise (default: 0)")
     command.set_defaults(run=_simulate)
 
+    command = commands.add_parser("predict", help="the tracking error of each controller, before the machine moves")
+    command.add_argument("model", metavar="MODEL.toml")
+    command.add_argument("--reference", required=True, metavar="REF.toml")
+    command.add_argument("--samples", type=int, default=40, metavar="N", help="machines to draw (default: 40)")
+    command.add_argument("--seed", type=int, default=0, help="of machines and noise (default: 0)")
+    command.add_argument("--json", metavar="OUT", help="where the numbers are written")
+    command.set_defaults(run=_predict)
+
     command = commands.add_parser("map", help="fit the cogging model to a force-against-position scan")
     command.add_argument("scan", metavar="SCAN")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m")
@@ -62,6 +71,16 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
     _add_log_options(command)
     command.set_defaults(run=_map)
+
+    command = commands.add_parser("audit", help="what a log is like, and whether a stated controller made it")
+    command.add_argument("logs", nargs="+", metavar="LOG")
+    command.add_argument("--model", metavar="MODEL.toml", help="whose controller and travel are compared")
+    command.add_argument("--json", metavar="OUT", help="where the figures are written, one object a log")
+    _add_log_options(command)
+    command.set_defaults(run=_audit)
+
+    command = commands.add_parser("schema", help="print the JSON Schema of model and reference files")
+    command.set_defaults(run=_schema)
     return parser
 
 
@@ -73,6 +92,11 @@ def _add_log_options(command: argparse.ArgumentParser) -> None:
         "--scale", type=_factors, default={}, metavar="NAME=FACTOR,...", help="factors on columns of the file"
     )
     command.add_argument("--rows", type=_rows, default=None, metavar="FIRST:END", help="the data rows to take, from 0")
+
+
+def _read_logs(options: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
+    """Read logs as _add_log_options says."""
+    return [read_log(path, columns=options.columns, scale=options.scale, rows=options.rows) for path in paths]
 
 
 def _pairs(text: str) -> dict[str, str]:
@@ -131,6 +155,24 @@ def _simulate(options: argparse.Namespace) -> None:
     print(f"{options.out}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
 
 
+def _predict(options: argparse.Namespace) -> None:
+    from cogging.error_prediction import predict_error
+
+    for name, least in (("samples", 2), ("seed", 0)):
+        if getattr(options, name) < least:
+            raise InputError(f"--{name}: must be at least {least}, got {getattr(options, name)}")
+    try:
+        prediction = predict_error(options.model, options.reference, samples=options.samples, seed=options.seed)
+    except InputError:
+        raise
+    except ValueError as error:  # what only the draws and the runs can find wrong
+        raise InputError(f"{options.model} with {options.reference}: {error}") from None
+    print(prediction.text())
+    if options.json:
+        write_text(options.json, json.dumps(prediction.to_dict(), indent=2, allow_nan=False) + "\n")
+        print(f"{options.json} written")
+
+
 def _map(options: argparse.Namespace) -> None:
     from cogging.map import fit_map
 
@@ -145,6 +187,31 @@ def _map(options: argparse.Namespace) -> None:
     if options.out:
         fit.write(options.out)
         print(f"{options.out} and {Path(options.out).with_suffix('.png')} written")
+
+
+def _audit(options: argparse.Namespace) -> None:
+    from cogging.audit import audit, check_against_model
+    from cogging.model import Model
+
+    model = Model.read(options.model) if options.model else None
+    told = []
+    for path, log in zip(options.logs, _read_logs(options, options.logs), strict=True):
+        if model is not None:
+            check_against_model(log, model, path)
+        try:
+            found = audit(log, model)
+        except ValueError as error:
+            raise InputError(f"{path}: {error}") from None
+        told.append({"log": path, **found.to_dict()})
+        print(f"{path}\n{found.text()}\n")
+    if options.json:
+        write_text(options.json, json.dumps(told, indent=1) + "\n")
+
+
+def _schema(options: argparse.Namespace) -> None:
+    from cogging.schema import schema
+
+    print(json.dumps(schema(), indent=1, allow_nan=False))
 
 
 if __name__ == "__main__":

@@ -28,15 +28,32 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a binary file beside its place and rename it (see write_text)."""
-    target = Path(path)
-    beside = target.with_name(f".{target.name}.{os.getpid()}.part")
+    write_files({os.fspath(path): [content]})
+
+
+def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
+    """Write files that belong together, each given in pieces: none takes its place before all are whole.
+
+    Raises:
+        InputError: one cannot be written; nothing is left behind.
+    """
+    targets = {path: Path(path) for path in files}
+    beside = {path: t.with_name(f".{t.name}.{os.getpid()}.part") for path, t in targets.items() if t.name}
+    path = ""
     try:
-        beside.write_bytes(content)
-        beside.replace(target)
+        for path, pieces in files.items():
+            if path not in beside or targets[path].is_dir():
+                raise InputError(f"{path or '.'}: cannot be written: Is a directory")
+            with open(beside[path], "wb") as file:
+                for piece in pieces:
+                    file.write(piece)
+        for path in files:
+            beside[path].replace(targets[path])
     except OSError as error:
-        raise InputError(f"{target}: cannot be written: {error.strerror}") from None
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     finally:
-        beside.unlink(missing_ok=True)
+        for part in beside.values():
+            part.unlink(missing_ok=True)
 
 
 def read_text(path: str | os.PathLike[str]) -> str:

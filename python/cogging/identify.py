@@ -375,9 +375,9 @@ class _Fit:
             )
         size = np.sqrt(np.diag(everything))
         size[size == 0.0] = 1.0
-        intervals = {**self.model.bounds, **{entry.path: entry.ci95 for entry in entries}}
+        intervals = {**self.model.intervals, **{entry.path: entry.ci95 for entry in entries}}
         return Identification(
-            model=fitted.replace(bounds=intervals),
+            model=fitted.replace(intervals=intervals),
             parameters=tuple(entries),
             correlation=everything / np.outer(size, size),
             covariance=everything,

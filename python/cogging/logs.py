@@ -1,10 +1,11 @@
-"""Logs: columns over time, measured or simulated, in memory and in CSV files."""
+"""Logs: columns over time, measured or simulated, in memory and in files."""
 
 from __future__ import annotations
 
 import importlib.metadata
+import io
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging.files import InputError, read_text, read_toml, to_toml, write_text
+from cogging._core import format_rows
+from cogging.columns import read_columns
+from cogging.files import InputError, read_toml, to_toml, write_files
+
+__all__ = ["Log", "read_columns", "read_log"]
 
 FloatArray = npt.NDArray[np.float64]
 
 REQUIRED = ("time", "position", "command")
+ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 
 
@@ -81,80 +87,59 @@ class Log:
         return {name: value for name, value in values.items() if value is not None}
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a CSV with a header row, every number to its last bit, and `PATH.toml` with the metadata."""
-        columns = self.columns()
-        rows = np.column_stack(list(columns.values())).tolist()
-        lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+        """Write a file of the format that the suffix names, and `PATH.toml` with the metadata.
+
+        `.mat` (MATLAB 5, extra `matlab`), `.parquet` (extra `parquet`); any other name but those of ASAM MDF is a CSV
+        with a header row. Every number is kept to its last bit.
+
+        Raises:
+            InputError: the file cannot be written, or a library is not installed; nothing is left behind.
+        """
+        suffix = Path(path).suffix.lower()
+        if suffix in (".mf4", ".mdf", ".dat"):
+            raise InputError(f"{path}: must be a CSV, .mat or .parquet file to be written, got {suffix}")
+        try:
+            pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
+        except ImportError as error:
+            extra = {".mat": "matlab", ".parquet": "parquet"}[suffix]
+            raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[{extra}]'") from None
+        files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
+        beside = f"{os.fspath(path)}.toml"
         if self.metadata:
             document = {"version": importlib.metadata.version("cogging"), **self.metadata}
-            write_text(f"{path}.toml", to_toml(document))
-        write_text(path, "\n".join(lines) + "\n")
+            files[beside] = [to_toml(_plain(document)).encode()]
+        write_files(files)
+        if not self.metadata:
+            Path(beside).unlink(missing_ok=True)  # of another log that stood here
+
+    def _csv(self) -> Iterator[bytes]:
+        columns = self.columns()
+        arrays = [np.ascontiguousarray(column, dtype=np.float64) for column in columns.values()]
+        yield (",".join(columns) + "\n").encode()
+        for first in range(0, len(self), ROWS_AT_ONCE):
+            yield format_rows(arrays, first, min(first + ROWS_AT_ONCE, len(self)))
+
+    def _matlab(self) -> Iterable[bytes]:
+        from scipy.io import savemat
+
+        buffer = io.BytesIO()
+        savemat(buffer, self.columns(), oned_as="column")
+        return [buffer.getvalue()]
+
+    def _parquet(self) -> Iterable[bytes]:
+        import pyarrow as pa
+        import pyarrow.parquet as parquet
+
+        buffer = pa.BufferOutputStream()
+        parquet.write_table(pa.table(self.columns()), buffer)
+        return [buffer.getvalue().to_pybytes()]
 
 
-def read_columns(
-    path: str | os.PathLike[str],
-    names: Sequence[str],
-    *,
-    optional: Sequence[str] = (),
-    columns: Mapping[str, str] | None = None,
-    scale: Mapping[str, float] | None = None,
-    rows: slice | None = None,
-) -> dict[str, FloatArray]:
-    """Read named columns of a CSV file with a header row.
-
-    Args:
-        path: the file.
-        names: columns that must be there.
-        optional: columns that may be there.
-        columns: what a column is called in the file, by its name here (`{"position": "qm"}`).
-        scale: factor by which a column is multiplied, by its name here.
-        rows: the data rows to take, counted from 0.
-
-    Raises:
-        InputError: a missing column, text in a number, a NaN, no rows; names file, line or column, and the value.
-    """
-    columns, scale = dict(columns or {}), dict(scale or {})
-    for option, mapping in (("columns", columns), ("scale", scale)):
-        for name in mapping:
-            if name not in (*names, *optional):
-                raise InputError(f"{option}: {name}: must be one of {', '.join((*names, *optional))}")
-    lines = read_text(path).splitlines()
-    header = [entry.strip().strip('"') for entry in lines[0].split(",")] if lines else []
-    wanted = {name: columns.get(name, name) for name in (*names, *optional)}
-    for name, there in wanted.items():
-        if there not in header and (name in names or name in columns):
-            raise InputError(f"{path}: column {there}: must be in the header, which has {', '.join(header) or 'none'}")
-    index = {name: header.index(there) for name, there in wanted.items() if there in header}
-    body = [(number, line) for number, line in enumerate(lines[1:], start=2) if line.strip()]
-    body = body[rows] if rows is not None else body
-    if not body:
-        raise InputError(f"{path}: rows: must be at least 1, got 0")
-    try:
-        table = np.loadtxt(
-            [line for _, line in body], delimiter=",", usecols=list(index.values()), ndmin=2, comments=None
-        )
-    except ValueError:
-        raise _culprit(path, body, index) from None
-    if not np.isfinite(table).all():
-        raise _culprit(path, body, index)
-    return {name: table[:, i] * scale.get(name, 1.0) for i, name in enumerate(index)}
-
-
-def _culprit(path: str | os.PathLike[str], body: list[tuple[int, str]], index: Mapping[str, int]) -> InputError:
-    """Find the first entry that is no finite number."""
-    for number, line in body:
-        entries = line.split(",")
-        for name, column in index.items():
-            if column >= len(entries):
-                return InputError(f"{path}: line {number}: {name}: must be there, got {len(entries)} columns")
-            try:
-                good = bool(np.isfinite(float(entries[column])))
-            except ValueError:
-                good = False
-            if not good:
-                value = entries[column].strip()
-                return InputError(f"{path}: line {number}: {name}: must be a finite number, got {value!r}")
-    return InputError(f"{path}: must be a table of numbers")
+def _plain(value: Any) -> Any:
+    """A document with lists in place of arrays."""
+    if isinstance(value, Mapping):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def read_log(
@@ -164,21 +149,26 @@ def read_log(
     scale: Mapping[str, float] | None = None,
     rows: slice | None = None,
 ) -> Log:
-    """Read a log from a CSV file (see read_columns for the arguments).
+    """Read a log from a file (see columns.read_columns for formats and arguments), and `PATH.toml` if it is there.
 
     Raises:
-        InputError: the file cannot be used, or `time` is not strictly increasing.
+        InputError: the file cannot be used, has fewer than two rows, or `time` is not strictly increasing.
     """
     table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows)
-    steps = np.diff(table["time"])
-    if (steps <= 0).any():
-        row = int(np.argmax(steps <= 0)) + 1
-        raise InputError(
-            f"{path}: row {row}: time: must be strictly increasing, got {table['time'][row]:g} "
-            f"after {table['time'][row - 1]:g}"
-        )
-    beside = Path(f"{path}.toml")
-    metadata: dict[str, Any] = {}
-    if beside.exists():
-        metadata = read_toml(beside)
+    time = table["time"]
+    if time.size < 2:
+        raise InputError(f"{path}: rows: must be at least 2, got {time.size}")
+    rising = time[1:] > time[:-1]
+    if not rising.all():
+        at = int(np.argmin(rising)) + 1
+        row = at + (rows.start or 0 if rows is not None else 0)
+        before, here = _told_apart(time[at - 1], time[at])
+        raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
+    beside = Path(f"{os.fspath(path)}.toml")
+    metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
     return Log.of(table, metadata)
+
+
+def _told_apart(first: float, second: float) -> tuple[str, str]:
+    short = f"{first:g}", f"{second:g}"
+    return short if short[0] != short[1] or first == second else (repr(float(first)), repr(float(second)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from cogging._core import (
 )
 from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
 
+if TYPE_CHECKING:
+    from cogging.bounds import Bounds
+
 #: Controllers by the name that a model file gives them: parameter struct and class.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
     "pid": (PidParameters, Pid),
@@ -53,7 +56,7 @@ ControllerParameters = (
 )
 Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased
 
-SECTIONS = ("axis", "uncertainty", "cogging", "effects", "encoder", "noise", "controller", "bounds")
+SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
@@ -73,7 +76,8 @@ class Model:
         controller: parameters of the controller, or None where it is not known.
         controller_type: its name in model files, a key of CONTROLLERS.
         uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
-        bounds: 95 % intervals by parameter path, as `identify` writes them.
+        intervals: 95 % intervals by parameter path, as `identify` writes them into `[bounds]`; [-inf, inf] where the
+            logs do not determine the parameter.
     """
 
     axis: AxisParameters
@@ -84,7 +88,7 @@ class Model:
     controller: ControllerParameters | None = None
     controller_type: str | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if (self.controller is None) != (self.controller_type is None):
@@ -117,6 +121,22 @@ class Model:
     def replace(self, **changes: Any) -> Model:
         """Make a copy with the given attributes changed."""
         return replace(self, **changes)
+
+    def bounds(self, *, default: Mapping[str, tuple[float, float]] | None = None, velocity_max: float = 1.0) -> Bounds:
+        """Between which numbers the axis lies: what its controllers are designed from (see Bounds).
+
+        Args:
+            default: 95 % intervals by parameter path, or by its beginning (`"cogging"`), for parameters that have no
+                finite one; `"disturbance"` (V) adds to what effects and noise make.
+            velocity_max: speed up to which effects that depend on velocity count as disturbance, m/s.
+
+        Raises:
+            ValueError: mass, viscous, coulomb, a cogging amplitude or an effect's field has no finite interval and no
+                default, an interval that does not hold the model's value, a path that the model has not.
+        """
+        from cogging.bounds import bounds_of
+
+        return bounds_of(self, default=default, velocity_max=velocity_max)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Model:
@@ -160,7 +180,7 @@ class Model:
             controller=controller,
             controller_type=controller_type,
             uncertainty=_uncertainty_from(uncertainty),
-            bounds=_bounds_from(_table(document, "bounds")),
+            intervals=_intervals_from(_table(document, "bounds")),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -176,8 +196,8 @@ class Model:
         document["noise"] = self.noise.to_dict()
         if self.controller is not None:
             document["controller"] = {"type": self.controller_type, **self.controller.to_dict()}
-        if self.bounds:
-            document["bounds"] = {path: list(interval) for path, interval in self.bounds.items()}
+        if self.intervals:
+            document["bounds"] = {path: list(interval) for path, interval in self.intervals.items()}
         return document
 
 
@@ -318,11 +338,11 @@ def _uncertainty_from(section: Any) -> dict[str, float]:
     return {key: float(value) for key, value in section.items()}
 
 
-def _bounds_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    bounds = {}
+def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    intervals = {}
     for path, interval in section.items():
         good = isinstance(interval, list) and len(interval) == 2 and all(map(_is_number, interval))
         if not good or not interval[0] <= interval[1]:
             raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {interval!r}")
-        bounds[path] = (float(interval[0]), float(interval[1]))
-    return bounds
+        intervals[path] = (float(interval[0]), float(interval[1]))
+    return intervals

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cogging._core import (
     FilteredSine,
     FilteredSineParameters,
@@ -28,6 +30,8 @@ REFERENCES: dict[str, tuple[Any, Any]] = {
     "filtered_sine": (FilteredSineParameters, FilteredSine),
 }
 TYPES = (*REFERENCES, "sampled")
+#: Fields of a sampled motion: a file, or the samples themselves.
+SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
 
 
 def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
@@ -64,14 +68,37 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
     return motion(parameters_from(struct, fields, "")), float(duration)
 
 
+def reference_to_dict(reference: Reference) -> dict[str, Any]:
+    """The fields of a reference file for a motion: what reference_from reads. A sampled one has arrays.
+
+    Raises:
+        TypeError: a motion of a class that reference files do not know.
+    """
+    if isinstance(reference, Sampled):
+        return {"type": "sampled", **reference.samples}
+    for kind, (_, motion) in REFERENCES.items():
+        if isinstance(reference, motion):
+            return {"type": kind, **reference.parameters.to_dict()}
+    raise TypeError(f"reference: must be one of {', '.join(TYPES)}, got {type(reference).__name__}")
+
+
 def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
-    refuse_unknown_keys(fields, ("file",), "")
+    refuse_unknown_keys(fields, SAMPLED_KEYS, "")
     file = fields.get("file")
-    if not isinstance(file, str):
+    table: Mapping[str, Any]
+    if file is None and "time" in fields:
+        table = {name: _column(name, values) for name, values in fields.items()}
+        if "reference" not in table:
+            raise FieldError("", "reference", "must be given with time, got nothing")
+        source = ""
+    elif not isinstance(file, str):
         raise FieldError("", "file", f"must name a CSV file, got {file!r}")
-    table = read_columns(
-        folder / file, ("time", "reference"), optional=("reference_velocity", "reference_acceleration")
-    )
+    elif len(fields) > 1:
+        raise FieldError("", "file", f"must stand without samples beside it, got {', '.join(fields)}")
+    else:
+        optional = ("reference_velocity", "reference_acceleration")
+        table = read_columns(folder / file, ("time", "reference"), optional=optional)
+        source = f"{file}: "
     try:
         return Sampled(
             table["time"],
@@ -80,4 +107,15 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
             table.get("reference_acceleration"),
         )
     except ValueError as error:
-        raise FieldError("", "file", f"{file}: {error}") from None
+        raise FieldError("", "file" if source else "time", f"{source}{error}") from None
+
+
+def _column(name: str, values: Any) -> Any:
+    if isinstance(values, np.ndarray):
+        return values
+    numbers = isinstance(values, list) and all(
+        isinstance(value, int | float) and not isinstance(value, bool) for value in values
+    )
+    if not numbers:
+        raise FieldError("", name, "must be a list of numbers")
+    return np.array(values, dtype=np.float64)

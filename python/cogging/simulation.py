@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
 from cogging.logs import Log
-from cogging.model import Controller, Model
-from cogging.reference import read_reference, reference_from
+from cogging.model import CONTROLLERS, Controller, Model
+from cogging.reference import read_reference, reference_from, reference_to_dict
 
 
 def simulate(
@@ -49,21 +49,30 @@ def simulate(
         ValueError: an argument breaks its rule, the reference leaves the travel, or no controller is known.
         DivergedError: the run left the travel by half its length, or is not finite; says when and where.
     """
-    metadata: dict[str, Any] = {"seed": seed, "steps_per_sample": steps_per_sample}
     if not isinstance(model, Model):
         model = Model.read(model)
-    metadata["model"] = model.to_dict()
     if isinstance(reference, Mapping):
-        metadata["reference"] = dict(reference)
         reference, own_duration = reference_from(reference)
         duration = duration or own_duration
     elif not isinstance(reference, Reference):
-        metadata["reference_file"] = os.fspath(reference)
         reference, own_duration = read_reference(reference)
         duration = duration or own_duration
+    metadata: dict[str, Any] = {"seed": seed, "steps_per_sample": steps_per_sample}
+    if controller is not None:
+        metadata["controller"] = "given"  # whatever it had learned is not in the log
+        kind = next(kind for kind, (_, made) in CONTROLLERS.items() if isinstance(controller, made))
+        model = model.replace(controller=controller.parameters, controller_type=kind)
+    else:
+        controller = model.make_controller()
+    if initial_position is not None:
+        metadata["initial_position"] = initial_position
+    if initial_velocity != 0.0:
+        metadata["initial_velocity"] = initial_velocity
+    metadata["reference"] = reference_to_dict(reference) | ({"duration": duration} if duration else {})
+    metadata["model"] = model.to_dict()
     columns = closed_loop(
         model.plant(),
-        controller if controller is not None else model.make_controller(),
+        controller,
         reference,
         duration=duration,
         seed=seed,
@@ -74,3 +83,25 @@ def simulate(
         added_command=None if added_command is None else np.asarray(added_command, dtype=float),
     )
     return Log.of(columns, metadata)
+
+
+def repeat(log: Log) -> Log:
+    """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
+
+    Raises:
+        ValueError: the log was not simulated, or its controller was given as an object, which a log does not hold.
+    """
+    told = log.metadata
+    for name in ("model", "reference", "seed"):
+        if name not in told:
+            raise ValueError(f"metadata: {name}: must be there to repeat a log, got {', '.join(told) or 'nothing'}")
+    if told.get("controller") == "given":
+        raise ValueError("metadata: controller: must be the model's to repeat a log, got one given as an object")
+    return simulate(
+        Model.from_dict(told["model"]),
+        told["reference"],
+        seed=told["seed"],
+        steps_per_sample=told.get("steps_per_sample", 1),
+        initial_position=told.get("initial_position"),
+        initial_velocity=told.get("initial_velocity", 0.0),
+    )

@@ -33,6 +33,11 @@ class Sampled final : public Reference {
 
   double end() const override { return time_.back(); }
 
+  std::size_t size() const { return time_.size(); }
+  double time(std::size_t i) const { return time_[i]; }
+  /// The i-th sample, to the bit, with its derivatives.
+  ReferencePoint sample(std::size_t i) const { return {position_[i], velocity_[i], acceleration_[i]}; }
+
   ReferencePoint at(double time) const override {
     if (time < time_.front()) return {position_.front(), 0.0, 0.0};
     if (time > time_.back()) return {position_.back(), 0.0, 0.0};

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'friction_slope_max', 'performance', 'project', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -394,6 +394,11 @@ class Sampled(Reference):
     """
     def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
         ...
+    @property
+    def samples(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+        """
+        Its samples and their derivatives by the names of a log's columns, (n,) each.
+        """
 class AxisParameters:
     """
     Mass and friction of the axis: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2).
@@ -1682,6 +1687,41 @@ class Predictor:
         """
         What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).
         """
+class NumberReader:
+    """
+    Columns of numbers out of separated text, block by block.
+    
+    separator: one character, " " = any run of blanks; fields: how many each line has; wanted: indexes of those to read,
+    ascending, with a label each. Rows first_row to end_row (without) are kept; first_line numbers the first line that will
+    come. Blank lines are skipped, a number may stand in quotes.
+    
+    Raises:
+        ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line.
+    """
+    def __init__(self, *, separator: str, fields: typing.SupportsInt | typing.SupportsIndex, wanted: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], labels: collections.abc.Sequence[str], first_row: typing.SupportsInt | typing.SupportsIndex = 0, end_row: typing.SupportsInt | typing.SupportsIndex | None = None, first_line: typing.SupportsInt | typing.SupportsIndex = 1, expected_rows: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        ...
+    def feed(self, block: bytes) -> None:
+        """
+        Take the next block of the file, which may end anywhere.
+        """
+    def finish(self) -> None:
+        """
+        Take what stands after the last line end.
+        """
+    def take(self) -> list[numpy.typing.NDArray[numpy.float64]]:
+        """
+        The columns, (n,) each, in the order of `wanted`; the reader is empty afterwards.
+        """
+    @property
+    def done(self) -> bool:
+        """
+        whether the last wanted row has been read
+        """
+    @property
+    def rows(self) -> int:
+        """
+        rows read so far
+        """
 def autoregression(residual: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], counts: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, order: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
     """
     Coefficients a (order,) of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e.
@@ -1725,6 +1765,10 @@ def desired_compensation_matrix(*, feedback_gain: typing.SupportsFloat | typing.
     
     friction_slope is g_f of eq. 24, 1/(m/s); cogging_slope is theta_4b^T g_r of eq. 25, V/m.
     """
+def format_rows(columns: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64]], first: typing.SupportsInt | typing.SupportsIndex, end: typing.SupportsInt | typing.SupportsIndex) -> bytes:
+    """
+    Rows first to end (without) of columns (n,) as comma-separated lines, every number to its last bit.
+    """
 def friction_slope_max(coulomb_width: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).
@@ -1738,6 +1782,17 @@ def performance(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], e
 def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.SupportsFloat | typing.SupportsIndex, minimum: typing.SupportsFloat | typing.SupportsIndex, maximum: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
+    """
+def replay_controller(controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, *, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, reference_acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], applied: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The commands (V, (n,)) that a controller gives for the references and readings of a log.
+    
+    Columns (n,): s, m, m/s, m/s^2, m, V. A missing derivative of the reference is differentiated. The controller is copied,
+    called once a row whatever the times are, and told that its own command, cut at its limit, was applied, or what
+    `applied` holds; one that looks ahead sees the reference interpolated between rows, at rest after the last.
+    
+    Raises:
+        ValueError: fewer than three rows, time not strictly increasing, lengths that differ, a NaN.
     """
 def whiten(rows: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], coefficients: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
     """

@@ -1,0 +1,233 @@
+"""What an effect would do to the residuals, from what the effect says of itself: no effect is known by name here."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS
+from cogging.diagnose.evidence import Evidence, model_plant
+from cogging.model import Model
+from cogging.residuals import Innovations
+
+FloatArray = npt.NDArray[np.float64]
+
+LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
+NODES = 6  # of an amplitude that is given as a list along the travel
+POINTS = {1: 10, 2: 5, 3: 3}  # values of each shape parameter, by how many the effect has
+EXPONENTS = (1.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect at one shape: columns for its amplitudes, or one for a small effect that has none.
+
+    Attributes:
+        name: of the effect.
+        shape: values of the fields that are no amplitudes.
+        amplitudes: (field, index or None) of each column; empty where the shape alone makes the effect.
+        unit: amplitude by which the columns were made.
+    """
+
+    name: str
+    shape: dict[str, Any]
+    amplitudes: tuple[tuple[str, int | None], ...]
+    unit: tuple[float, ...]
+
+    def effect(self, amplitudes: Sequence[float] = ()) -> Any:
+        """The effect with these amplitudes (as many as columns), or its shape alone."""
+        fields: dict[str, Any] = dict(self.shape)
+        for (field, index), value in zip(self.amplitudes, amplitudes, strict=True):
+            if index is None:
+                fields[field] = float(value)
+            else:
+                fields.setdefault(field, [0.0] * self.length(field))[index] = float(value)
+        for field, index in self.amplitudes:  # lists that got no amplitude
+            if index is not None and field not in fields:
+                fields[field] = [0.0] * self.length(field)
+        return EFFECTS[self.name](**fields)
+
+    def length(self, field: str) -> int:
+        """Entries of a list of amplitudes."""
+        return sum(1 for name, _ in self.amplitudes if name == field)
+
+
+def quantities(evidence: Evidence) -> dict[str, float]:
+    """The value in these logs of each quantity that an effect's ROLES name (see cogging.effects)."""
+    model, scales = evidence.model, evidence.scales
+    force = max(float(np.abs(s.log.command).max()) for s in evidence.sources) or 1.0
+    friction = model.axis.coulomb if model.axis.coulomb > 0.0 else 0.1 * force
+    span = scales.position
+    return {
+        "force": force,
+        "command": force,
+        "friction": friction,
+        "position": span,
+        "distance": span,
+        "velocity": scales.velocity,
+        "time": scales.time,
+        "sample_time": scales.sample_time,
+        "frequency": 0.5 / scales.sample_time,
+        "force_per_position": force / span,
+        "force_per_velocity": force / scales.velocity,
+        "force_per_velocity_squared": force / scales.velocity**2,
+        "stiffness": friction / span,
+        "relative": 1.0,
+        "exponent": 1.0,
+        "one": 1.0,
+    }
+
+
+def place(evidence: Evidence) -> tuple[float, float]:
+    """Lower and upper end of the positions in the logs, m."""
+    low = min(float(s.log.position.min()) for s in evidence.sources)
+    high = max(float(s.log.position.max()) for s in evidence.sources)
+    return low, high
+
+
+def is_wave(effect: Any) -> bool:
+    """Whether an effect is a sine and a cosine of one period or frequency: found by a spectrum, not by a grid."""
+    amplitudes = {f for f, role in effect.ROLES.items() if role["role"] == "amplitude"}
+    shapes = [role for role in effect.ROLES.values() if role["role"] == "shape"]
+    scalar = all(not isinstance(getattr(effect(), f), list) for f in amplitudes)
+    return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
+
+
+def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: int) -> list[float]:
+    """Where to look along one shape parameter."""
+    low_end, high_end = place(evidence)
+    size = quantities(evidence)[role["quantity"]]
+    low, high = role["low"] * size, role["high"] * size
+    if role["quantity"] == "exponent":
+        return list(EXPONENTS)
+    if role["quantity"] == "position":
+        return [
+            float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
+        ]
+    if role["logarithmic"]:
+        if low <= 0.0:
+            low = 1e-3 * high
+        return [float(v) for v in np.geomspace(low, high, count)]
+    values = np.linspace(low, high, count + 2)[1:-1]
+    return [float(v) for v in values]
+
+
+def candidates(evidence: Evidence, name: str) -> Iterator[Candidate]:
+    """The grid of an effect that is no wave."""
+    effect = EFFECTS[name]
+    neutral = effect()
+    roles = effect.ROLES
+    low, high = place(evidence)
+    sizes = quantities(evidence)
+    shapes: dict[str, list[Any]] = {}
+    scalar_shapes = [f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(neutral, f), list)]
+    count = POINTS.get(len(scalar_shapes), 3)
+    for field in scalar_shapes:
+        shapes[field] = shape_values(evidence, field, roles[field], count)
+    fixed: dict[str, Any] = {}
+    for field, role in roles.items():  # a list of places: nodes along the travel
+        if role["role"] == "shape" and isinstance(getattr(neutral, field), list):
+            fixed[field] = [float(v) for v in np.linspace(low, high, NODES)]
+    amplitudes: list[tuple[str, int | None]] = []
+    units: list[float] = []
+    listed = [f for f, r in roles.items() if r["role"] == "amplitude" and isinstance(getattr(neutral, f), list)]
+    if listed and {"pitch", "order", "origin"} <= set(roles):  # amplitudes on knots: few of them, over the travel
+        knots = NODES - 1
+        fixed |= {"pitch": (high - low) / (knots - 2), "order": 3, "origin": low}
+        if "period" in shapes:
+            shapes["period"] = known_periods(evidence.model)
+            if not shapes["period"]:
+                return
+        length = knots
+    else:
+        length = NODES
+    for field, role in roles.items():
+        if role["role"] != "amplitude":
+            continue
+        step = 0.02 * sizes[role["quantity"]] * min(1.0, abs(role["high"]))
+        indexes: list[int | None] = list(range(length)) if field in listed else [None]
+        amplitudes += [(field, index) for index in indexes]
+        units += [step] * len(indexes)
+    if "travel" in roles:
+        fixed["travel"] = (
+            list(evidence.model.axis.travel) if np.isfinite(evidence.model.axis.travel).all() else [low, high]
+        )
+    for values in itertools.product(*shapes.values()):
+        shape = dict(zip(shapes, values, strict=True))
+        if {"start", "stop"} <= set(shape) and shape["start"] >= shape["stop"]:
+            continue
+        yield Candidate(name, {**fixed, **shape}, tuple(amplitudes), tuple(units))
+
+
+def known_periods(model: Model) -> list[float]:
+    """Periods (m) of the cogging that the model has."""
+    if model.cogging is None:
+        return []
+    return [float(2.0 * np.pi / w) for w in model.cogging.basis.wavenumbers]
+
+
+def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatArray]]:
+    """What each candidate's columns do to the residuals of each log, V per unit of amplitude: [candidate][log] (p, n).
+
+    Laws that are linear along the prediction (forces, friction levels, gains, errors of the reading) are evaluated
+    along it and passed through the observer's loop; what acts through memory is predicted anew, and the difference
+    taken at the finite size that the shape says.
+    """
+    result: list[list[FloatArray]] = [[] for _ in wanted]
+    for source in evidence.sources:
+        for i, table in enumerate(_tables_of_log(evidence.model, source, wanted)):
+            result[i].append(table)
+    return result
+
+
+def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate]) -> list[FloatArray]:
+    along = source.predictor.predict(model_plant(model))
+    linear, memory, readings = [], [], []
+    for i, candidate in enumerate(wanted):
+        hooks = set(EFFECTS[candidate.name].HOOKS)
+        if "reading" in hooks:
+            readings.append(i)
+        elif hooks <= LINEAR_HOOKS:
+            linear.append(i)
+        else:
+            memory.append(i)
+    out: list[FloatArray] = [np.empty(0)] * len(wanted)
+    n = len(source.log)
+    if linear:
+        plants, owner = [model_plant(model)], []
+        for i in linear:
+            for effect, unit in _unit_effects(wanted[i]):
+                plants.append(model_plant(model.replace(effects=(*model.effects, effect))))
+                owner.append((i, unit))
+        force = source.predictor.net_force(plants, along.middle_position, along.middle_velocity)
+        force = (force[1:] - force[:1]) / np.array([unit for _, unit in owner])[:, None]
+        rows = source.scale * source.predictor.propagate(along, model.axis.mass, force)
+        for i in linear:
+            out[i] = rows[[k for k, (o, _) in enumerate(owner) if o == i]]
+    for i in readings:
+        errors = np.array([effect.reading_at(along.position) / unit for effect, unit in _unit_effects(wanted[i])])
+        out[i] = source.scale * source.predictor.propagate(along, model.axis.mass, np.zeros_like(errors), errors)
+    if memory:
+        models = [model]
+        for i in memory:
+            models.append(model.replace(effects=(*model.effects, *(e for e, _ in _unit_effects(wanted[i])))))
+        rows = source.of(models)
+        for k, i in enumerate(memory):
+            out[i] = (rows[k + 1] - rows[0]).reshape(1, n)
+    return out
+
+
+def _unit_effects(candidate: Candidate) -> list[tuple[Any, float]]:
+    if not candidate.amplitudes:
+        return [(candidate.effect(), 1.0)]
+    effects = []
+    for k, unit in enumerate(candidate.unit):
+        values = [0.0] * len(candidate.amplitudes)
+        values[k] = unit
+        effects.append((candidate.effect(values), unit))
+    return effects

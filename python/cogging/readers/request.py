@@ -1,0 +1,122 @@
+"""What is asked of a file: which columns, under which names and units, and which rows."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from cogging.files import InputError
+
+#: SI units by the last word of a column's name; a column of another name takes the command unit.
+SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
+COMMAND_UNITS = ("V", "A", "N")
+#: Spellings of units that need no conversion.
+SPELLINGS = {
+    "s": ("s", "sec", "second", "seconds"),
+    "m": ("m", "meter", "meters", "metre", "metres"),
+    "m/s": ("m/s", "m s^-1", "m*s^-1", "m·s^-1", "m s-1"),
+    "m/s^2": ("m/s^2", "m/s2", "m/s²", "m/s**2", "m s^-2", "m*s^-2", "m·s^-2", "m s-2"),
+    "V": ("V", "A", "N", "volt", "volts", "ampere", "amperes", "amp", "amps", "newton", "newtons"),
+}
+#: Lengths and times whose factor is known, so that the error can propose it.
+FACTORS = {"mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "cm": 1e-2, "km": 1e3, "in": 0.0254}
+TIME_FACTORS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+COMMAND_FACTORS = {"mV": 1e-3, "mA": 1e-3, "mN": 1e-3, "kN": 1e3, "kV": 1e3, "kA": 1e3}
+#: In round brackets only these are units: a name may have a remark in them.
+OTHER_UNITS = ("rad", "deg", "°", "rpm", "rad/s", "deg/s", "rad/s^2", "%", "counts", "count", "inc", "Nm", "g")
+SQUARED = ("s^2", "s2", "s²")
+SHOWN = 40  # columns that an error lists
+
+
+@dataclass(frozen=True)
+class Request:
+    """Columns and rows that a reader must deliver.
+
+    Attributes:
+        path: the file, for what is refused.
+        names: columns that must be there.
+        optional: columns that may be there.
+        columns: what a column is called in the file, by its name here.
+        scaled: columns whose factor was given, so that a unit other than SI is converted.
+        rows: data rows to take, from 0.
+        progress: whether a long reading may show how far it is.
+    """
+
+    path: str | os.PathLike[str]
+    names: Sequence[str]
+    optional: Sequence[str] = ()
+    columns: Mapping[str, str] = field(default_factory=dict)
+    scaled: Collection[str] = ()
+    rows: slice = field(default_factory=lambda: slice(0, None))
+    progress: bool = True
+
+    def refuse(self, problem: str) -> InputError:
+        """Make the error that names the file."""
+        return InputError(f"{self.path}: {problem}")
+
+    def in_file(self, name: str) -> str:
+        """What a column is called in the file."""
+        return self.columns.get(name, name)
+
+    def choose(self, present: Sequence[str], place: str, units: Sequence[str] | None = None) -> dict[str, int]:
+        """Find the columns among those that a file has: index by name.
+
+        A name matches a column's whole text or what stands before its unit, `position [mm]`. `units` are those that
+        the file states apart from the names.
+
+        Raises:
+            InputError: a column is missing or stands twice, or has a unit that is not SI and no factor was given.
+        """
+        parts = [split_unit(text) for text in present]
+        found = {}
+        for name in (*self.names, *self.optional):
+            there = self.in_file(name)
+            places = [i for i, text in enumerate(present) if text == there]
+            places = places or [i for i, (bare, _) in enumerate(parts) if bare == there]
+            if not places:
+                if name in self.names or name in self.columns:
+                    raise self.refuse(f"column {there}: must be in the {place}, which has {listed(present)}")
+                continue
+            if len(places) > 1:
+                raise self.refuse(f"column {there}: must stand once in the {place}, got {len(places)} of that name")
+            found[name] = places[0]
+            stated = parts[places[0]][1] or (units[places[0]].strip() if units else "")
+            if stated and name not in self.scaled:
+                self._require_si(name, there, stated)
+        return found
+
+    def _require_si(self, name: str, there: str, unit: str) -> None:
+        wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
+        spelled = unit.strip().replace("**", "^")
+        if spelled in SPELLINGS[wanted] or spelled.lower() in SPELLINGS[wanted][1:]:
+            return
+        factors = {"s": TIME_FACTORS, "V": COMMAND_FACTORS}.get(wanted, FACTORS)
+        length, slash, rest = spelled.partition("/")
+        factor = factors.get(length)
+        if slash and (rest not in ("s", *SQUARED) or wanted not in ("m/s", "m/s^2")):
+            factor = None
+        advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
+        needed = ", ".join(COMMAND_UNITS) if wanted == "V" else wanted
+        raise self.refuse(f"column {there}: must be in {needed}, got the unit {unit!r}; give {advice}")
+
+
+def split_unit(text: str) -> tuple[str, str]:
+    """Part a column's name from the unit in brackets behind it; ("force (filtered)", "") where there is none."""
+    found = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))", text.strip())
+    if not found or not found.group(1):
+        return text, ""
+    if found.group(2) is not None:
+        return found.group(1), found.group(2).strip()
+    inside = found.group(3).strip()
+    spelled = (unit for spellings in SPELLINGS.values() for unit in spellings)
+    rates = (f"{length}/{rest}" for length in FACTORS for rest in ("s", *SQUARED))
+    known = (*OTHER_UNITS, *FACTORS, *TIME_FACTORS, *COMMAND_FACTORS, *spelled, *rates)
+    return (found.group(1), inside) if inside in known else (text, "")
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as an error shows them."""
+    shown = ", ".join(name.strip() for name in names[:SHOWN])
+    return (shown or "none") + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
