@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import EFFECTS
+from cogging._core import EFFECTS, DivergedError
 from cogging.estimation import columns_of, whitened
 from cogging.force_balance import ForceBalance
 from cogging.inverse_dynamics import hooks_of
@@ -28,7 +28,7 @@ class Determinability:
 
     Attributes:
         paths: of the parameters.
-        sigma: foreseen 1-sigma of each, with all others free, relative to its size, (p,); infinite where no row shows it.
+        sigma: foreseen 1-sigma of each with all others free, relative to its size, (p,); infinite where nothing shows it.
         in_balance: whether the force balance shows it, else only the output error may, (p,).
         notes: a sentence each.
     """
@@ -52,7 +52,7 @@ def determinability(
     paths: Sequence[str],
     balances: Sequence[ForceBalance],
     scales: Scales,
-    sources: Sequence[Residuals] = (),
+    sources: Callable[[], Sequence[Residuals]] = tuple,
 ) -> Determinability:
     """What a linear fit from the model foresees.
 
@@ -61,7 +61,7 @@ def determinability(
         paths: of the parameters.
         balances: force balances of the logs.
         scales: of all of them.
-        sources: output errors of the logs, asked where the force balance does not show a parameter.
+        sources: makes the output errors of the logs, asked where the force balance does not show a parameter.
     """
     known = parameters_of(model)
     parameters = [known[path] for path in paths]
@@ -74,15 +74,17 @@ def determinability(
         tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))
     dead = _dead(tables, sizes)
     deviation, correlation = foreseen(tables, dead)
-    if dead.any() and sources:
+    if dead.any():
         try:
-            residuals, slopes = columns_of(model, parameters, sources, scales)
-            seen = [whitened(source, r, c) for source, r, c in zip(sources, residuals, slopes, strict=True)]
+            logs = sources()
+            residuals, slopes = columns_of(model, parameters, logs, scales)
+            seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, slopes, strict=True)]
             others = [(s.columns, s.residual, s.block) for s in seen]
-            by_output, among = foreseen(others, _dead(others, sizes))
-            deviation = np.where(dead, by_output, deviation)
-            correlation = np.where(dead[:, None], among, correlation)
-        except ValueError:  # the model cannot be run
+            if others:
+                by_output, among = foreseen(others, _dead(others, sizes))
+                deviation = np.where(dead, by_output, deviation)
+                correlation = np.where(dead[:, None], among, correlation)
+        except (ValueError, DivergedError):  # the model cannot be run: nothing is seen
             pass
     sigma = deviation / sizes
     notes = []
@@ -140,9 +142,11 @@ def _dead(tables: Sequence[_Table], sizes: FloatArray) -> npt.NDArray[np.bool_]:
 
 def foreseen(tables: Sequence[_Table], dead: npt.NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
     """1-sigma (p,) of a linear fit, by a sandwich over blocks, and correlation (p, p) of its parameters."""
-    curvature = sum(columns @ columns.T for columns, _, _ in tables)
-    right = sum(columns @ residual for columns, residual, _ in tables)
-    p = len(curvature)
+    p = len(dead)
+    curvature, right = np.zeros((p, p)), np.zeros(p)
+    for columns, residual, _ in tables:
+        curvature += columns @ columns.T
+        right += columns @ residual
     size = np.sqrt(np.diag(curvature)).copy()
     size[dead] = 1.0
     scaled = curvature / np.outer(size, size)

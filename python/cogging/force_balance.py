@@ -170,9 +170,8 @@ def fit_force_balance(
         moved = None
         while length > 1e-3:
             try:
-                trial = with_values(
-                    model, {path: _valid(known[path], known[path].value + length * s) for path, s in zip(paths, step)}
-                )
+                wanted = zip(paths, values + length * step, strict=True)
+                trial = with_values(model, {path: _valid(known[path], value) for path, value in wanted})
                 trial_cost = _cost(trial, balances)
             except ValueError:
                 length *= 0.5

@@ -167,9 +167,10 @@ def quiet(model: Model) -> Model:
 
 
 def initial_velocity(log: Log) -> float:
-    """Slope of the first readings, m/s."""
-    few = max(2, min(len(log) // 10, round(START / float(np.median(np.diff(log.time))))))
-    return float(np.polyfit(log.time[:few] - log.time[0], log.position[:few], 1)[0])
+    """Slope in the first row of the parabola through the first readings, m/s."""
+    few = max(6, min(len(log) // 10, round(0.02 / float(np.median(np.diff(log.time))))))
+    time, position = log.time[:few] - log.time[0], log.position[:few] - log.position[0]
+    return float(np.polyfit(time / time[-1], position, 2)[1] / time[-1])
 
 
 def steps_needed(model: Model, sample_time: float) -> int:
