@@ -143,5 +143,21 @@ Raises:
           },
           py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
           py::arg("threads") = 0,
-          R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)");
+          R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)")
+      .def(
+          "propagate_transposed",
+          [](const Predictor& self, const Prediction& along, double mass, const Array& weight) {
+            require(weight.size() == py::ssize_t(self.log().time.size()), "weight", "must be as long as the log",
+                    double(weight.size()));
+            require_positive("mass", mass);
+            Adjoint adjoint;
+            {
+              py::gil_scoped_release release;
+              adjoint = propagate_transposed(along, self.log(), self.options(), mass, view(weight));
+            }
+            return std::pair(to_array(std::move(adjoint.force)), to_array(std::move(adjoint.reading)));
+          },
+          py::arg("along"), py::arg("mass"), py::arg("weight"),
+          "The transpose of propagate: by how much forces (n,) and errors of the reading (n,) move sum(weight "
+          "innovation).");
 }

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from cogging._core import DivergedError, autoregression, whiten
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, parameters_of, with_values
-from cogging.residuals import Residuals, moving_average
+from cogging.residuals import Innovations, Residuals, moving_average
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -98,7 +98,7 @@ def whitened(
     """Whiten a residual and its columns, and keep the rows that count."""
     if coefficients is None:
         coefficients = whitening_filter(log, residual)
-    table = np.asarray(whiten(np.vstack([residual[None, :], columns]), coefficients))
+    table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
     rows = log.counts > 0
     rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
     rms = rms if rms > 0 else 1.0
@@ -109,7 +109,13 @@ def whitened(
 def columns_of(
     model: Model, parameters: Sequence[Parameter], logs: Sequence[Residuals], scales: Scales
 ) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Residuals (n,) and their derivatives (p, n) by central differences, one of each a log."""
+    """Residuals (n,) and their derivatives (p, n), one of each a log.
+
+    Derivatives by what the log's own `columns` offers, else by central differences of whole runs.
+    """
+    if all(isinstance(log, Innovations) for log in logs):
+        pairs = [log.columns(model, parameters, scales) for log in logs if isinstance(log, Innovations)]
+        return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
     models = [model]
     widths = []
     for parameter in parameters:
@@ -206,7 +212,7 @@ def _move(
     def cost(values: Sequence[FloatArray]) -> float:
         total = 0.0
         for log, residual, a in zip(logs, values, filters, strict=True):
-            white = np.asarray(whiten(residual[None, :], a))[0, log.counts > 0]
+            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.counts > 0]
             total += len(white) * float(np.log(np.mean(white**2)))
         return total
 

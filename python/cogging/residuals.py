@@ -12,7 +12,7 @@ import numpy.typing as npt
 from cogging._core import DivergedError, EncoderParameters, NoiseParameters, Predictor, Sampled, closed_loop
 from cogging.logs import Log
 from cogging.model import Model
-from cogging.parameters import Scales
+from cogging.parameters import Parameter, Scales, effect_paths, with_values
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Innovations:
     The plant is driven by the recorded command and held to the reading by an observer of fixed gain; what it did not
     foresee is turned into the constant force that would leave the same innovation, M (2 pi bandwidth)^2 innovation.
 
-    Rows count when the axis moves faster than `rest`, does so since three time constants of the observer, and the
+    Rows count when the axis moves faster than `rest`, does so since six time constants of the observer, and the
     record is continuous: at rest, friction takes any force up to its level and shows nothing.
 
     Args:
@@ -79,7 +79,7 @@ class Innovations:
         speed_max = float(speed.max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
         still = np.abs(self.velocity) < self.rest
-        settle = 3.0 / (2.0 * np.pi * bandwidth)
+        settle = 6.0 / (2.0 * np.pi * bandwidth)
         broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
         counts = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
         self.counts = counts.astype(float)
@@ -100,6 +100,52 @@ class Innovations:
             DivergedError: a prediction diverged.
         """
         return self.scale * self.predictor.innovations([quiet(model).plant() for model in models])
+
+    def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
+        """Residual (n,) and derivatives (p, n) by the parameters.
+
+        Parameters of forces are differentiated along the prediction and passed through the observer's loop; those with
+        a memory, of the amplifier or of the encoder by central differences of whole predictions.
+        """
+        plant = quiet(model).plant()
+        along = self.predictor.predict(plant)
+        linear = [is_force(model, parameter.path) for parameter in parameters]
+        columns = np.zeros((len(parameters), len(self.log)))
+        plants, widths, places = [plant], [], []
+        for i, parameter in enumerate(parameters):
+            if not linear[i]:
+                continue
+            step = scales.step(parameter)
+            for signed in (step, -step):
+                try:
+                    moved = with_values(model, {parameter.path: parameter.value + signed})
+                except ValueError:
+                    continue
+                plants.append(quiet(moved).plant())
+                widths.append(signed)
+                places.append(i)
+                break
+        if places:
+            force = self.predictor.net_force(plants, along.middle_position, along.middle_velocity)
+            # The same acceleration, as a force on the model's own mass.
+            force *= (plant.axis.mass / np.array([p.axis.mass for p in plants]))[:, None]
+            force = (force[1:] - force[:1]) / np.array(widths)[:, None]
+            columns[places] = self.scale * self.predictor.propagate(along, plant.axis.mass, force)
+        others = [i for i in range(len(parameters)) if not linear[i]]
+        if others:
+            models, spans = [], []
+            for i in others:
+                parameter, step, span = parameters[i], scales.step(parameters[i]), 0.0
+                for signed in (step, -step):
+                    try:
+                        models.append(with_values(model, {parameter.path: parameter.value + signed}))
+                        span += step
+                    except ValueError:
+                        models.append(model)
+                spans.append(span)
+            table = self.of(models)
+            columns[others] = (table[0::2] - table[1::2]) / np.array(spans)[:, None]
+        return self.scale * along.innovation, columns
 
 
 class Replay:
@@ -159,6 +205,14 @@ class Replay:
         if not np.isfinite(commands).all():
             raise DivergedError("the replay diverged")
         return np.asarray(self.log.command - commands)
+
+
+def is_force(model: Model, path: str) -> bool:
+    """Whether a parameter acts through a force or the gain of the command alone, without a memory."""
+    if not path.startswith("effects."):
+        return True
+    effect = dict(effect_paths(model.effects))[path.rpartition(".")[0]]
+    return set(effect.HOOKS) <= {"force", "friction_level", "command_gain"}
 
 
 def quiet(model: Model) -> Model:

@@ -173,4 +173,42 @@ inline std::vector<double> propagate(const Prediction& along, const Recording& l
   return innovation;
 }
 
+struct Adjoint {
+  std::vector<double> force;    // by which a force over the interval from row k to k + 1 counts
+  std::vector<double> reading;  // by which an error of the reading in row k counts
+};
+
+/// The transpose of propagate: sum_k weight_k innovation_k = sum_k adjoint.force_k force_k + adjoint.reading_k error_k.
+/// One backward pass answers for every force that one may think of.
+inline Adjoint propagate_transposed(const Prediction& along, const Recording& log, const PredictionOptions& options,
+                                    double mass, std::span<const double> weight) {
+  const std::size_t rows = log.time.size();
+  Adjoint result{std::vector<double>(rows, 0.0), std::vector<double>(rows, 0.0)};
+  double x = 0.0, v = 0.0;  // sensitivities of the sum to the state after the correction
+  for (std::size_t k = rows - 1; k-- > 0;) {
+    const double h = log.time[k + 1] - log.time[k];
+    if (h > options.gap) {
+      result.reading[k + 1] = -x;
+      x = v = 0.0;
+      continue;
+    }
+    const ObserverGain gain = ObserverGain::of(options.bandwidth, h);
+    const double seen = weight[k + 1] + gain.position * x + gain.velocity * v;
+    result.reading[k + 1] = -seen;
+    x -= seen;
+    if (along.moving[k] == 0.0) {
+      v = 0.0;
+      continue;
+    }
+    const double decay = along.slope_velocity[k] * h;
+    const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : std::expm1(decay) / decay;
+    const double after = v + 0.5 * h * x;
+    result.force[k] = after * h * grown / mass;
+    v = after * (1.0 + decay * grown) + 0.5 * h * x;
+    x += after * along.slope_position[k] * h * grown;
+  }
+  result.reading[0] = -x;
+  return result;
+}
+
 }  // namespace cogging

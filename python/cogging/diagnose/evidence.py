@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import whiten
 from cogging.estimation import BLOCK, Estimate, columns_of, combined_scales, whitening_filter
+from cogging.inverse_dynamics import fast_length
 from cogging.model import Model
 from cogging.parameters import Scales, parameters_of
 from cogging.residuals import Innovations
@@ -27,9 +28,8 @@ class Evidence:
     Attributes:
         model: that was fitted.
         sources: one a log.
-        filters: autoregressive coefficients, one a log.
-        rms: of each log's whitened residual, V.
-        residual: whitened, over its log's rms, rows that count of all logs one after the other, (n,).
+        filters: that make each log's residual white.
+        residual: whitened to rms 1, rows of all logs one after the other, 0 where none counts, (n,).
         basis: orthonormal, spans what the free parameters could explain, (q, n).
         block: number of the block of each row, (n,).
         residuals: not whitened, V, one (n,) a log.
@@ -37,8 +37,7 @@ class Evidence:
 
     model: Model
     sources: tuple[Innovations, ...]
-    filters: tuple[FloatArray, ...]
-    rms: tuple[float, ...]
+    filters: tuple[Filter, ...]
     residual: FloatArray
     basis: FloatArray
     block: npt.NDArray[np.int64]
@@ -58,27 +57,25 @@ class Evidence:
     def excess(self) -> float:
         """By how much scores scatter more than white residuals would make them, at least 1.
 
-        From the periodogram of the whitened residual below 100 Hz, where effects are: its median level over the mean of
-        all of it. What the filter left correlated there would otherwise pass as signal.
+        From the periodogram below 60 Hz, where effects are: its median level over one. What the filters left
+        correlated there would otherwise pass as signal.
         """
-        worst = 1.0
-        start = 0
+        worst, start = 1.0, 0
         for source in self.sources:
-            rows = int((source.counts > 0).sum())
-            part = self.free_residual[start : start + rows]
-            start += rows
-            power = np.abs(np.fft.rfft(part)) ** 2 / max(rows, 1)
-            frequency = np.fft.rfftfreq(rows, source.scales.sample_time)
+            n = len(source.log)
+            power, frequency = periodogram(self.free_residual[start : start + n], source)
+            start += n
             low = power[(frequency > 0.5) & (frequency < 60.0)]
             if len(low) > 20:
-                worst = max(worst, float(np.median(low) / np.log(2.0) / np.mean(part**2)))
+                worst = max(worst, float(np.median(low) / np.log(2.0)))
         return worst
 
     def whitened(self, tables: Sequence[FloatArray]) -> FloatArray:
         """Columns (p, n of a log), one table a log, as this evidence sees them: whitened, not yet projected, (p, n)."""
-        parts = []
-        for source, a, rms, table in zip(self.sources, self.filters, self.rms, tables, strict=True):
-            parts.append(np.asarray(whiten(table, list(a)))[:, source.counts > 0] / rms)
+        parts = [
+            filtered(table, source, filter_)
+            for source, filter_, table in zip(self.sources, self.filters, tables, strict=True)
+        ]
         return np.concatenate(parts, axis=1)
 
     def project(self, columns: FloatArray) -> FloatArray:
@@ -90,7 +87,7 @@ class Evidence:
         free = self.project(columns)
         size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
         left = np.sqrt(np.einsum("ij,ij->i", free, free))
-        seen = left > 1e-3 * np.where(size > 0.0, size, 1.0)  # the rest is rounding
+        seen = left > 2e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
         amplitudes = np.zeros(len(columns))
         if not seen.any():
             return Test(0.0, 0, amplitudes, 0.0, np.zeros(len(self.residual)))
@@ -140,49 +137,115 @@ def orthonormal(columns: FloatArray) -> FloatArray:
     return np.asarray((vectors[:, good] / np.sqrt(values[good])).T @ rows)
 
 
-def slow_friction(source: Innovations, model: Model) -> FloatArray:
-    """Forces (V) of shapes that friction may have close to rest, odd in velocity, (3, n): nobody states them so well.
+@dataclass(frozen=True)
+class Filter:
+    """What makes one log's residual white: an autoregressive filter, then a gain over frequency for what it left.
 
-    S(v) is a convention. Where another machine's friction rises sooner or later, the difference has faded at some
-    widths; exp(-(v / w)^2) sgn(v) at 1, 2 and 4 widths spans such differences.
+    Attributes:
+        coefficients: of the autoregressive filter.
+        rms: of its output, V, by which the rest is divided.
+        frequency: Hz, increasing, at which the spectrum of the rest is known.
+        level: that spectrum; 1 is white.
+    """
+
+    coefficients: FloatArray
+    rms: float
+    frequency: FloatArray
+    level: FloatArray
+
+
+def filtered(table: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
+    """Rows (p, n), V, made white; rows that do not count are taken as 0 between the two filters."""
+    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.counts / filter_.rms)
+    return coloured(white, source, filter_)
+
+
+def coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
+    """The second filter alone: gain level^(-1/2) over frequency, without phase."""
+    n = white.shape[1]
+    length = fast_length(n + n // 8)  # what runs over the end comes back into the padding
+    frequency = np.fft.rfftfreq(length, source.scales.sample_time)
+    gain = 1.0 / np.sqrt(np.interp(frequency, filter_.frequency, filter_.level))
+    return np.asarray(np.fft.irfft(np.fft.rfft(white, length) * gain, length)[:, :n])
+
+
+def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
+    """Power, 1 where the rows that count are white with rms 1, and its frequencies, Hz."""
+    length = fast_length(len(white))
+    power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.counts.sum()), 1.0)
+    return power, np.fft.rfftfreq(length, source.scales.sample_time)
+
+
+def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
+    """Smoothed power in bands of a third of an octave, at least 12 lines each: medians, since lines are signal."""
+    power, frequency = periodogram(white, source)
+    power, frequency = power[1:], frequency[1:]
+    places, levels = [], []
+    first = 0
+    while first < len(power):
+        last = min(len(power), max(first + 12, int(np.searchsorted(frequency, 1.26 * frequency[first]))))
+        if len(power) - last < 12:
+            last = len(power)
+        places.append(float(np.sqrt(frequency[first] * frequency[last - 1])))
+        levels.append(float(np.median(power[first:last]) / np.log(2.0)))
+        first = last
+    return np.array(places), np.maximum(np.array(levels), 0.05)
+
+
+def slow_friction(source: Innovations, model: Model) -> FloatArray:
+    """Forces (V) of shapes that friction may have close to rest, odd in velocity, (6, n): nobody states them so well.
+
+    S(v) is a convention. Where another machine's friction rises sooner or later, the difference fades over some widths,
+    as exp(-(v / w)^2) or slower, as v w / (v^2 + w^2) does.
     """
     velocity = source.along.middle_velocity
     width = max(model.axis.coulomb_width, source.rest)
-    shapes = [np.sign(velocity) * np.exp(-((velocity / (factor * width)) ** 2)) for factor in (1.0, 2.0, 4.0)]
+    shapes = [np.sign(velocity) * np.exp(-((velocity / (factor * width)) ** 2)) for factor in (0.5, 1.0, 2.0, 4.0)]
+    shapes += [2.0 * velocity * w / (velocity**2 + w**2) for w in (width, 3.0 * width)]
     return np.array(shapes) * max(model.axis.coulomb, 1e-12)
 
 
 def gather(
-    estimate: Estimate, sources: Sequence[Innovations], *, filters: Sequence[FloatArray] | None = None
+    estimate: Estimate, sources: Sequence[Innovations], explained: Sequence[FloatArray] | None = None
 ) -> Evidence:
-    """Make evidence of a fit: residuals, whitening, and the basis of all that the free parameters can explain."""
+    """Make evidence of a fit: residuals, whitening, and the basis of all that the free parameters can explain.
+
+    Args:
+        estimate: the fit.
+        sources: its logs.
+        explained: V, one (n,) a log, taken from the residual before the filters are estimated: a strong effect would
+            else be taken for noise.
+    """
     model = estimate.model
     known = parameters_of(model)
     scales = combined_scales(sources)
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
-    whole, rows, blocks, rms_all, used = [], [], [], [], []
+    rows, bases, blocks, filters = [], [], [], []
     offset = 0
     for i, source in enumerate(sources):
         along = source.predictor.predict(model_plant(model))
         shapes = source.scale * source.predictor.propagate(along, model.axis.mass, slow_friction(source, model))
-        a = whitening_filter(source, residuals[i]) if filters is None else filters[i]
-        table = np.asarray(whiten(np.vstack([residuals[i][None, :], columns[i], shapes]), list(a)))
-        counted = source.counts > 0
-        rms = robust_rms(table[0, counted])
-        whole.append(table[1:, counted] / rms)
-        rows.append(np.clip(table[0, counted] / rms, -CLIP, CLIP))
-        block = np.floor(source.log.time[counted] / BLOCK).astype(np.int64)
-        blocks.append(block - block[0] + offset)
-        offset += int(block[-1] - block[0]) + 1
-        rms_all.append(rms)
-        used.append(a)
+        noise = residuals[i] - (explained[i] if explained is not None else 0.0)
+        a = whitening_filter(source, noise)
+        table = np.asarray(whiten(np.vstack([noise[None, :], residuals[i][None, :], columns[i], shapes]), list(a)))
+        rms = robust_rms(table[0, source.counts > 0])
+        table *= source.counts / rms
+        table[:2] = np.clip(table[:2], -CLIP, CLIP)
+        basis = orthonormal(table[2:])
+        filter_ = Filter(a, rms, *spectrum(table[0] - (basis @ table[0]) @ basis, source))
+        table = coloured(table[1:], source, filter_)
+        rows.append(table[0])
+        bases.append(table[1:])
+        block = np.floor((source.log.time - source.log.time[0]) / BLOCK).astype(np.int64)
+        blocks.append(block + offset)
+        offset += int(block[-1]) + 1
+        filters.append(filter_)
     return Evidence(
         model,
         tuple(sources),
-        tuple(used),
-        tuple(rms_all),
+        tuple(filters),
         np.concatenate(rows),
-        orthonormal(np.concatenate(whole, axis=1)),
+        orthonormal(np.concatenate(bases, axis=1)),
         np.concatenate(blocks),
         tuple(residuals),
     )

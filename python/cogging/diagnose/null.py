@@ -12,7 +12,7 @@ from cogging.model import Model
 from cogging.parameters import parameters_of
 from cogging.residuals import Innovations
 
-BANDWIDTH = 25.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
+BANDWIDTH = 50.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
 
 
 def sources_of(logs: Sequence[Log], model: Model, *, rest: float | None = None) -> list[Innovations]:

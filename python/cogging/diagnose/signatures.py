@@ -90,14 +90,6 @@ def place(evidence: Evidence) -> tuple[float, float]:
     return low, high
 
 
-def is_wave(effect: Any) -> bool:
-    """Whether an effect is a sine and a cosine of one period or frequency: found by a spectrum, not by a grid."""
-    amplitudes = {f for f, role in effect.ROLES.items() if role["role"] == "amplitude"}
-    shapes = [role for role in effect.ROLES.values() if role["role"] == "shape"]
-    scalar = all(not isinstance(getattr(effect(), f), list) for f in amplitudes)
-    return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
-
-
 def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: int) -> list[float]:
     """Where to look along one shape parameter."""
     low_end, high_end = place(evidence)
@@ -109,9 +101,8 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
         return [
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
-    if role["logarithmic"]:
-        if low <= 0.0:
-            low = 1e-3 * high
+    if role["logarithmic"] or role["neutral"] == 0.0:
+        low = max(low, 2e-3 * high)
         return [float(v) for v in np.geomspace(low, high, count)]
     values = np.linspace(low, high, count + 2)[1:-1]
     return [float(v) for v in values]
@@ -190,7 +181,7 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
     linear, memory, readings = [], [], []
     for i, candidate in enumerate(wanted):
         hooks = set(EFFECTS[candidate.name].HOOKS)
-        if "reading" in hooks:
+        if "reading" in hooks and len(candidate.amplitudes) > 1:
             readings.append(i)
         elif hooks <= LINEAR_HOOKS:
             linear.append(i)
@@ -210,7 +201,9 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
         for i in linear:
             out[i] = rows[[k for k, (o, _) in enumerate(owner) if o == i]]
     for i in readings:
-        errors = np.array([effect.reading_at(along.position) / unit for effect, unit in _unit_effects(wanted[i])])
+        errors = np.array(
+            [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
+        )
         out[i] = source.scale * source.predictor.propagate(along, model.axis.mass, np.zeros_like(errors), errors)
     if memory:
         models = [model]
@@ -218,7 +211,7 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
             models.append(model.replace(effects=(*model.effects, *(e for e, _ in _unit_effects(wanted[i])))))
         rows = source.of(models)
         for k, i in enumerate(memory):
-            out[i] = (rows[k + 1] - rows[0]).reshape(1, n)
+            out[i] = ((rows[k + 1] - rows[0]) / (wanted[i].unit[0] if wanted[i].unit else 1.0)).reshape(1, n)
     return out
 
 

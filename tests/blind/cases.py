@@ -1,0 +1,285 @@
+"""One blind case: a machine, two motions, hidden effects scaled to a stated identifiable ratio, and the key to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import truth
+from .hidden import Hidden
+from .identifiable import START, Signal, signatures
+from .machines import Machine, draw_machine
+from .motions import Motion
+from .outside import OUTSIDE
+from .truth import Plan, Run
+from .vocabulary import CHANGES, VOCABULARY
+
+LAMBDAS = (10.0, 30.0, 100.0, 300.0, 1000.0)
+TOLERANCE = 0.1  # of lambda
+ATTEMPTS = 25
+SECTION = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
+#: Effects that need rigid friction or one mass: which friction laws their machines may have.
+LAWS_OF = {
+    "presliding_friction": ("bristle",),
+    "backlash": ("tanh", "algebraic", "arctangent"),
+    "flexible_mode": ("tanh", "algebraic", "arctangent"),
+}
+
+
+@dataclass(frozen=True)
+class Specification:
+    """What a case shall hold: `kind` is null, effect, outside, pair or triple; names may be empty for a null.
+
+    Attributes:
+        family: of nulls (machines.NULL_FAMILIES); "plain" draws everything.
+        ratio: lambda of each effect.
+    """
+
+    kind: str
+    names: tuple[str, ...] = ()
+    ratio: float = 0.0
+    family: str = "plain"
+
+
+@dataclass
+class Case:
+    """A drawn case: plans and runs of both logs, and the key."""
+
+    machine: Machine
+    main: Plan
+    main_run: Run
+    confirm: Plan
+    confirm_run: Run
+    base: Plan
+    hidden: list[tuple[Hidden, float]]
+    key: dict[str, Any] = field(default_factory=dict)
+
+
+class Unreachable(ArithmeticError):
+    """The ratio cannot be reached within the physical range of this effect on this machine."""
+
+
+def draw_case(seed: list[int], specification: Specification) -> Case:
+    """Draw a case; machines on which the ratio cannot be reached are drawn again.
+
+    Raises:
+        Unreachable: no machine in ATTEMPTS draws fits.
+    """
+    for attempt in range(ATTEMPTS):
+        rng = np.random.default_rng([*seed, attempt])
+        try:
+            case = _try_case(rng, specification)
+        except ArithmeticError:
+            continue
+        case.key["attempts"] = attempt + 1
+        return case
+    raise Unreachable(f"{specification}: no machine in {ATTEMPTS} draws reaches it")
+
+
+def scale(measure: Callable[[float], float], hidden: Hidden, ratio: float) -> tuple[float, float]:
+    """Find the amplitude at which measure(amplitude) is ratio within TOLERANCE: secant in both logarithms.
+
+    Raises:
+        Unreachable: not within 10 steps, or outside the physical range.
+    """
+    amplitude, slope = hidden.start, 2.0
+    amplitude = min(max(amplitude, hidden.low), hidden.high)
+    before: tuple[float, float] | None = None
+    at_edge = 0
+    for _ in range(10):
+        try:
+            value = measure(amplitude)
+        except ArithmeticError:  # so large that the loop is unstable
+            hidden.high = amplitude
+            amplitude = 0.3 * amplitude if before is None else np.sqrt(amplitude * before[0])
+            continue
+        if abs(value / ratio - 1) < TOLERANCE:
+            return amplitude, value
+        value = max(value, 1e-6 * ratio)
+        if before is not None and amplitude != before[0]:
+            slope = np.log(value / before[1]) / np.log(amplitude / before[0])
+            slope = min(max(slope, 0.3), 12.0) if np.isfinite(slope) else 2.0
+        before = (amplitude, value)
+        step = np.clip(np.log(ratio / value) / slope, -3.0, 3.0)
+        amplitude = min(max(amplitude * np.exp(step), hidden.low), hidden.high)
+        if amplitude in (hidden.low, hidden.high):
+            at_edge += 1
+            if at_edge > 2:
+                break
+    raise Unreachable(f"{hidden.name}: ratio {ratio:g} not reached")
+
+
+def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
+    names = specification.names
+    tight = any(name in CHANGES for name in names)
+    laws = [LAWS_OF[name] for name in names if name in LAWS_OF]
+    law = None
+    if laws:
+        common = sorted(set.intersection(*map(set, laws)))
+        if not common:
+            raise Unreachable("no friction law fits both effects")
+        law = str(rng.choice(common))
+    machine = draw_machine(rng, specification.family, tight=tight, law=law)
+    time, motion = machine.draw_motion(rng)
+    base = machine.plan(rng, motion, time)
+    _require_sane(base.run(), motion, machine)
+    hidden: list[tuple[Hidden, float]] = []
+    truths: list[dict[str, Any]] = []
+    signal = Signal(base, machine)
+    if names:
+        seeds = rng.integers(2**31, size=len(names))
+        for name, seed in zip(names, seeds, strict=True):
+            draws = np.random.default_rng(int(seed))
+            if name in CHANGES:
+                effect, amplitude, value = _change(draws, name, machine, signal, specification.ratio)
+            else:
+                effect = {**VOCABULARY, **OUTSIDE}[name](draws, machine, motion)
+                amplitude, value = scale(
+                    lambda a, effect=effect: signal.ratio(signal.difference(_with(base, [(effect, a)]))),
+                    effect,
+                    specification.ratio,
+                )
+            hidden.append((effect, amplitude))
+            truths.append(_truth(effect, amplitude, value))
+        if len(names) > 1:
+            _require_separable(signal, base, hidden, truths, specification.ratio)
+    main = _with(base, hidden)
+    main_run = main.run()
+    _require_sane(main_run, motion, machine)
+    time, motion = machine.draw_motion(rng)
+    confirm_base = machine.plan(rng, motion, time)
+    confirm = _with(confirm_base, hidden)
+    confirm_run = confirm.run()
+    _require_sane(confirm_run, motion, machine)
+    moving = np.abs(motion.velocity) > 1e-4
+    quiet = confirm.silent().run().command
+    key = {
+        "kind": specification.kind,
+        "family": specification.family,
+        "ratio": specification.ratio,
+        "effects": truths,
+        "law": machine.law,
+        "colour": machine.colour,
+        "stated_controller": machine.stated_controller,
+        "poor_motion": machine.poor,
+        "jitter": machine.jitter,
+        "rate": machine.rate,
+        "peak": machine.peak,
+        "noise": machine.noise_rms,
+        "law_ratio": signal.law_ratio(),
+        "confirm_floor": float(np.sqrt(np.mean((confirm_run.command - quiet)[moving] ** 2))),
+    }
+    if hidden:
+        key |= _closable(signal, _with(base, hidden), confirm_base, confirm_run.command - quiet, quiet, moving, names)
+    return Case(machine, main, main_run, confirm, confirm_run, base, hidden, key)
+
+
+def _change(
+    rng: np.random.Generator, name: str, machine: Machine, signal: Signal, ratio: float
+) -> tuple[Hidden, float, float]:
+    """A change of mass, viscous or Coulomb of at least 5 stated sigma.
+
+    Its lambda is change^2 / (stated sigma^2 + sigma of this log^2), the test of the change against what is stated.
+
+    The change is that from the model's value to the truth's, which is what `diagnose` can see.
+    """
+    field_name = SECTION[name]
+    stated, own = machine.uncertainty[field_name], signal.deviation(field_name)
+    deviation = float(np.hypot(stated, own))
+    size = max(np.sqrt(ratio) * deviation, 5 * stated)
+    sign = 1.0 if name == "mass_change" and rng.random() < 0.7 else float(rng.choice([-1.0, 1.0]))
+    change = sign * size
+    if not -0.6 < change < 1.5:
+        raise Unreachable(f"{name}: {change:g} is no physical change")
+    nominal = machine.model["axis"][field_name]
+
+    def apply(plan: Plan, amplitude: float) -> None:
+        plan[field_name] = nominal * (1 + sign * amplitude)
+
+    def parameters(amplitude: float) -> dict[str, tuple[float, str, float | None]]:
+        return {"change": (sign * amplitude, "", own * size / deviation / amplitude)}
+
+    effect = Hidden(name, "usual", size, 0.0, 2.0, apply, parameters)
+    return effect, size, float((size / deviation) ** 2)
+
+
+def _with(base: Plan, hidden: list[tuple[Hidden, float]]) -> Plan:
+    plan = base.copy()
+    for effect, amplitude in hidden:
+        effect.apply(plan, amplitude)
+    return plan
+
+
+def _truth(effect: Hidden, amplitude: float, value: float) -> dict[str, Any]:
+    parameters = {
+        name: {
+            "value": float(true),
+            "unit": unit,
+            "deviation": None if share is None else float(abs(true) * share / np.sqrt(value)),
+        }
+        for name, (true, unit, share) in effect.parameters(amplitude).items()
+    }
+    return {
+        "name": effect.name,
+        "shape": effect.shape,
+        "amplitude": float(amplitude),
+        "ratio": value,
+        "in_vocabulary": effect.name not in OUTSIDE,
+        "tolerated": list(effect.tolerated),
+        "parameters": parameters,
+    }
+
+
+def _closable(
+    signal: Signal,
+    main: Plan,
+    confirm_base: Plan,
+    noise: np.ndarray,
+    quiet: np.ndarray,
+    moving: np.ndarray,
+    names: tuple[str, ...],
+) -> dict[str, float]:
+    """What the true model closes on the confirm log, to first order, beyond a nominal model re-tuned on the main log.
+
+    `confirm_effect` is the rms of the effect, `confirm_rest` that of what re-tuning leaves, both without noise (command
+    unit, rows in motion); `confirm_closable` the mean square that the truth removes from this very log, noise included.
+    """
+    command = confirm_base.silent().run().command
+    effect = quiet - command
+    fixed = tuple(SECTION[name] for name in names if name in SECTION)
+    steps = signal.absorbed(signal.difference(main), fixed)
+    columns = signatures(confirm_base.silent(), signal.machine, command)
+    rest = effect - sum(step * columns[name] for name, step in steps.items() if name not in START)
+    return {
+        "confirm_effect": float(np.sqrt(np.mean(effect[moving] ** 2))),
+        "confirm_rest": float(np.sqrt(np.mean(rest[moving] ** 2))),
+        "confirm_closable": float(np.mean((rest + noise)[moving] ** 2 - noise[moving] ** 2)),
+    }
+
+
+def _require_separable(
+    signal: Signal, base: Plan, hidden: list[tuple[Hidden, float]], truths: list[dict[str, Any]], ratio: float
+) -> None:
+    """Each effect keeps half of its ratio beside the others."""
+    full = signal.difference(_with(base, hidden))
+    alone = [signal.difference(_with(base, [one])) for one in hidden]
+    for index, entry in enumerate(truths):
+        others = [one for i, one in enumerate(hidden) if i != index]
+        own = full - signal.difference(_with(base, others))
+        entry["ratio_beside"] = signal.ratio(own, *(d for i, d in enumerate(alone) if i != index))
+        if entry["ratio_beside"] < 0.5 * ratio:
+            raise Unreachable(f"{entry['name']}: hidden by the other effect")
+
+
+def _require_sane(run: Run, motion: Motion, machine: Machine) -> None:
+    """The loop follows its reference, as a machine that is in use does."""
+    error = np.abs(run.reading - motion.position).max()
+    length = machine.travel[1] - machine.travel[0]
+    if not (error < 0.03 * length and np.abs(run.command).max() < 4 * machine.peak):
+        raise ArithmeticError("the loop does not follow")
+
+
+__all__ = ["LAMBDAS", "Case", "Specification", "Unreachable", "draw_case", "scale", "truth"]

@@ -1,0 +1,304 @@
+"""Machines of the blind suite: axes small and large, their controllers, noise and nominal models."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from . import truth
+from .motions import Motion, draw_motion
+from .noises import COLOURS, draw_noise
+from .truth import Plan
+
+#: Families of nulls: each forces one trait, all else is drawn.
+NULL_FAMILIES = (
+    "plain",
+    "other_friction",
+    "sticking",
+    "bristles",
+    "sharp_friction",
+    "wide_friction",
+    "coloured_noise",
+    "pink_noise",
+    "heavy_tails",
+    "loud_noise",
+    "quiet_noise",
+    "jitter",
+    "fine_steps",
+    "coarse_encoder",
+    "wrong_nominals",
+    "no_controller",
+    "poor_motion",
+)
+
+
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """Draw from low to high, even in the logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+@dataclass
+class Machine:
+    """One axis with its controller, noise, and what its user believes.
+
+    Attributes:
+        family: the trait that was forced.
+        travel: m. velocity, acceleration: largest of its motions, m/s and m/s^2. peak: command of that acceleration.
+        scalars: of every plan of this machine, by name.
+        law: friction law, one of truth.LAWS.
+        periods: of the known cogging, m; pitch: its knots. sine, cosine: amplitudes at its control points, (K, points).
+        uncertainty: stated relative 1-sigma.
+        model: the model file's content, as given to the user.
+    """
+
+    family: str
+    travel: tuple[float, float]
+    velocity: float
+    acceleration: float
+    peak: float
+    rate: float
+    duration: float
+    substeps: int
+    law: str
+    scalars: dict[str, float]
+    pitch: float
+    harmonics: list[int]
+    sine: np.ndarray
+    cosine: np.ndarray
+    drift: Callable[[np.ndarray], np.ndarray]
+    colour: str
+    noise_rms: float
+    noise_corner: float
+    encoder_noise: float
+    jitter: float
+    poor: bool
+    stated_controller: bool
+    reference_columns: bool
+    uncertainty: dict[str, float]
+    model: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def periods(self) -> list[float]:
+        """Of the known cogging, m."""
+        return [self.pitch / h for h in self.harmonics]
+
+    def cogging(self, x: np.ndarray, index: int, *, cosine: bool) -> np.ndarray:
+        """One unit harmonic of the known cogging over x, with its drift, as force towards +x."""
+        phase = 2 * np.pi * x / self.periods[index]
+        return -self.drift(x) * (np.cos(phase) if cosine else np.sin(phase))
+
+    def draw_motion(self, rng: np.random.Generator) -> tuple[np.ndarray, Motion]:
+        """Draw a motion of this machine and its nominal sampling instants."""
+        time = np.arange(int(self.duration * self.rate)) / self.rate
+        return time, draw_motion(rng, time, self.travel, self.velocity, self.acceleration, poor=self.poor)
+
+    def plan(self, rng: np.random.Generator, motion: Motion, time: np.ndarray) -> Plan:
+        """Make the plan of this machine on a motion, noise included, no effect."""
+        plan = Plan.empty(time, self.travel, self.substeps)
+        for name, value in self.scalars.items():
+            plan[name] = value
+        plan["law"] = truth.LAWS.index(self.law)
+        if self.jitter > 0.0:
+            plan.instants += np.clip(self.jitter * rng.standard_normal(len(time)), -0.3, 0.3) / self.rate
+            plan.instants -= plan.instants[0]
+            plan.stamps = plan.instants.copy()
+        plan.rows[:, truth.R_POSITION] = motion.position
+        plan.rows[:, truth.R_VELOCITY] = motion.velocity
+        plan.rows[:, truth.R_ACCELERATION] = motion.acceleration
+        noise = draw_noise(rng, self.colour, len(time), 1 / self.rate, self.noise_rms, self.noise_corner)
+        plan.add_noise(noise, self.encoder_noise * rng.standard_normal(len(time)))
+        for index in range(len(self.harmonics)):
+            x = plan.positions
+            plan.maps[truth.M_FORCE] += self.sine[index] * self.cogging(x, index, cosine=False)
+            plan.maps[truth.M_FORCE] += self.cosine[index] * self.cogging(x, index, cosine=True)
+        plan["x_start"] = motion.position[0] + self.scalars["resolution"] * rng.uniform(-1.0, 1.0)
+        return plan
+
+
+def draw_machine(
+    rng: np.random.Generator, family: str = "plain", *, tight: bool = False, law: str | None = None
+) -> Machine:
+    """Draw a machine; tight: mass, viscous and Coulomb are stated to 1 to 3 %; law: the friction law, else drawn."""
+    length = log_uniform(rng, 0.1, 1.0)
+    start = float(rng.choice([0.0, 0.0, -length / 2, rng.uniform(-0.1, 0.1)]))
+    travel = (round(start, 4), round(start + length, 4))
+    acceleration = log_uniform(rng, 2.0, 20.0)
+    velocity = min(log_uniform(rng, 0.15, 1.2), 0.7 * np.sqrt(acceleration * length))
+    mass = log_uniform(rng, 0.1, 100.0)
+    peak = mass * acceleration
+    coulomb = peak * log_uniform(rng, 0.005, 0.2)
+    viscous = peak * log_uniform(rng, 0.01, 0.15) / velocity
+    rate = float(rng.choice([1000, 1000, 2000, 2000, 2500, 4000, 5000]))
+    width = log_uniform(rng, 3e-4, 3e-3)
+    if family == "sharp_friction":
+        width = log_uniform(rng, 5e-5, 2e-4)
+    elif family == "wide_friction":
+        width = log_uniform(rng, 3e-3, 8e-3)
+    if law is None:
+        laws = {"sticking": ["stick"], "bristles": ["bristle"], "other_friction": ["tanh", "algebraic"]}
+        law = str(rng.choice(laws.get(family, ["tanh", "algebraic", "arctangent", "arctangent", "bristle", "stick"])))
+    substeps = max(10, int(np.ceil(1 / rate / 5e-5)))
+    if family == "fine_steps":
+        substeps *= 4
+    # explicit friction must stay stable: slope of the friction times the step below 1
+    width = max(width, 2 * coulomb / mass / rate / substeps)
+
+    # control: bandwidth well below the sampling
+    omega = 2 * np.pi * min(log_uniform(rng, 12.0, 50.0), rate / 40)
+    cascade = rng.random() < 0.3
+    resolution = log_uniform(rng, 2e-8, 2e-6)
+    if family == "coarse_encoder":
+        resolution = log_uniform(rng, 1e-6, 5e-6)
+    else:  # the derivative must not shout: a count is worth at most 2 % of the peak
+        resolution = min(resolution, 0.02 * peak / (2 * mass * omega * rate))
+    resolution = float(f"{resolution:.2g}")
+
+    sigma = (
+        {"mass": 0.01, "viscous": 0.03, "coulomb": 0.03} if tight else {"mass": 0.03, "viscous": 0.2, "coulomb": 0.2}
+    )
+    spread = 2.0 if family == "wrong_nominals" else 1.0
+    true_of = {"mass": mass, "viscous": viscous, "coulomb": coulomb}
+    nominal = {}
+    for name, value in true_of.items():
+        draw = float(np.clip(spread * rng.standard_normal(), -2.3, 2.3))
+        nominal[name] = float(f"{value / (1 + sigma[name] * draw):.4g}")
+    nominal_width = float(f"{width * log_uniform(rng, 0.3, 3.0):.3g}")
+
+    feed = rng.random() < 0.85
+    scalars: dict[str, float] = {
+        **true_of,
+        "width": width,
+        "resolution": resolution,
+        "bristle": min(resolution * log_uniform(rng, 0.05, 0.5), 1e-7),  # m; stiffer than any encoder sees
+        "bristle_damping": 0.0,
+        "controller": truth.CASCADE if cascade else truth.PID,
+        "rate": rate,
+        "ff_mass": float(f"{nominal['mass'] * rng.uniform(0.9, 1.1):.3g}") if feed else 0.0,
+        "ff_viscous": nominal["viscous"] if feed else 0.0,
+        "ff_coulomb": float(f"{nominal['coulomb'] * rng.uniform(0.6, 1.0):.3g}")
+        if feed and rng.random() < 0.8
+        else 0.0,
+        "ff_width": float(f"{nominal_width * log_uniform(rng, 1.0, 4.0):.3g}"),
+        "ff_measured": 0.0,
+    }
+    # a bristle that is too stiff for the step would ring: its frequency stays below 0.2 of the step's
+    stiffest = coulomb / mass * (1 / rate / substeps / 0.3) ** 2
+    scalars["bristle"] = max(scalars["bristle"], stiffest)
+    scalars["bristle_damping"] = 0.7 * np.sqrt(coulomb / scalars["bristle"] * mass)
+    if cascade:
+        scalars |= {"kp": float(f"{omega / 2.5:.3g}"), "kv": float(f"{nominal['mass'] * omega:.3g}")}
+    else:
+        scalars["kp"] = float(f"{nominal['mass'] * omega**2 / 2:.3g}")
+        scalars["kd"] = float(f"{nominal['mass'] * omega:.3g}")
+        scalars["ki"] = float(f"{scalars['kp'] * omega / rng.uniform(8, 25):.3g}") if rng.random() < 0.8 else 0.0
+    if rng.random() < 0.3:
+        scalars["limit"] = float(f"{8 * peak:.2g}")
+
+    pitch = float(f"{min(log_uniform(rng, 0.012, 0.06), length / 4):.3g}")
+    harmonics = [list(h) for h in ([1], [1, 2], [1, 2, 3], [1, 3], [2, 6], [1, 2, 6])][int(rng.integers(6))]
+    size = peak * log_uniform(rng, 0.003, 0.1)
+    angle = rng.uniform(0, 2 * np.pi, len(harmonics))
+    share = np.array([1.0 / (1 + i) ** rng.uniform(0.3, 1.5) for i in range(len(harmonics))])
+    drifting = rng.random() < 0.5
+    depth = rng.uniform(0.1, 0.3) if drifting else 0.0
+    waves, shift = rng.uniform(0.3, 1.2), rng.uniform(0, 2 * np.pi)
+
+    def drift(x: np.ndarray) -> np.ndarray:
+        return 1 + depth * np.sin(2 * np.pi * waves * (x - travel[0]) / length + shift)
+
+    colours = {"coloured_noise": ["second_order"], "pink_noise": ["pink"], "heavy_tails": ["heavy_tails"]}
+    machine = Machine(
+        family=family,
+        travel=travel,
+        velocity=velocity,
+        acceleration=acceleration,
+        peak=peak,
+        rate=rate,
+        duration=float(rng.uniform(8.0, 15.0)),
+        substeps=substeps,
+        law=law,
+        scalars=scalars,
+        pitch=pitch,
+        harmonics=harmonics,
+        sine=size * share * np.cos(angle),
+        cosine=size * share * np.sin(angle),
+        drift=drift,
+        colour=str(rng.choice(colours.get(family, list(COLOURS)))),
+        noise_rms=peak * log_uniform(rng, 5e-4, 5e-3),
+        noise_corner=log_uniform(rng, 15.0, min(200.0, rate / 8)),
+        encoder_noise=resolution * float(rng.choice([0.0, rng.uniform(0.1, 1.0)])),
+        jitter=0.0,
+        poor=family == "poor_motion" or rng.random() < 0.08,
+        stated_controller=family != "no_controller" and rng.random() < 0.7,
+        reference_columns=True,
+        uncertainty=sigma,
+    )
+    if family == "jitter" or rng.random() < 0.15:
+        machine.jitter = log_uniform(rng, 0.003, 0.08)
+    if family not in ("no_controller", "plain") and family in NULL_FAMILIES:
+        machine.stated_controller = True
+    if not machine.stated_controller and rng.random() < 0.5:
+        machine.reference_columns = False
+    machine.model = _model(rng, machine, nominal, nominal_width)
+    return machine
+
+
+def _model(
+    rng: np.random.Generator, machine: Machine, nominal: dict[str, float], nominal_width: float
+) -> dict[str, Any]:
+    """The model file that the user has: wrong within its stated uncertainty."""
+    columns = {"sine": [], "cosine": []}
+    length = machine.travel[1] - machine.travel[0]
+    knots = max(machine.pitch, length / 12)
+    points = int(np.ceil(length / knots)) + 2
+    x = np.linspace(*machine.travel, 40 * points)
+    basis = BSpline.design_matrix(
+        np.clip(x, machine.travel[0], machine.travel[1] - 1e-9),
+        machine.travel[0] + knots * np.arange(-2, points + 1),
+        2,
+    ).toarray()[:, :points]
+    shape = np.linalg.lstsq(basis, machine.drift(x), rcond=None)[0]
+    constant = bool(np.ptp(shape) < 1e-6)
+    for index in range(len(machine.harmonics)):
+        wrong = (1 + 0.1 * rng.standard_normal()) * np.exp(0.1j * rng.standard_normal())
+        amplitude = (machine.sine[index] + 1j * machine.cosine[index]) * wrong
+        row = np.ones(1) if constant else shape
+        columns["sine"].append((amplitude.real * row).tolist())
+        columns["cosine"].append((amplitude.imag * row).tolist())
+    cogging: dict[str, Any] = {"pitch": knots, "order": 3, "origin": machine.travel[0]}
+    if knots == machine.pitch:
+        cogging["harmonics"] = machine.harmonics
+    else:
+        cogging["periods"] = machine.periods
+    scalars = machine.scalars
+    model: dict[str, Any] = {
+        "axis": {
+            **nominal,
+            "coulomb_width": nominal_width,
+            "travel": list(machine.travel),
+            "uncertainty": machine.uncertainty,
+        },
+        "cogging": {**cogging, **columns},
+        "encoder": {"resolution": scalars["resolution"], "noise": machine.encoder_noise},
+    }
+    stated = {"loud_noise": 1 / 3, "quiet_noise": 3.0}.get(machine.family, float(rng.choice([1.0, 1.0, 0.7, 1.5, 3.0])))
+    if rng.random() > 0.3 or machine.family in ("loud_noise", "quiet_noise"):
+        model["noise"] = {
+            "force": float(f"{stated * machine.noise_rms:.2g}"),
+            "bandwidth": float(rng.choice([30, 50, 100])),
+        }
+    if machine.stated_controller:
+        names = {"mass": "ff_mass", "viscous": "ff_viscous", "coulomb": "ff_coulomb", "coulomb_width": "ff_width"}
+        controller: dict[str, Any] = {"type": "cascade" if scalars["controller"] == truth.CASCADE else "pid"}
+        controller["sample_rate"] = machine.rate
+        keys = ("kp", "kv") if controller["type"] == "cascade" else ("kp", "ki", "kd")
+        controller |= {key: float(scalars.get(key, 0.0)) for key in keys}
+        controller |= {key: float(scalars[name]) for key, name in names.items()}
+        if scalars.get("limit"):
+            controller["command_limit"] = scalars["limit"]
+        model["controller"] = controller
+    return model

@@ -1,0 +1,282 @@
+"""Scores of a blind suite: each result beside its key, rates with Wilson's 95 % bounds, the table of targets.
+
+Rules: a null is a false alarm under any verdict but `no_gap` and `insufficient_excitation`. An effect is detected
+under `named`, `ambiguous` and `unlisted`. It is named if an entry of `effects` bears its name, up to `alternatives`.
+An entry of confidence >= 0.9 without alternatives whose name is not in the case is confident and wrong, whatever the
+verdict; for effects outside the vocabulary all names are wrong but those of the same cause (`tolerated`).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+CONFIDENT = 0.9
+DETECTED = ("named", "ambiguous", "unlisted")
+ALARMS = (*DETECTED, "controller_mismatch", "error")
+BINS = (0.0, 0.5, 0.7, 0.9, 0.97, 1.0)
+
+
+@dataclass(frozen=True)
+class Rate:
+    """k of n, with Wilson's 95 % bounds."""
+
+    hits: int
+    count: int
+
+    @classmethod
+    def of(cls, flags: Iterable[bool]) -> Rate:
+        """Count the true ones."""
+        flags = list(flags)
+        return cls(sum(map(bool, flags)), len(flags))
+
+    @property
+    def value(self) -> float:
+        """k / n; NaN of nothing."""
+        return self.hits / self.count if self.count else math.nan
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Wilson's score interval: where the normal test of p against k / n is not refused at 5 %."""
+        if not self.count:
+            return 0.0, 1.0
+        z2, n, p = 1.959963984540054**2, self.count, self.value
+        center = (p + z2 / (2 * n)) / (1 + z2 / n)
+        half = math.sqrt(z2 * (p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n)
+        return max(center - half, 0.0), min(center + half, 1.0)
+
+    def __str__(self) -> str:
+        if not self.count:
+            return "-"
+        low, high = self.bounds
+        return f"{100 * self.value:5.1f} % ({self.hits}/{self.count}; {100 * low:.1f} to {100 * high:.1f})"
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"hits": self.hits, "count": self.count, "value": self.value, "wilson95": list(self.bounds)}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One case judged.
+
+    Attributes:
+        truths: names hidden. verdict: as in the result, or `error`.
+        right: all truths are named, up to alternatives. names: how many names the result gave, alternatives included.
+        exact: `named` with exactly the truths.
+        wrong: names that are confident and wrong.
+        stated: (confidence, was right) of each entry without alternatives.
+        closed: share of what the true model closes on the confirm log, of the truth's first-order prediction; None
+            where nothing can be closed. closed_to_floor: (before^2 - after^2) / (before^2 - floor^2), truth's floor.
+        worse: the confirm log got worse by more than 1 %; None without one.
+        covered: whether each interval holds its truth; errors: (field, error / Cramer-Rao deviation).
+    """
+
+    case: str
+    kind: str
+    family: str
+    ratio: float
+    truths: tuple[str, ...]
+    verdict: str
+    right: bool
+    exact: bool
+    names: int
+    first: str
+    wrong: tuple[str, ...]
+    stated: tuple[tuple[float, bool], ...]
+    closed: float | None
+    closed_to_floor: float | None
+    worse: bool | None
+    covered: tuple[tuple[str, bool], ...]
+    errors: tuple[tuple[str, float], ...]
+    seconds: float
+    key: Mapping[str, Any] = field(repr=False, default_factory=dict)
+
+    @property
+    def detected(self) -> bool:
+        """Something was found."""
+        return self.verdict in DETECTED
+
+
+def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds: float = math.nan) -> Outcome:
+    """Judge one result (the contract's JSON, or {"error": text}) by the case's key."""
+    truths = {entry["name"]: entry for entry in key["effects"]}
+    listed = {name for name, entry in truths.items() if entry["in_vocabulary"]}
+    fine = listed | {name for entry in truths.values() for name in entry["tolerated"]}
+    verdict = "error" if "error" in result else str(result["verdict"])
+    effects = list(result.get("effects") or [])
+    classes = [{entry["name"], *entry.get("alternatives", [])} for entry in effects]
+    named = {name for one in classes for name in one}
+    wrong, stated = [], []
+    for entry, names in zip(effects, classes, strict=True):
+        if len(names) == 1:
+            good = entry["name"] in fine
+            stated.append((float(entry["confidence"]), good))
+            if entry["confidence"] >= CONFIDENT and not good:
+                wrong.append(entry["name"])
+    right = bool(listed) and listed == set(truths) and verdict in DETECTED and listed <= named
+    exact = right and verdict == "named" and {entry["name"] for entry in effects} == listed
+    covered, errors = [], []
+    for entry in effects:
+        truth = truths.get(entry["name"])
+        for name, known in (truth or {"parameters": {}})["parameters"].items():
+            found = (entry.get("parameters") or {}).get(name)
+            if found is None or found.get("value") is None:
+                continue
+            if found.get("ci95"):
+                low, high = found["ci95"]
+                covered.append((f"{entry['name']}.{name}", bool(low <= known["value"] <= high)))
+            if known["deviation"]:
+                errors.append((f"{entry['name']}.{name}", (found["value"] - known["value"]) / known["deviation"]))
+    closed, to_floor, worse = _gap(key, result.get("gap") or {})
+    return Outcome(
+        case=case,
+        kind=key["kind"],
+        family=key["family"],
+        ratio=key["ratio"],
+        truths=tuple(truths),
+        verdict=verdict,
+        right=right,
+        exact=exact,
+        names=sum(len(one) for one in classes),
+        first=effects[0]["name"] if effects else "",
+        wrong=tuple(wrong),
+        stated=tuple(stated),
+        closed=closed,
+        closed_to_floor=to_floor,
+        worse=worse,
+        covered=tuple(covered),
+        errors=tuple(errors),
+        seconds=seconds,
+        key=key,
+    )
+
+
+def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, float | None, bool | None]:
+    before, after = gap.get("confirm_before"), gap.get("confirm_after")
+    if before is None or after is None:
+        return None, None, None
+    worse = bool(after > 1.01 * before)
+    if not key["stated_controller"] or not key["effects"] or gap.get("floor") is None:  # no gap in command units
+        return None, None, worse
+    floor, gained = key["confirm_floor"], before**2 - after**2
+    closed = to_floor = None
+    shows = key["confirm_rest"] > 0.03 * floor and key["confirm_rest"] < 1.5 * key["confirm_effect"]
+    if shows and key["confirm_closable"] > 0.25 * key["confirm_rest"] ** 2:
+        closed = gained / key["confirm_closable"]
+        if before**2 > 1.0005 * floor**2:
+            to_floor = gained / (before**2 - floor**2)
+    return closed, to_floor, worse
+
+
+def table(outcomes: list[Outcome]) -> dict[str, Any]:
+    """All figures of the suite, by name; rates are Rate objects."""
+    nulls = [o for o in outcomes if o.kind == "null"]
+    single = [o for o in outcomes if o.kind == "effect"]
+    outside = [o for o in outcomes if o.kind == "outside"]
+    many = [o for o in outcomes if o.kind in ("pair", "triple")]
+    ratios = sorted({o.ratio for o in single + outside})
+
+    def by_ratio(group: list[Outcome], flag: Callable[[Outcome], bool]) -> dict[str, Rate]:
+        return {f"{ratio:g}": Rate.of(flag(o) for o in group if o.ratio == ratio) for ratio in ratios}
+
+    def share(group: list[Outcome], flag: Callable[[Outcome], bool]) -> Rate:
+        return Rate.of(flag(o) for o in group)
+
+    found = [o for o in single if o.right]
+    large = [o for o in single + many if o.ratio >= 300]
+    stated = [pair for o in outcomes for pair in o.stated]
+    times = [o.seconds for o in outcomes if math.isfinite(o.seconds)]
+    coverage = [flag for o in outcomes if o.right for _, flag in o.covered]
+    errors = np.array([error for o in outcomes if o.right for _, error in o.errors])
+    return {
+        "cases": len(outcomes),
+        "errors": share(outcomes, lambda o: o.verdict == "error"),
+        "false_alarm": share(nulls, lambda o: o.verdict in ALARMS),
+        "false_alarm_by_family": {
+            family: Rate.of(o.verdict in ALARMS for o in nulls if o.family == family)
+            for family in sorted({o.family for o in nulls})
+        },
+        "false_alarm_by_law_ratio": {
+            "friction law under 30": share(
+                [o for o in nulls if o.key.get("law_ratio", 0.0) < 30], lambda o: o.verdict in ALARMS
+            ),
+            "friction law above 30": share(
+                [o for o in nulls if o.key.get("law_ratio", 0.0) >= 30], lambda o: o.verdict in ALARMS
+            ),
+        },
+        "null_confident": share(nulls, lambda o: bool(o.wrong)),
+        "detected": by_ratio(single, lambda o: o.detected),
+        "named": by_ratio(single, lambda o: o.right),
+        "exact": by_ratio(single, lambda o: o.exact),
+        "mean_names": float(np.mean([o.names for o in found])) if found else None,
+        "confident_wrong": by_ratio(single, lambda o: bool(o.wrong)),
+        "confident_wrong_all": share(single, lambda o: bool(o.wrong)),
+        "confident_wrong_many": share(many, lambda o: bool(o.wrong)),
+        "outside_detected": by_ratio(outside, lambda o: o.detected),
+        "outside_unlisted": by_ratio(outside, lambda o: o.verdict == "unlisted"),
+        "outside_confident_wrong": by_ratio(outside, lambda o: bool(o.wrong)),
+        "outside_confident_wrong_all": share(outside, lambda o: bool(o.wrong)),
+        "pairs_right": share([o for o in many if o.kind == "pair"], lambda o: o.right),
+        "triples_right": share([o for o in many if o.kind == "triple"], lambda o: o.right),
+        "unknown_controller_named": share([o for o in single if not o.key["stated_controller"]], lambda o: o.right),
+        "gap_closed_median": _median([o.closed for o in large]),
+        "gap_closed_to_floor_median": _median([o.closed_to_floor for o in large]),
+        "made_worse": share([o for o in outcomes if o.worse is not None], lambda o: bool(o.worse)),
+        "coverage": Rate.of(coverage),
+        "error_to_bound": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
+        "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,
+        "error_count": len(errors),
+        "calibration": {
+            f"{low:g} to {high:g}": {
+                "stated": float(np.mean(here)) if (here := [c for c, _ in stated if _within(c, low, high)]) else None,
+                "right": Rate.of(good for c, good in stated if _within(c, low, high)),
+            }
+            for low, high in itertools.pairwise(BINS)
+        },
+        "power": {name: by_ratio([o for o in single + outside if o.truths == (name,)], lambda o: o.detected)
+                  for name in sorted({o.truths[0] for o in single + outside})},
+        "naming": {name: by_ratio([o for o in single if o.truths == (name,)], lambda o: o.right)
+                   for name in sorted({o.truths[0] for o in single})},
+        "confusion": confusion(outcomes),
+        "seconds_median": float(np.median(times)) if times else None,
+        "seconds_max": max(times) if times else None,
+    }  # fmt: skip
+
+
+def _within(value: float, low: float, high: float) -> bool:
+    return low <= value < high or (value == high == BINS[-1])
+
+
+def _median(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
+
+
+def confusion(outcomes: list[Outcome]) -> dict[str, dict[str, int]]:
+    """Rows: what is hidden; columns: the verdict, or for `named` and `ambiguous` the first name (? if ambiguous)."""
+    rows: dict[str, Counter[str]] = {}
+    for o in outcomes:
+        row = " + ".join(sorted(o.truths)) or "nothing"
+        column = o.verdict
+        if o.verdict == "named":
+            column = o.first
+        elif o.verdict == "ambiguous":
+            column = f"{o.first or 'ambiguous'}?"
+        rows.setdefault(row, Counter())[column] += 1
+    return {row: dict(counts.most_common()) for row, counts in sorted(rows.items())}
+
+
+def plain(value: Any) -> Any:
+    """Make a table fit for JSON."""
+    if isinstance(value, Rate):
+        return plain(value.to_dict())
+    if isinstance(value, Mapping):
+        return {key: plain(entry) for key, entry in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,437 @@
+"""The truth: an axis under digital control, integrated by Heun's method between the samples.
+
+It imports nothing of the package under test (a test walks the imports), and differs from it on purpose: another
+integrator, other friction laws, force maps read from a fine table instead of a spline basis, exact stick-slip,
+bristles, two masses, an actuator chain and an encoder with faults. All states are SI; forces are in the command unit.
+
+One sample: read the encoder at the true instant, compute the command with Ts = 1 / rate, hold it, integrate
+`substeps` steps of Heun to the next instant. Positive force pushes towards +x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+_SCALARS = """
+mass viscous coulomb width law bristle bristle_damping resolution x_start v_start
+controller rate kp ki kd kv ff_mass ff_viscous ff_coulomb ff_width ff_measured limit
+coulomb_asymmetry viscous_asymmetry stribeck stribeck_velocity stribeck_exponent stribeck_shape drag drag_exponent
+delay lag second_lag saturation_up saturation_down saturation_soft dead_zone
+coupling load_ratio mode_frequency mode_damping hardening gap
+hysteresis hysteresis_length hysteresis_period gain_speed
+encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular lost_at lost_counts
+"""
+#: Scalars of a plan, by name; each is one place of the vector that the compiled loop reads.
+SCALARS = _SCALARS.split()
+(
+    MASS, VISCOUS, COULOMB, WIDTH, LAW, BRISTLE, BRISTLE_DAMPING, RESOLUTION, X_START, V_START,
+    CONTROLLER, RATE, KP, KI, KD, KV, FF_MASS, FF_VISCOUS, FF_COULOMB, FF_WIDTH, FF_MEASURED, LIMIT,
+    COULOMB_ASYMMETRY, VISCOUS_ASYMMETRY, STRIBECK, STRIBECK_VELOCITY, STRIBECK_EXPONENT, STRIBECK_SHAPE, DRAG,
+    DRAG_EXPONENT, DELAY, LAG, SECOND_LAG, SATURATION_UP, SATURATION_DOWN, SATURATION_SOFT, DEAD_ZONE,
+    COUPLING, LOAD_RATIO, MODE_FREQUENCY, MODE_DAMPING, HARDENING, GAP,
+    HYSTERESIS, HYSTERESIS_LENGTH, HYSTERESIS_PERIOD, GAIN_SPEED,
+    ENCODER_SCALE, ENCODER_ORIGIN, ENCODER_PERIOD, ENCODER_SINE, ENCODER_COSINE, ENCODER_TRIANGULAR, LOST_AT,
+    LOST_COUNTS,
+) = range(len(SCALARS))  # fmt: skip
+
+#: Rows of a plan over the samples: reference, force (noise included), additions to gain, viscous and Coulomb, what is
+#: added to the reading, and 1 where the amplifier misses the new command.
+ROWS = ("position", "velocity", "acceleration", "force", "gain", "viscous", "coulomb", "reading", "held")
+R_POSITION, R_VELOCITY, R_ACCELERATION, R_FORCE, R_GAIN, R_VISCOUS, R_COULOMB, R_READING, R_HELD = range(len(ROWS))
+
+#: Maps of a plan over the travel: force, additions to Coulomb, viscous and gain, and force per squared command.
+MAPS = ("force", "coulomb", "viscous", "gain", "reluctance")
+M_FORCE, M_COULOMB, M_VISCOUS, M_GAIN, M_RELUCTANCE = range(len(MAPS))
+
+#: Friction laws: what stands for the sign of the velocity.
+LAWS = ("tanh", "algebraic", "arctangent", "bristle", "stick")
+TANH, ALGEBRAIC, ARCTANGENT, BRISTLES, STICK = range(len(LAWS))
+PID, CASCADE = 0, 1
+RIGID, FLEXIBLE, BACKLASH = 0, 1, 2
+GRID_STEP = 4e-5  # m, of the maps; cubic interpolation between
+
+
+@dataclass
+class Plan:
+    """All that one run needs: scalars, instants, rows over the samples, maps over the travel.
+
+    Attributes:
+        scalars: (len(SCALARS),), see SCALARS.
+        instants: true sampling instants, s, (n,).
+        stamps: what the log says of them, s, (n,).
+        rows: (n, len(ROWS)).
+        grid_start: position of the maps' first point, m.
+        maps: (len(MAPS), points), spaced by GRID_STEP.
+        substeps: steps of Heun in one sample.
+        force_noise, reading_noise: the part of the rows that is noise, (n,) each.
+    """
+
+    scalars: np.ndarray
+    instants: np.ndarray
+    stamps: np.ndarray
+    rows: np.ndarray
+    grid_start: float
+    maps: np.ndarray
+    substeps: int
+    force_noise: np.ndarray
+    reading_noise: np.ndarray
+
+    @classmethod
+    def empty(cls, instants: np.ndarray, travel: tuple[float, float], substeps: int = 10) -> Plan:
+        """Make a plan at rest: no forces, infinite limits, no encoder faults."""
+        margin = 0.05 * (travel[1] - travel[0]) + 4 * GRID_STEP
+        points = int(np.ceil((travel[1] - travel[0] + 2 * margin) / GRID_STEP)) + 1
+        scalars = np.zeros(len(SCALARS))
+        scalars[[SATURATION_UP, SATURATION_DOWN]] = np.inf
+        scalars[[DRAG_EXPONENT, STRIBECK_VELOCITY, STRIBECK_EXPONENT]] = 2.0, 0.01, 2.0
+        scalars[[WIDTH, ENCODER_PERIOD, HYSTERESIS_LENGTH, BRISTLE]] = 1e-3, 1.0, 1e-3, 1e-6
+        return cls(
+            scalars=scalars,
+            instants=instants.copy(),
+            stamps=instants.copy(),
+            rows=np.zeros((len(instants), len(ROWS))),
+            grid_start=travel[0] - margin,
+            maps=np.zeros((len(MAPS), points)),
+            substeps=substeps,
+            force_noise=np.zeros(len(instants)),
+            reading_noise=np.zeros(len(instants)),
+        )
+
+    def add_noise(self, force: np.ndarray, reading: np.ndarray) -> None:
+        """Add force noise (command unit) and white noise of the reading (m), in place."""
+        self.force_noise, self.reading_noise = self.force_noise + force, self.reading_noise + reading
+        self.rows[:, R_FORCE] += force
+        self.rows[:, R_READING] += reading
+
+    def smooth(self) -> Plan:
+        """A copy without the quantiser."""
+        copy = self.copy()
+        copy["resolution"] = 0.0
+        return copy
+
+    def silent(self) -> Plan:
+        """A copy without quantiser and noise; effects stay."""
+        copy = self.smooth()
+        copy.add_noise(-self.force_noise, -self.reading_noise)
+        return copy
+
+    def copy(self) -> Plan:
+        """A copy that shares nothing with this one."""
+        return Plan(
+            self.scalars.copy(),
+            self.instants.copy(),
+            self.stamps.copy(),
+            self.rows.copy(),
+            self.grid_start,
+            self.maps.copy(),
+            self.substeps,
+            self.force_noise,
+            self.reading_noise,
+        )
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Where the maps are known, m."""
+        return self.grid_start + GRID_STEP * np.arange(self.maps.shape[1])
+
+    def __getitem__(self, name: str) -> float:
+        return float(self.scalars[SCALARS.index(name)])
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self.scalars[SCALARS.index(name)] = value
+
+    def run(self) -> Run:
+        """Simulate.
+
+        Raises:
+            ArithmeticError: the axis left its maps or the numbers: such a loop is unstable.
+        """
+        active = np.any(self.maps != 0.0, axis=1)
+        ok, readings, commands, positions, velocities = _loop(
+            self.scalars, self.instants, self.rows, self.maps, active, self.grid_start, self.substeps
+        )
+        if not ok:
+            raise ArithmeticError("the closed loop is unstable or leaves the travel")
+        return Run(readings, commands, positions, velocities)
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run gives, one value a sample: encoder reading (m), command, true position (m) and velocity (m/s)."""
+
+    reading: np.ndarray
+    command: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+@njit(cache=True, error_model="numpy")
+def _smooth_sign(law, v, width):
+    if law == TANH:
+        return np.tanh(v / width)
+    if law == ALGEBRAIC:
+        return v / np.sqrt(v * v + width * width)
+    return 2.0 / np.pi * np.arctan(v / width)
+
+
+@njit(cache=True, error_model="numpy")
+def _controller_sign(v, width):
+    if width > 0.0:
+        return 2.0 / np.pi * np.arctan(v / width)
+    return np.sign(v)
+
+
+@njit(cache=True, error_model="numpy")
+def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
+    """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
+    s = (x - grid_start) / GRID_STEP
+    i = int(s)
+    f = s - i
+    # Catmull-Rom weights
+    w0 = f * (-0.5 + f * (1.0 - 0.5 * f))
+    w1 = 1.0 + f * f * (-2.5 + 1.5 * f)
+    w2 = f * (0.5 + f * (2.0 - 1.5 * f))
+    w3 = f * f * (-0.5 + 0.5 * f)
+    gain = 1.0 + row[R_GAIN] + p[GAIN_SPEED] * abs(v)
+    viscous = p[VISCOUS] + row[R_VISCOUS] + 0.5 * np.sign(v) * p[VISCOUS_ASYMMETRY]
+    level = p[COULOMB] + row[R_COULOMB]
+    total = force
+    if active[M_FORCE]:
+        m = maps[M_FORCE]
+        total += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+    if active[M_COULOMB]:
+        m = maps[M_COULOMB]
+        level += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+    if active[M_VISCOUS]:
+        m = maps[M_VISCOUS]
+        viscous += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+    if active[M_GAIN]:
+        m = maps[M_GAIN]
+        gain += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+    if active[M_RELUCTANCE]:
+        m = maps[M_RELUCTANCE]
+        total += u * u * (w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2])
+    total += u * gain - viscous * v
+    if p[DRAG] != 0.0:
+        total -= p[DRAG] * np.sign(v) * abs(v) ** p[DRAG_EXPONENT]
+    if p[HYSTERESIS] != 0.0:
+        pull = p[HYSTERESIS] * hysteresis / p[HYSTERESIS_LENGTH]
+        if p[HYSTERESIS_PERIOD] > 0.0:
+            pull *= np.sin(2.0 * np.pi * x / p[HYSTERESIS_PERIOD])
+        total -= pull
+    if p[STRIBECK] != 0.0:
+        ratio = abs(v) / p[STRIBECK_VELOCITY]
+        if p[STRIBECK_SHAPE] == 0.0:
+            level += p[STRIBECK] * np.exp(-(ratio ** p[STRIBECK_EXPONENT]))
+        else:
+            level += p[STRIBECK] / (1.0 + ratio * ratio)
+    return total, level
+
+
+@njit(cache=True, error_model="numpy")
+def _actuator(p, u):
+    if p[SATURATION_SOFT] > 0.0:
+        u = p[SATURATION_SOFT] * np.tanh(u / p[SATURATION_SOFT])
+    u = min(max(u, -p[SATURATION_DOWN]), p[SATURATION_UP])
+    if p[DEAD_ZONE] > 0.0:
+        u = np.sign(u) * max(abs(u) - p[DEAD_ZONE], 0.0)
+    return u
+
+
+@njit(cache=True, error_model="numpy")
+def _relaxed(state, v, length, h):
+    """Bristle or hysteresis state after h at constant velocity: z' = v - |v| z / length, solved exactly."""
+    goal = length * np.sign(v)
+    return goal + (state - goal) * np.exp(-abs(v) * h / length)
+
+
+@njit(cache=True, error_model="numpy")
+def _loop(p, t, rows, maps, active, grid_start, substeps):
+    n = t.size
+    readings, commands = np.zeros(n), np.zeros(n)
+    positions, velocities = np.zeros(n), np.zeros(n)
+    held = np.zeros(n)  # what the amplifier was given
+    ts = 1.0 / p[RATE]
+    law = int(p[LAW])
+    x, v = p[X_START], p[V_START]
+    xl, vl = x, v
+    engaged = 0
+    bristle, hysteresis = 0.0, 0.0
+    lag_1, lag_2 = 0.0, 0.0
+    lost = 0.0
+    error_sum, error_before, reading_before = 0.0, 0.0, 0.0
+    stiffness = 0.0
+    damping = 0.0
+    m_motor, m_load = p[MASS], 0.0
+    if p[COUPLING] != RIGID:
+        m_load = p[MASS] * p[LOAD_RATIO]
+        m_motor = p[MASS] - m_load
+        reduced = m_load * m_motor / p[MASS]
+        omega = 2.0 * np.pi * p[MODE_FREQUENCY]
+        stiffness = reduced * omega * omega
+        damping = 2.0 * p[MODE_DAMPING] * omega * reduced
+    x_low = grid_start + 2 * GRID_STEP
+    x_high = grid_start + (maps.shape[1] - 3) * GRID_STEP
+    active_index = 0
+    for k in range(n):
+        # the encoder
+        y = x + p[ENCODER_SCALE] * (x - p[ENCODER_ORIGIN]) + rows[k, R_READING] + lost
+        if p[ENCODER_SINE] != 0.0 or p[ENCODER_COSINE] != 0.0:
+            phase = 2.0 * np.pi * x / p[ENCODER_PERIOD]
+            if p[ENCODER_TRIANGULAR] > 0.0:
+                amplitude = np.hypot(p[ENCODER_SINE], p[ENCODER_COSINE])
+                shift = np.arctan2(p[ENCODER_COSINE], p[ENCODER_SINE])
+                y += amplitude * 2.0 / np.pi * np.arcsin(np.sin(phase + shift))
+            else:
+                y += p[ENCODER_SINE] * np.sin(phase) + p[ENCODER_COSINE] * np.cos(phase)
+        if p[RESOLUTION] > 0.0:
+            y = p[RESOLUTION] * np.rint(y / p[RESOLUTION])
+        readings[k], positions[k], velocities[k] = y, x, v
+        # the controller
+        error = y - rows[k, R_POSITION]
+        if k == 0:
+            error_before, reading_before = error, y
+        measured = (y - reading_before) / ts
+        v_forward = measured if p[FF_MEASURED] > 0.0 else rows[k, R_VELOCITY]
+        u = p[FF_MASS] * rows[k, R_ACCELERATION] + p[FF_VISCOUS] * v_forward
+        u += p[FF_COULOMB] * _controller_sign(v_forward, p[FF_WIDTH])
+        step = error * ts
+        if p[CONTROLLER] == PID:
+            error_sum += step
+            u += -p[KP] * error - p[KI] * error_sum - p[KD] * (error - error_before) / ts
+        else:
+            u += p[KV] * (-p[KP] * error - measured)
+        if p[LIMIT] > 0.0:
+            cut = min(max(u, -p[LIMIT]), p[LIMIT])
+            if (u - cut) * step < 0.0:
+                error_sum -= step
+            u = cut
+        error_before, reading_before = error, y
+        commands[k] = u
+        held[k] = held[k - 1] if rows[k, R_HELD] > 0.0 and k > 0 else u
+        if k == n - 1:
+            break
+        # the axis until the next sample
+        h = (t[k + 1] - t[k]) / substeps
+        force_0 = rows[k, R_FORCE]
+        force_slope = (rows[k + 1, R_FORCE] - force_0) / substeps
+        row = rows[k]
+        u_now = _actuator(p, held[k])
+        for j in range(substeps):
+            if p[DELAY] > 0.0:
+                late = t[k] + (j + 1) * h - p[DELAY]
+                while active_index < k and t[active_index + 1] <= late:
+                    active_index += 1
+                u_now = _actuator(p, held[active_index])
+                since = late - t[active_index]
+                if late < t[0]:
+                    u_now = _actuator(p, held[0])
+                elif since < h and active_index > 0:  # the change falls into this step: its mean over the step
+                    u_before = _actuator(p, held[active_index - 1])
+                    u_now = u_before + (u_now - u_before) * since / h
+            u_0 = u_now
+            u_1 = u_now
+            if p[LAG] > 0.0:
+                u_0 = lag_1
+                if k == 0 and j == 0:
+                    lag_1 = u_now
+                    u_0 = u_now
+                lag_1 += (u_now - lag_1) * (1.0 - np.exp(-h / p[LAG]))
+                u_1 = lag_1
+                if p[SECOND_LAG] > 0.0:
+                    if k == 0 and j == 0:
+                        lag_2 = u_now
+                    before = lag_2
+                    lag_2 += (0.5 * (u_0 + u_1) - lag_2) * (1.0 - np.exp(-h / p[SECOND_LAG]))
+                    u_0, u_1 = before, lag_2
+            f_0 = force_0 + force_slope * j
+            f_1 = f_0 + force_slope
+            # slope at the start
+            total, level = _forces(p, maps, active, grid_start, row, x, v, u_0, f_0, hysteresis)
+            pull = 0.0
+            if p[COUPLING] == FLEXIBLE:
+                d = x - xl
+                pull = stiffness * d * (1.0 + p[HARDENING] * d * d) + damping * (v - vl)
+                total -= pull
+            direction = np.sign(v)
+            if law == STICK:
+                if v == 0.0:
+                    direction = np.sign(total)
+                    if abs(total) <= level + 0.5 * direction * p[COULOMB_ASYMMETRY]:
+                        continue
+                friction = direction * level + 0.5 * p[COULOMB_ASYMMETRY]
+            elif law == BRISTLES:
+                share = bristle / p[BRISTLE]
+                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
+                friction += p[BRISTLE_DAMPING] * (v - abs(v) * share)
+            else:
+                share = _smooth_sign(law, v, p[WIDTH])
+                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
+            inertia = m_motor
+            if p[COUPLING] == BACKLASH and engaged != 0:
+                if engaged * (total - friction) < 0.0:
+                    engaged = 0
+                else:
+                    inertia = p[MASS]
+            a_0 = (total - friction) / inertia
+            # predictor
+            vp = v + h * a_0
+            xp = x + 0.5 * h * (v + vp)
+            bristle_p = _relaxed(bristle, 0.5 * (v + vp), p[BRISTLE], h) if law == BRISTLES else 0.0
+            if p[HYSTERESIS] != 0.0:
+                hysteresis = _relaxed(hysteresis, 0.5 * (v + vp), p[HYSTERESIS_LENGTH], h)
+            if not (x_low < xp < x_high):
+                return False, readings, commands, positions, velocities
+            # slope at the end
+            total, level = _forces(p, maps, active, grid_start, row, xp, vp, u_1, f_1, hysteresis)
+            if p[COUPLING] == FLEXIBLE:
+                al_0 = pull / m_load
+                vlp = vl + h * al_0
+                xlp = xl + 0.5 * h * (vl + vlp)
+                d = xp - xlp
+                pull_1 = stiffness * d * (1.0 + p[HARDENING] * d * d) + damping * (vp - vlp)
+                total -= pull_1
+                vl_new = vl + 0.5 * h * (al_0 + pull_1 / m_load)
+                xl += 0.5 * h * (vl + vl_new)
+                vl = vl_new
+            if law == STICK:
+                friction = direction * level + 0.5 * p[COULOMB_ASYMMETRY]
+            elif law == BRISTLES:
+                share = bristle_p / p[BRISTLE]
+                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
+                friction += p[BRISTLE_DAMPING] * (vp - abs(vp) * share)
+            else:
+                share = _smooth_sign(law, vp, p[WIDTH])
+                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
+            a_1 = (total - friction) / inertia
+            v_new = v + 0.5 * h * (a_0 + a_1)
+            stop = 1.0
+            if law == STICK and v_new * direction < 0.0:
+                stop = min(1.0, abs(v) / (abs(v) + abs(v_new)))
+                v_new = 0.0
+            x_new = x + 0.5 * h * stop * (v + v_new)
+            if law == BRISTLES:
+                bristle = _relaxed(bristle, 0.5 * (v + v_new), p[BRISTLE], h)
+            if p[LOST_COUNTS] != 0.0 and x < p[LOST_AT] <= x_new:
+                lost -= p[LOST_COUNTS]
+            if p[COUPLING] == BACKLASH:
+                if engaged != 0:
+                    vl = v_new
+                    xl = x_new - engaged * 0.5 * p[GAP]
+                else:
+                    xl += h * vl
+                    play = x_new - xl
+                    if abs(play) >= 0.5 * p[GAP]:
+                        side = 1 if play > 0.0 else -1
+                        if side * (v_new - vl) > 0.0:  # an impact without rebound: momentum is kept
+                            v_new = (m_motor * v_new + m_load * vl) / p[MASS]
+                            vl = v_new
+                            engaged = side
+                        xl = x_new - side * 0.5 * p[GAP]
+            x, v = x_new, v_new
+            if not abs(v) < 1e3:
+                return False, readings, commands, positions, velocities
+    return True, readings, commands, positions, velocities
