@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import EFFECTS, AxisParameters, CoggingModel, EncoderParameters, Log, Model, NoiseParameters, SplineHarmonics
+from cogging import (
+    EFFECTS,
+    AxisParameters,
+    CoggingModel,
+    EncoderParameters,
+    Log,
+    Model,
+    NoiseParameters,
+    SplineHarmonics,
+)
 from cogging.cli import main
 from cogging.identify import identify
 from tests.identify_coverage import moves
@@ -73,9 +82,7 @@ def spring(stiffness=0.0):
 @pytest.fixture(scope="module")
 def fitted():
     basis = SplineHarmonics(pitch=0.03, harmonics=[1, 2], control_points=1)
-    truth = machine(
-        EFFECTS["constant_force"](force=0.5), tables=CoggingModel(basis, [[0.4], [-0.2]], [[0.1], [0.3]])
-    )
+    truth = machine(EFFECTS["constant_force"](force=0.5), tables=CoggingModel(basis, [[0.4], [-0.2]], [[0.1], [0.3]]))
     prior = prior_of(
         truth,
         effects=(EFFECTS["constant_force"](),),
@@ -152,33 +159,49 @@ def test_only_the_parameters_asked_for_move(fitted):
 # What a log cannot tell -----------------------------------------------------------------------------------------------
 
 
-def test_mass_is_not_determined_at_constant_speed():
+def test_nothing_is_found_at_one_constant_speed():
     truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0)
     prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
     log = run(truth, strokes(0.1, duration=4.0, distance=1.0, ramp=0.001), duration=4.0)
     log = Log.of({name: column[1000:] for name, column in log.columns().items()})  # all of it at 0.1 m/s
     found = identify(log, prior)
-    for path in ("axis.mass", "axis.viscous", "axis.coulomb"):
-        p = found[path]
+    assert len(found.parameters) == 4
+    for p in found.parameters:
         assert not p.determined
         assert p.ci95 == (-np.inf, np.inf)
         assert p.value == p.prior
         assert "not determined" in p.note
-    assert found.model.axis.mass == prior.axis.mass
+    assert found.model.axis == prior.axis
     assert found.to_dict()["parameters"]["axis.mass"]["ci95"] is None
+    assert found.text().count("not determined") >= 8
+    assert not found.covariance.any()
+
+
+def test_mass_alone_is_not_determined_where_accelerations_drown_in_the_noise():
+    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0, noise=0.2)
+    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
+    time = np.arange(50001) / RATE
+    slow = cogging.Sampled(time, 0.3 * np.sin(2 * np.pi * 0.02 * time), None, None)
+    found = identify(run(truth, slow, duration=50.0), prior)
+    mass = found["axis.mass"]
+    assert not mass.determined
+    assert mass.value == found.model.axis.mass == prior.axis.mass
+    assert found["axis.coulomb"].determined
+    assert found["effects.constant_force.force"].determined
+    holds(found, truth)
 
 
 def test_viscous_and_quadratic_drag_trade_at_one_speed_and_part_at_many():
-    truth = machine(EFFECTS["quadratic_drag"](coefficient=6.0), width=0.0, coulomb=0.0)
+    truth = machine(EFFECTS["quadratic_drag"](coefficient=6.0), width=0.0, coulomb=0.0, noise=0.1)
     prior = prior_of(truth, effects=(EFFECTS["quadratic_drag"](),)).replace(axis=truth.axis.replace(mass=1.9))
     free = ["axis.mass", "axis.viscous", "effects.quadratic_drag.coefficient"]
-    narrow = identify(run(truth, strokes(0.2)), prior, free=free, rest=0.14)
+    narrow = identify(run(truth, strokes(0.2, ramp=0.2)), prior, free=free, rest=0.195)
     for path in free[1:]:
         assert not narrow[path].determined
         assert narrow[path].value == narrow[path].prior
         assert narrow[path].output_error is None
     assert "trades against quadratic_drag" in narrow["axis.viscous"].note
-    assert "speeds span only a factor 1." in narrow["axis.viscous"].note
+    assert "speeds span only a factor 1" in narrow["axis.viscous"].note
     assert narrow["axis.mass"].determined
     holds(narrow, truth)
     wide = identify(run(truth), prior, free=free)
@@ -245,6 +268,7 @@ def test_amplifier_delay_and_lists_of_levels():
     truth = machine(
         EFFECTS["command_delay"](delay=3e-3),
         EFFECTS["position_dependent_friction"](nodes=nodes, levels=[0.4, 0.0, -0.4]),
+        noise=0.002,
     )
     prior = prior_of(
         truth,
@@ -254,7 +278,8 @@ def test_amplifier_delay_and_lists_of_levels():
         ),
     )
     found = identify(run(truth, seed=5), prior)
-    assert found["effects.command_delay.delay"].value == pytest.approx(3e-3, rel=0.1)
+    assert found["effects.command_delay.delay"].determined
+    holds(found, truth, slack=2.0)
     levels = [found[f"effects.position_dependent_friction.levels[{i}]"] for i in range(3)]
     coulomb = found["axis.coulomb"]  # a constant over all nodes and the Coulomb level are one and the same
     assert not (coulomb.determined and all(level.determined for level in levels))
@@ -281,7 +306,7 @@ def test_a_second_mass_is_seen_by_the_output_error_alone():
     assert found["effects.flexible_mode.frequency"].inverse_dynamics is None
     assert found["effects.flexible_mode.frequency"].determined
     assert found["effects.flexible_mode.frequency"].value == pytest.approx(60.0, rel=0.02)
-    assert found["effects.flexible_mode.mass_ratio"].value == pytest.approx(0.3, rel=0.05)
+    assert found["effects.flexible_mode.mass_ratio"].value == pytest.approx(0.3, abs=0.08)
     holds(found, truth, slack=2.0)
 
 
@@ -306,6 +331,14 @@ def test_infinite_parameters_settings_and_exact_ones_are_not_free():
         assert path not in paths
     assert not any("travel" in path for path in paths)
     assert found.model.axis.viscous == prior.axis.viscous
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13])
+def test_instruments_keep_noise_in_the_command_from_biasing_a_delay(seed):
+    truth = machine(EFFECTS["command_delay"](delay=3e-3))
+    log = run(truth, moves(np.random.default_rng(5), 0.4, 0.4, 10.0, RATE), seed=seed)
+    found = identify(log, prior_of(truth, effects=(EFFECTS["command_delay"](delay=1e-3),)))
+    holds(found, truth)
 
 
 # Kinds of logs --------------------------------------------------------------------------------------------------------
@@ -333,6 +366,14 @@ def test_position_and_command_alone_are_enough(fitted):
         assert not found.logs[0].replay
 
 
+def test_the_reference_serves_as_instrument_where_the_controller_is_unknown(fitted):
+    truth, prior, log, _ = fitted
+    found = identify(log, prior.replace(controller=None, controller_type=None))
+    assert found.logs[0].instruments
+    assert not found.logs[0].replay
+    holds(found, truth)
+
+
 def test_jitter_and_gaps(fitted):
     truth, prior, log, _ = fitted
     random = np.random.default_rng(0)
@@ -345,7 +386,7 @@ def test_jitter_and_gaps(fitted):
     jittered = Log.of({**rows, "time": rows["time"] + shift, "position": rows["position"] + velocity * shift})
     found = identify(jittered, prior)
     holds(found, truth, slack=2.5)
-    assert found.logs[0].rows < identify(log, prior).logs[0].rows - 300
+    assert found.logs[0].rows < identify(log, prior).logs[0].rows - 150
     assert found.audits[0].gaps > 2
 
 
@@ -356,7 +397,7 @@ def test_a_log_that_starts_in_mid_motion(fitted):
     found = identify(cut, prior)
     holds(found, truth)
     assert found.logs[0].instruments
-    assert found.logs[0].replay["command"] < 0.15
+    assert found.logs[0].replay["position"] < 1e-4
 
 
 def test_a_controller_whose_gains_are_stated_wrongly_is_shown_with_those_that_fit(fitted):
@@ -364,7 +405,7 @@ def test_a_controller_whose_gains_are_stated_wrongly_is_shown_with_those_that_fi
     wrong = prior.replace(controller=prior.controller.replace(kp=0.97 * prior.controller.kp))
     found = identify(log, wrong)
     assert "gains that fit the log" in found.controller[0]
-    assert f"kp {prior.controller.kp:.4g}"[:6] in found.controller[0]
+    assert "kp 38400 (stated 37248)" in found.controller[0]
     assert found.logs[0].replay["position"] == pytest.approx(right.logs[0].replay["position"], rel=0.05)
     assert found.model.controller == wrong.controller  # what was stated stays
     holds(found, truth)
@@ -440,7 +481,7 @@ def test_wrong_logs_are_named(fitted):
         identify(part(slice(300), position=np.zeros(300)), prior)
     with pytest.raises(ValueError, match="in motion, away from the ends"):
         identify(part(slice(210)), prior)
-    with pytest.raises(cogging.InputError, match="log 1: position: spans .* --scale position=0.001"):
+    with pytest.raises(cogging.InputError, match=r"log 1: position: spans .* --scale position=0.001"):
         identify(Log.of({**log.columns(), "position": 1e3 * log.position}), prior)
 
 

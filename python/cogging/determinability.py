@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.estimation import columns_of, whitened
-from cogging.force_balance import ForceBalance
+from cogging.force_balance import ForceBalance, Simulator
 from cogging.inverse_dynamics import hooks_of
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, effect_paths, parameters_of
@@ -18,7 +18,7 @@ from cogging.residuals import Residuals
 
 FloatArray = npt.NDArray[np.float64]
 
-UNDETERMINED = 0.5  # 1-sigma, relative to the parameter's size, above which a log does not determine it
+UNDETERMINED = 0.2  # 1-sigma, relative to the parameter's size, above which a log does not determine it
 TRADE = 0.95  # correlation above which two parameters are said to trade against each other
 
 
@@ -28,7 +28,7 @@ class Determinability:
 
     Attributes:
         paths: of the parameters.
-        sigma: foreseen 1-sigma of each with all others free, relative to its size, (p,); infinite where nothing shows it.
+        sigma: foreseen 1-sigma with all others free, relative to its size, (p,); infinite where no row shows it.
         in_balance: whether the force balance shows it, else only the output error may, (p,).
         notes: a sentence each.
     """
@@ -52,23 +52,29 @@ def determinability(
     paths: Sequence[str],
     balances: Sequence[ForceBalance],
     scales: Scales,
+    simulate: Sequence[Simulator | None],
     sources: Callable[[], Sequence[Residuals]] = tuple,
 ) -> Determinability:
     """What a linear fit from the model foresees.
+
+    Where a simulated run is at hand, it alone counts as motion: what noise made of the measured one, shows nothing.
 
     Args:
         model: where to look.
         paths: of the parameters.
         balances: force balances of the logs.
         scales: of all of them.
+        simulate: for each log, the noise-free run of a model, or None.
         sources: makes the output errors of the logs, asked where the force balance does not show a parameter.
     """
     known = parameters_of(model)
     parameters = [known[path] for path in paths]
     sizes = np.array([size_of(model, parameter, scales) for parameter in parameters])
     tables = []
-    for balance in balances:
+    for balance, run in zip(balances, simulate, strict=True):
         residual, columns = balance.columns(model, parameters, scales)
+        shown = balance.instruments(model, parameters, scales, run)
+        columns = columns if shown is None else shown
         rows = balance.counts
         weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)
         tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))

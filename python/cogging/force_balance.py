@@ -2,7 +2,7 @@
 
 The idea of IDIM-IV (Janot, Vandanjon, Gautier 2014): the force that the model needs along the measured motion is
 compared with the force that was applied, both through one low-pass filter; the instruments are the same columns along
-a simulated, noise-free run, so that noise in the measured motion does not bias the fit.
+a simulated, noise-free run, so that noise in the measured motion and command does not bias the fit.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ from cogging.parameters import Parameter, Scales, parameters_of, with_values
 from cogging.residuals import START
 
 FloatArray = npt.NDArray[np.float64]
+
+Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
 
 REST = 0.02  # of the largest speed: slower rows do not count
 GAP = 2.5  # median steps: over longer ones nothing is bridged
@@ -86,6 +88,19 @@ class ForceBalance:
         table = (self.dynamics if dynamics is None else dynamics).of(models)
         return table[0], (table[1::2] - table[2::2]) / np.array(widths)[:, None]
 
+    def instruments(
+        self, model: Model, parameters: Sequence[Parameter], scales: Scales, run: Simulator | None
+    ) -> FloatArray | None:
+        """The derivatives (p, n) along a simulated run, V; None where there is none, or it diverges."""
+        if run is None:
+            return None
+        try:
+            along = run(model)
+        except DivergedError:
+            return None
+        dynamics = InverseDynamics(along, cutoff=self.dynamics.cutoff)
+        return self.columns(model, parameters, scales, dynamics)[1]
+
     def residual_rms(self, model: Model) -> float:
         """Rms of the balance over the rows that count, V."""
         return float(np.sqrt(np.mean(self.dynamics.of([model])[0, self.counts] ** 2)))
@@ -141,7 +156,7 @@ def fit_force_balance(
     paths: Sequence[str],
     balances: Sequence[ForceBalance],
     scales: Scales,
-    simulate: Sequence[Callable[[Model], FloatArray] | None],
+    simulate: Sequence[Simulator | None],
     *,
     loose: FloatArray | None = None,
     iterations: int = 12,
@@ -153,11 +168,14 @@ def fit_force_balance(
         paths: of the free parameters.
         balances: the logs.
         scales: for the difference steps.
-        simulate: for each log, the noise-free readings (m) of a model at the log's times, or None.
+        simulate: for each log, the noise-free run of a model at the log's times, or None.
         loose: 1-sigma about its start that is assumed of each parameter, (p,); infinite: none. With it, parameters that
             the logs hardly determine stay where the others need them, and the covariance tells what that costs.
         iterations: at most.
     """
+    if not paths:
+        rms = tuple(balance.residual_rms(model) for balance in balances)
+        return BalanceEstimate(np.empty(0), np.empty((0, 0)), np.empty(0), model, rms, False)
     prior = np.array([parameters_of(model)[path].value for path in paths])
     weight = np.zeros(len(paths)) if loose is None else 1.0 / np.asarray(loose) ** 2
     cost = _cost(model, balances)
@@ -221,7 +239,7 @@ def _equations(
     paths: Sequence[str],
     balances: Sequence[ForceBalance],
     scales: Scales,
-    simulate: Sequence[Callable[[Model], FloatArray] | None],
+    simulate: Sequence[Simulator | None],
     prior_weight: FloatArray,
     prior_right: FloatArray,
 ) -> _Equations:
@@ -232,16 +250,9 @@ def _equations(
     for balance, run in zip(balances, simulate, strict=True):
         rows = balance.counts
         residual, columns = balance.columns(model, parameters, scales)
-        z = columns
-        try:
-            along = None if run is None else run(model)
-        except DivergedError:
-            along = None
-        if along is None:
-            instruments = False
-        else:
-            dynamics = InverseDynamics(balance.log, cutoff=balance.dynamics.cutoff, along=along)
-            z = balance.columns(model, parameters, scales, dynamics)[1]
+        simulated = balance.instruments(model, parameters, scales, run)
+        instruments &= simulated is not None
+        z = columns if simulated is None else simulated
         weight = 1.0 / max(float(np.mean(residual[rows] ** 2)), 1e-300)
         bread = bread + weight * z[:, rows] @ columns[:, rows].T
         right += weight * z[:, rows] @ residual[rows]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which ...
 READING_SHARE = 0.5  # ... quantiser and encoder noise alone make less than this share of the residual's rms
 STARTS = 3  # further starts where the law is not linear in a parameter
+SHAPELESS = 2.0  # 1-sigma of a shape, relative to its size, above which it is left alone altogether
 SPREAD = 0.1  # of their sizes, by which they are apart
 STAGES = ("what the logs determine", "inverse dynamics", "output error", "logs one by one")
 
@@ -51,8 +52,9 @@ def identify(
     the model has a second mass or a state of friction, or a free parameter that the force balance does not show, the
     output error is reported.
 
-    A parameter that the logs do not determine (1-sigma above half its size with all others free) stays at its prior
-    with an infinite interval. The others are fitted with it moving within its own size: their intervals allow for it.
+    A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) stays at its
+    prior with an infinite interval. The others are fitted with it moving within its own size: their intervals allow
+    for it.
 
     Args:
         logs: one or several, or their files.
@@ -135,7 +137,7 @@ class _Fit:
     ) -> None:
         self.model, self.runs, self.paths, self.cutoffs, self.rest = model, runs, paths, cutoffs, rest
         self.prior = parameters_of(model)
-        self.simulate = [_simulator(run) for run in runs]
+        self.simulate = [run.simulator() for run in runs]
 
     def run(self, progress: bool) -> Identification:
         from tqdm import tqdm
@@ -177,7 +179,7 @@ class _Fit:
             return self._report(told, estimate, output, spread, balances, scales, floors)
 
     def _determine(self, model: Model, balances: Sequence[ForceBalance], scales: Scales) -> Determinability:
-        return determinability(model, self.paths, balances, scales, lambda: self._sources(model))
+        return determinability(model, self.paths, balances, scales, self.simulate, lambda: self._sources(model))
 
     def _sources(self, model: Model) -> list[Residuals]:
         return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
@@ -186,11 +188,7 @@ class _Fit:
         self, start: Model, told: Determinability, balances: Sequence[ForceBalance], scales: Scales
     ) -> BalanceEstimate:
         """The fit of the force balance, from the best of a few starts where the law is not linear."""
-        paths = [p for p in self.paths if told.seen_by_balance(p) and (told.determined(p) or self._linear(p))]
-        if not any(told.determined(path) for path in self.paths):
-            raise ValueError(
-                f"logs: must determine at least one of {', '.join(self.paths)}, got a motion that shows none"
-            )
+        paths = self._moving(told)
         loose = np.array([np.inf if told.determined(p) else size_of(self.model, self.prior[p], scales) for p in paths])
         bent = [path for path in paths if told.determined(path) and not self._linear(path)]
         bent = [path for path in bent if path != "axis.coulomb_width"]
@@ -208,12 +206,22 @@ class _Fit:
         fits = [fit_force_balance(s, paths, balances, scales, self.simulate, loose=loose) for s in starts]
         return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
 
+    def _moving(self, told: Determinability) -> list[str]:
+        """What the fit of the force balance moves: more than it determines, so that the rest is not bent by a prior."""
+        return [
+            path
+            for path, sigma in zip(told.paths, told.sigma, strict=True)
+            if told.seen_by_balance(path) and (self._linear(path) or sigma < SHAPELESS)
+        ]
+
     def _linear(self, path: str) -> bool:
         return role_of(self.model, path) == "amplitude"
 
     def _output_error(self, start: Model, told: Determinability) -> _Values | None:
         """The whitened output error of what the logs determine, from the better of two starts."""
         paths = [path for path in self.paths if told.determined(path)]
+        if not paths:
+            return None
         fits: list[Estimate] = []
         for model in (start, with_values(start, {path: self.prior[path].value for path in paths})):
             try:
@@ -232,7 +240,7 @@ class _Fit:
         """Standard deviation of the values of logs fitted one by one, and the rms of their own, by path."""
         found: dict[str, list[tuple[float, float]]] = {}
         for balance, simulator in zip(balances, self.simulate, strict=True) if len(balances) > 1 else ():
-            alone = determinability(model, self.paths, [balance], scales)
+            alone = determinability(model, self.paths, [balance], scales, [simulator])
             paths = [p for p in self.paths if told.determined(p) and told.seen_by_balance(p)]
             loose = np.array([np.inf if alone.determined(p) else size_of(model, self.prior[p], scales) for p in paths])
             single = fit_force_balance(model, paths, [balance], scales, [simulator], loose=loose, iterations=4)
@@ -257,7 +265,7 @@ class _Fit:
         scales: Scales,
         floors: Sequence[float],
     ) -> Identification:
-        inside = tuple(p for p in self.paths if told.seen_by_balance(p) and (told.determined(p) or self._linear(p)))
+        inside = tuple(self._moving(told))
         balance = _Values(inside, estimate.values, estimate.covariance, estimate.freedom)
         hidden = any(told.determined(path) and path not in inside for path in self.paths)
         reported = output if output is not None and (hidden or _has_states(self.model)) else balance
@@ -309,7 +317,7 @@ class _Fit:
         if inverse is not None and by_output is not None and output is not None:
             sigma = float(np.hypot(balance.sigma(path), output.sigma(path)))
             difference = (by_output - inverse) / sigma if sigma > 0 else None
-        determined = determined and path in reported.paths and np.isfinite(reported.sigma(path))
+        determined = determined and path in reported.paths and bool(np.isfinite(reported.sigma(path)))
         if determined:
             value, half = reported.value(path), reported.half_width(path)
             interval = (max(value - half, 0.0) if prior.positive else value - half, value + half)
@@ -353,14 +361,10 @@ def noise_floor(balance: ForceBalance, model: Model) -> float:
     random = np.random.default_rng(0)
     n = len(balance.log)
     noise = quantum * (random.random(n) - 0.5) + model.encoder.noise * random.standard_normal(n)
-    shaken = InverseDynamics(balance.log, cutoff=balance.dynamics.cutoff, along=noise)
+    log = Log(time=balance.log.time, position=noise, command=np.zeros(n))
+    shaken = InverseDynamics(log, cutoff=balance.dynamics.cutoff)
     row = model.axis.mass * shaken.motion.acceleration + model.axis.viscous * shaken.motion.middle_velocity
     return float(np.sqrt(np.mean(shaken.filtered(row[None, :])[0, balance.counts] ** 2)))
-
-
-def _simulator(run: LoggedRun) -> Callable[[Model], FloatArray] | None:
-    replay = run.replay
-    return None if replay is None else lambda model: replay.run(model)["position"]
 
 
 def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:

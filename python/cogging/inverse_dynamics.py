@@ -44,22 +44,20 @@ class InverseDynamics:
     states (backlash, flexible_mode) are taken as one body, and presliding as sliding: right only in steady motion.
 
     Args:
-        log: measured.
+        log: measured, or simulated in its place.
         cutoff: of the filter, Hz; Butterworth's magnitude of fourth order, without phase.
-        along: readings (m), (n,), of another motion to take in place of the measured one: the instruments'.
     """
 
-    def __init__(self, log: Log, *, cutoff: float, along: FloatArray | None = None) -> None:
+    def __init__(self, log: Log, *, cutoff: float) -> None:
         self.cutoff = cutoff
         steps = np.diff(log.time)
         self.sample_time = float(np.median(steps))
         rows = int(np.floor((log.time[-1] - log.time[0]) / self.sample_time + 1e-6)) + 1
         self.even = log.time[0] + self.sample_time * np.arange(rows)
-        readings = log.position if along is None else along
         if np.abs(steps - self.sample_time).max() <= JITTER * self.sample_time and rows == len(log):
-            self.readings, self.command = np.asarray(readings, dtype=float), log.command
+            self.readings, self.command = log.position, log.command
         else:
-            self.readings = np.interp(self.even, log.time, readings)
+            self.readings = np.interp(self.even, log.time, log.position)
             self.command = _mean_held(log.time, log.command, self.even, self.sample_time)
         self.motion = self._smooth(self.readings)
         self.predictor = Predictor(self.even, self.motion.position, self.command)

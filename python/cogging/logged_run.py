@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from cogging.audit import Audit, audit, check_against_model
 from cogging.controller_check import MISMATCH, ControllerCheck
+from cogging.force_balance import Simulator
 from cogging.inverse_dynamics import InverseDynamics
 from cogging.logs import Log
 from cogging.model import Model
@@ -17,6 +18,7 @@ from cogging.residuals import Replay
 FloatArray = npt.NDArray[np.float64]
 
 ROUGH = 1e-3  # of the rms command: a stated controller that is further off is fitted ...
+FOLLOWED = 0.05  # of the reference's standard deviation: closer, the reference is a noise-free likeness of the motion
 GAIN = 0.8  # ... if that leaves less than this share of the difference
 
 
@@ -30,6 +32,11 @@ class LoggedReplay(Replay):
     def run(self, model: Model) -> dict[str, FloatArray]:
         """The simulated columns of one model, whatever its controller."""
         return super().run(model.replace(controller=self.controller))
+
+    def log_of(self, model: Model) -> Log:
+        """The simulated log of one model, at the times of the measured one."""
+        run = self.run(model)
+        return Log(time=self.log.time, position=run["position"], command=run["command"])
 
 
 @dataclass(frozen=True)
@@ -82,6 +89,16 @@ class LoggedRun:
                 line = line or f"the loop is not replayed: {error}"
         return cls(name, log, found, replay, line and f"{name}: {line}")
 
+    def simulator(self) -> Simulator | None:
+        """What gives the instruments: the replay, else the reference if the axis followed it, else nothing."""
+        if self.replay is not None:
+            return self.replay.log_of
+        reference = self.log.reference
+        if reference is None or np.std(self.log.position - reference) > FOLLOWED * np.std(reference):
+            return None
+        asked = Log(time=self.log.time, position=reference, command=self.log.command)
+        return lambda model: asked
+
     def relative_errors(self, model: Model) -> dict[str, float]:
         """Norm of measured less replayed over norm of measured: position, velocity and command; empty without replay.
 
@@ -92,20 +109,17 @@ class LoggedRun:
         """
         if self.replay is None:
             return {}
-        run = self.replay.run(model)
+        run = self.replay.log_of(model)
         cutoff = min(80.0, 0.1 / float(np.median(np.diff(self.log.time))))
-        measured, simulated = (
-            InverseDynamics(self.log, cutoff=cutoff, along=readings).motion.middle_velocity
-            for readings in (self.log.position, run["position"])
-        )
+        measured, simulated = (InverseDynamics(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
 
         def ratio(a: FloatArray, b: FloatArray) -> float:
             return float(np.linalg.norm(a - b) / np.linalg.norm(a))
 
         return {
-            "position": ratio(self.log.position, run["position"]),
+            "position": ratio(self.log.position, run.position),
             "velocity": ratio(measured, simulated),
-            "command": ratio(self.log.command, run["command"]),
+            "command": ratio(self.log.command, run.command),
         }
 
 

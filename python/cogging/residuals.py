@@ -180,10 +180,12 @@ class Replay:
     def run(self, model: Model) -> dict[str, FloatArray]:
         """The simulated columns of one model."""
         model = quiet(model)
+        # A run may leave the travel, but what an effect takes from the travel stays.
+        effects = tuple(effect.resolved(model.axis, model.cogging) for effect in model.effects)
         axis = model.axis.replace(travel=[-np.inf, np.inf])
         steps = steps_needed(model, 1.0 / model.make_controller().sample_rate)
         return closed_loop(
-            model.replace(axis=axis).plant(),
+            model.replace(axis=axis, effects=effects).plant(),
             model.make_controller(),
             self.reference,
             duration=self.duration,
