@@ -209,6 +209,21 @@ def test_viscous_and_quadratic_drag_trade_at_one_speed_and_part_at_many():
     holds(wide, truth)
 
 
+def test_one_way_motion_cannot_tell_friction_from_a_constant_force():
+    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0)
+    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
+    time = np.arange(10001) / RATE
+    reference = cogging.Sampled(time, 0.02 * time + 0.0199 / 6.0 * (1 - np.cos(6.0 * time)), None, None)
+    found = identify(run(truth, reference), prior)
+    for path in ("axis.coulomb", "effects.constant_force.force"):
+        assert not found[path].determined
+        assert found[path].value == found[path].prior
+        assert "the axis moves one way only" in found[path].note
+    assert found["axis.mass"].determined
+    assert found["axis.viscous"].determined
+    holds(found, truth)
+
+
 def test_control_points_that_were_not_visited_keep_their_prior():
     basis = SplineHarmonics(pitch=0.05, harmonics=[1], order=3, control_points=12)
     sine = 0.3 + 0.1 * np.sin(np.arange(12.0))[None, :]
@@ -257,10 +272,15 @@ def test_shape_of_a_harmonic_and_of_friction():
             EFFECTS["stribeck_friction"](static_excess=0.7, velocity=0.03),
         ),
     )
-    found = identify(run(truth, seed=3), prior)
+    found = identify(run(truth, seed=4), prior)
     assert found["effects.cogging_harmonic.period"].value == pytest.approx(0.024, rel=1e-3)
     assert found["effects.stribeck_friction.velocity"].value == pytest.approx(0.02, rel=0.3)
     holds(found, truth, slack=2.0)
+    slow = identify(run(truth, seed=3), prior)  # 0.04 m/s at most: the friction's five parameters trade
+    assert slow["effects.cogging_harmonic.period"].value == pytest.approx(0.024, rel=5e-3)
+    for path in ("axis.viscous", "effects.stribeck_friction.velocity", "effects.stribeck_friction.exponent"):
+        assert not slow[path].determined
+    holds(slow, truth, slack=2.0)
 
 
 def test_amplifier_delay_and_lists_of_levels():

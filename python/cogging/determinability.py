@@ -19,6 +19,7 @@ from cogging.residuals import Residuals
 FloatArray = npt.NDArray[np.float64]
 
 UNDETERMINED = 0.2  # 1-sigma, relative to the parameter's size, above which a log does not determine it
+PARALLEL = 1e3  # by which the others inflate a variance; beyond, model errors are larger than what tells them apart
 TRADE = 0.95  # correlation above which two parameters are said to trade against each other
 
 
@@ -93,12 +94,13 @@ def determinability(
         except (ValueError, DivergedError):  # the model cannot be run: nothing is seen
             pass
     sigma = deviation / sizes
+    away = np.abs(correlation) * (1.0 - np.eye(len(paths)))
+    while (drawn := (sigma < UNDETERMINED) & (away[:, sigma >= UNDETERMINED] > TRADE).any(axis=1)).any():
+        sigma[drawn] = np.inf  # it would be found at whatever value suits the prior of what it trades against
     notes = []
     for i, parameter in enumerate(parameters):
-        away = np.abs(correlation[i])
-        away[i] = 0.0
-        partner = int(np.argmax(away))
-        trades = parameters[partner] if away[partner] > TRADE else None
+        partner = int(np.argmax(away[i]))
+        trades = parameters[partner] if away[i, partner] > TRADE else None
         notes.append(_sentence(model, parameter, float(sigma[i]), float(sizes[i]), trades, balances))
     return Determinability(tuple(paths), sigma, tuple(bool(not d) for d in dead), tuple(notes))
 
@@ -171,8 +173,8 @@ def foreseen(tables: Sequence[_Table], dead: npt.NDArray[np.bool_]) -> tuple[Flo
         blocks += len(starts)
     covariance = inverse @ meat @ inverse * blocks / max(blocks - p, 1)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / size
-    # A direction that no row shows has no score either: it is as little known as the rows' rounding allows.
-    deviation = np.maximum(deviation, np.where(np.diag(inverse) > 1e10, np.inf, 0.0))
+    # A direction that hardly a row shows has hardly a score either, which would pass for knowledge.
+    deviation[np.diag(inverse) > PARALLEL] = np.inf
     deviation[dead] = np.inf
     spread = np.sqrt(np.diag(inverse))
     return deviation, inverse / np.outer(spread, spread)
@@ -209,8 +211,11 @@ def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalan
     if any(p.path == "axis.mass" for p in pair):
         top = max(float(np.quantile(np.abs(m.acceleration[rows]), 0.99)) for m, rows in motions)
         return f"accelerations reach only {top:.2g} m/s^2"
+    velocity = np.concatenate([m.middle_velocity[rows] for m, rows in motions])
+    if not 0.001 < np.mean(velocity > 0.0) < 0.999:
+        return "the axis moves one way only"
     if all(_by_speed(model, p) for p in pair):
-        low, high = np.quantile(np.concatenate([np.abs(m.middle_velocity[rows]) for m, rows in motions]), [0.02, 0.98])
+        low, high = np.quantile(np.abs(velocity), [0.02, 0.98])
         return f"speeds span only a factor {high / max(low, 1e-12):.2g}"
     low = min(float(m.position[rows].min()) for m, rows in motions)
     high = max(float(m.position[rows].max()) for m, rows in motions)

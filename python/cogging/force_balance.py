@@ -25,6 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 
 Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
 
+TOLERANCE = 1e-6  # of a value, by which the last step moves it
 REST = 0.02  # of the largest speed: slower rows do not count
 GAP = 2.5  # median steps: over longer ones nothing is bridged
 
@@ -178,14 +179,36 @@ def fit_force_balance(
         return BalanceEstimate(np.empty(0), np.empty((0, 0)), np.empty(0), model, rms, False)
     prior = np.array([parameters_of(model)[path].value for path in paths])
     weight = np.zeros(len(paths)) if loose is None else 1.0 / np.asarray(loose) ** 2
+    problem = (paths, balances, scales)
+    if any(simulate):  # first near, by steps that cannot be led astray by a run that is far from the log's
+        model = _newton(model, *problem, [None] * len(balances), weight, prior, iterations)
+    model = _newton(model, *problem, simulate, weight, prior, iterations)
+    values = np.array([parameters_of(model)[path].value for path in paths])
+    equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
+    covariance, freedom = jackknife(equations, balances)
+    open_by_prior = equations.solved(equations.solved(np.diag(weight)).T)
+    rms = tuple(float(np.sqrt(np.mean(r**2))) for _, _, r, _ in equations.parts)
+    return BalanceEstimate(values, covariance + open_by_prior, freedom, model, rms, equations.instruments)
+
+
+def _newton(
+    model: Model,
+    paths: Sequence[str],
+    balances: Sequence[ForceBalance],
+    scales: Scales,
+    simulate: Sequence[Simulator | None],
+    weight: FloatArray,
+    prior: FloatArray,
+    iterations: int,
+) -> Model:
+    """The model after Newton steps towards Z^T r = 0, halved while they raise the residual."""
     cost = _cost(model, balances)
     for _ in range(iterations):
         known = parameters_of(model)
         values = np.array([known[path].value for path in paths])
         equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
         step = -equations.solved(equations.right)
-        length = 1.0
-        moved = None
+        length, moved = 1.0, None
         while length > 1e-3:
             try:
                 wanted = zip(paths, values + length * step, strict=True)
@@ -194,7 +217,7 @@ def fit_force_balance(
             except ValueError:
                 length *= 0.5
                 continue
-            if trial_cost <= 1.02 * cost or length < 0.1:  # instruments may leave a little more than least squares
+            if trial_cost <= 1.02 * cost:  # instruments may leave a little more than least squares
                 moved, cost = trial, trial_cost
                 break
             length *= 0.5
@@ -202,14 +225,9 @@ def fit_force_balance(
             break
         model = moved
         small = np.array([scales.of(known[path].unit) for path in paths])
-        if np.all(np.abs(step) <= 1e-6 * np.abs(values) + 1e-9 * small):
+        if np.all(np.abs(step) <= TOLERANCE * (np.abs(values) + 1e-3 * small)):
             break
-    values = np.array([parameters_of(model)[path].value for path in paths])
-    equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
-    covariance, freedom = jackknife(equations, balances)
-    open_by_prior = equations.solved(equations.solved(np.diag(weight)).T)
-    rms = tuple(float(np.sqrt(np.mean(r**2))) for _, _, r, _ in equations.parts)
-    return BalanceEstimate(values, covariance + open_by_prior, freedom, model, rms, equations.instruments)
+    return model
 
 
 def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[FloatArray, FloatArray]:
