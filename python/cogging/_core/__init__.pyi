@@ -1687,6 +1687,10 @@ class Predictor:
         """
         What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).
         """
+    def propagate_transposed(self, along: Prediction, mass: typing.SupportsFloat | typing.SupportsIndex, weight: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        The transpose of propagate: by how much forces (n,) and errors of the reading (n,) move sum(weight innovation).
+        """
 class NumberReader:
     """
     Columns of numbers out of separated text, block by block.
