@@ -49,6 +49,7 @@ from cogging.audit import Audit, audit, check_against_model
 from cogging.bounds import Bounds
 from cogging.controller_check import ControllerCheck, check_controller
 from cogging.controller_recovery import RecoveredController, recover_controller
+from cogging.diagnose import Diagnosis, diagnose
 from cogging.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
 from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
@@ -82,6 +83,7 @@ __all__ = [
     "CoggingModel",
     "ControllerCheck",
     "Dcarc",
+    "Diagnosis",
     "DivergedError",
     "EncoderParameters",
     "ErrorPrediction",
@@ -127,6 +129,7 @@ __all__ = [
     "design_observer",
     "desired_compensation_condition",
     "desired_compensation_matrix",
+    "diagnose",
     "effects",
     "fit_friction_curve",
     "fit_map",

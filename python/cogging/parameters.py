@@ -80,8 +80,10 @@ class Scales:
         size = abs(parameter.value)
         if parameter.unit == "s" and size < 0.2 * self.time:
             return max(0.02 * self.sample_time, 1e-3 * size)
-        if parameter.unit == "m" and 0.0 < size < self.position:
-            return 1e-3 * size * size / self.position  # of a period: the phase at the far end moves by 1e-3 turns
+        if parameter.path.endswith(".period") and 0.0 < size < self.position:
+            return 1e-3 * size * size / self.position  # the phase at the far end moves by 1e-3 turns
+        if parameter.unit == "m":
+            return 1e-3 * max(size, 1e-6 * self.position)
         if parameter.unit == "Hz":
             return 1e-3 / self.time
         if parameter.unit == "m/s":

@@ -110,6 +110,7 @@ class Innovations:
         plant = quiet(model).plant()
         along = self.predictor.predict(plant)
         linear = [is_force(model, parameter.path) for parameter in parameters]
+        reading = [is_reading(model, parameter.path) for parameter in parameters]
         columns = np.zeros((len(parameters), len(self.log)))
         plants, widths, places = [plant], [], []
         for i, parameter in enumerate(parameters):
@@ -131,7 +132,18 @@ class Innovations:
             force *= (plant.axis.mass / np.array([p.axis.mass for p in plants]))[:, None]
             force = (force[1:] - force[:1]) / np.array(widths)[:, None]
             columns[places] = self.scale * self.predictor.propagate(along, plant.axis.mass, force)
-        others = [i for i in range(len(parameters)) if not linear[i]]
+        for i, parameter in enumerate(parameters):
+            if reading[i]:
+                step = scales.step(parameter)
+                moved = with_values(model, {parameter.path: parameter.value + step})
+                error = np.zeros(len(self.log))
+                for after, before in zip(moved.effects, model.effects, strict=True):
+                    if "reading" in after.HOOKS:
+                        error += (after.reading_at(along.position) - before.reading_at(along.position)) / step
+                zero = np.zeros((1, len(self.log)))
+                row = self.predictor.propagate(along, plant.axis.mass, zero, error[None, :])
+                columns[i] = self.scale * row[0]
+        others = [i for i in range(len(parameters)) if not linear[i] and not reading[i]]
         if others:
             models, spans = [], []
             for i in others:
@@ -215,6 +227,17 @@ def is_force(model: Model, path: str) -> bool:
         return True
     effect = dict(effect_paths(model.effects))[path.rpartition(".")[0]]
     return set(effect.HOOKS) <= {"force", "friction_level", "command_gain"}
+
+
+def is_reading(model: Model, path: str) -> bool:
+    """Whether a parameter is that of a wave in the encoder's reading: an error that is small and comes and goes.
+
+    One that grows along the travel (a scale) is nearly what mass and friction do, and is predicted exactly instead.
+    """
+    if not path.startswith("effects."):
+        return False
+    effect = dict(effect_paths(model.effects))[path.rpartition(".")[0]]
+    return "reading" in effect.HOOKS and "period" in effect.FIELDS
 
 
 def quiet(model: Model) -> Model:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import whiten
+from cogging._core import Prediction, whiten
 from cogging.estimation import BLOCK, Estimate, columns_of, combined_scales, whitening_filter
 from cogging.inverse_dynamics import fast_length
 from cogging.model import Model
@@ -31,8 +32,11 @@ class Evidence:
         filters: that make each log's residual white.
         residual: whitened to rms 1, rows of all logs one after the other, 0 where none counts, (n,).
         basis: orthonormal, spans what the free parameters could explain, (q, n).
+        columns: whitened, of the free parameters and of the shapes of slow friction, (p + 6, n).
         block: number of the block of each row, (n,).
         residuals: not whitened, V, one (n,) a log.
+        alongs: the model's prediction along each log.
+        memory: what effects with a memory do, as predicted under an earlier model of these logs.
     """
 
     model: Model
@@ -40,8 +44,11 @@ class Evidence:
     filters: tuple[Filter, ...]
     residual: FloatArray
     basis: FloatArray
+    columns: FloatArray
     block: npt.NDArray[np.int64]
     residuals: tuple[FloatArray, ...]
+    alongs: tuple[Prediction, ...]
+    memory: dict[Any, list[FloatArray]]
 
     @cached_property
     def scales(self) -> Scales:
@@ -173,7 +180,7 @@ def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, Flo
     """Power, 1 where the rows that count are white with rms 1, and its frequencies, Hz."""
     length = fast_length(len(white))
     power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.counts.sum()), 1.0)
-    return power, np.fft.rfftfreq(length, source.scales.sample_time)
+    return np.asarray(power), np.asarray(np.fft.rfftfreq(length, source.scales.sample_time))
 
 
 def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
@@ -206,7 +213,10 @@ def slow_friction(source: Innovations, model: Model) -> FloatArray:
 
 
 def gather(
-    estimate: Estimate, sources: Sequence[Innovations], explained: Sequence[FloatArray] | None = None
+    estimate: Estimate,
+    sources: Sequence[Innovations],
+    explained: Sequence[FloatArray] | None = None,
+    memory: dict[Any, list[FloatArray]] | None = None,
 ) -> Evidence:
     """Make evidence of a fit: residuals, whitening, and the basis of all that the free parameters can explain.
 
@@ -215,15 +225,17 @@ def gather(
         sources: its logs.
         explained: V, one (n,) a log, taken from the residual before the filters are estimated: a strong effect would
             else be taken for noise.
+        memory: of earlier evidence of these logs.
     """
     model = estimate.model
     known = parameters_of(model)
     scales = combined_scales(sources)
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
-    rows, bases, blocks, filters = [], [], [], []
+    rows, bases, blocks, filters, alongs = [], [], [], [], []
     offset = 0
     for i, source in enumerate(sources):
         along = source.predictor.predict(model_plant(model))
+        alongs.append(along)
         shapes = source.scale * source.predictor.propagate(along, model.axis.mass, slow_friction(source, model))
         noise = residuals[i] - (explained[i] if explained is not None else 0.0)
         a = whitening_filter(source, noise)
@@ -246,8 +258,11 @@ def gather(
         tuple(filters),
         np.concatenate(rows),
         orthonormal(np.concatenate(bases, axis=1)),
+        np.concatenate(bases, axis=1),
         np.concatenate(blocks),
         tuple(residuals),
+        tuple(alongs),
+        {} if memory is None else memory,
     )
 
 

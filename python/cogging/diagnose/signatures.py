@@ -19,7 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 
 LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
 NODES = 6  # of an amplitude that is given as a list along the travel
-POINTS = {1: 10, 2: 5, 3: 3}  # values of each shape parameter, by how many the effect has
+POINTS = {1: 10, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
 EXPONENTS = (1.0, 2.0)
 
 
@@ -170,14 +170,16 @@ def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatAr
     taken at the finite size that the shape says.
     """
     result: list[list[FloatArray]] = [[] for _ in wanted]
-    for source in evidence.sources:
-        for i, table in enumerate(_tables_of_log(evidence.model, source, wanted)):
+    for number, source in enumerate(evidence.sources):
+        for i, table in enumerate(_tables_of_log(evidence, number, source, wanted)):
             result[i].append(table)
     return result
 
 
-def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate]) -> list[FloatArray]:
-    along = source.predictor.predict(model_plant(model))
+def _tables_of_log(
+    evidence: Evidence, number: int, source: Innovations, wanted: Sequence[Candidate]
+) -> list[FloatArray]:
+    model, along = evidence.model, evidence.alongs[number]
     linear, memory, readings = [], [], []
     for i, candidate in enumerate(wanted):
         hooks = set(EFFECTS[candidate.name].HOOKS)
@@ -205,6 +207,12 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
             [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
         )
         out[i] = source.scale * source.predictor.propagate(along, model.axis.mass, np.zeros_like(errors), errors)
+    keys = {i: (number, wanted[i].name, *sorted(wanted[i].shape.items(), key=str)) for i in memory}
+    keys = {i: tuple(str(part) for part in key) for i, key in keys.items()}
+    for i in memory:
+        if keys[i] in evidence.memory:
+            out[i] = evidence.memory[keys[i]][0]
+    memory = [i for i in memory if keys[i] not in evidence.memory]
     if memory:
         models = [model]
         for i in memory:
@@ -212,6 +220,7 @@ def _tables_of_log(model: Model, source: Innovations, wanted: Sequence[Candidate
         rows = source.of(models)
         for k, i in enumerate(memory):
             out[i] = ((rows[k + 1] - rows[0]) / (wanted[i].unit[0] if wanted[i].unit else 1.0)).reshape(1, n)
+            evidence.memory[keys[i]] = [out[i]]
     return out
 
 

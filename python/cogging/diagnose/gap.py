@@ -1,0 +1,103 @@
+"""How large the gap is, before and after: by replaying the loop where the controller is known, else by prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import DivergedError
+from cogging.logs import Log
+from cogging.model import Model
+from cogging.residuals import Innovations, Replay
+
+FloatArray = npt.NDArray[np.float64]
+
+BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are the gap where no controller is known
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The gap of one model on logs.
+
+    Attributes:
+        rms: V, over rows in motion of all logs.
+        signal: what was compared.
+        series: the gap of each log, V.
+        position: rms of measured less replayed position, m, or None.
+    """
+
+    rms: float
+    signal: str
+    series: tuple[FloatArray, ...]
+    counts: tuple[npt.NDArray[np.bool_], ...]
+    position: float | None
+
+
+def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[Seen]:
+    """The gap of each model, by the replay of the loop where it can be had for every model, else by prediction."""
+    if replay:
+        try:
+            return _replayed(logs, models)
+        except (DivergedError, ValueError):
+            pass
+    series: list[list[FloatArray]] = [[] for _ in models]
+    counts = []
+    for log in logs:
+        source = Innovations(log, models[0], bandwidth=BANDWIDTH)
+        counts.append(source.counts > 0)
+        for i, row in enumerate(source.of(models)):
+            series[i].append(row)
+    return [Seen(_rms(rows, counts), "innovations of an observer", tuple(rows), tuple(counts), None) for rows in series]
+
+
+def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
+    series: list[list[FloatArray]] = [[] for _ in models]
+    errors: list[list[float]] = [[] for _ in models]
+    counts = []
+    for log in logs:
+        replays = [Replay(log, model) for model in models]
+        counts.append(replays[0].counts > 0)
+        for i, (one, model) in enumerate(zip(replays, models, strict=True)):
+            run = one.run(model)
+            series[i].append(log.command - run["command"])
+            errors[i].append(float(np.mean((log.position - run["true_position"])[counts[-1]] ** 2)))
+    return [
+        Seen(
+            _rms(rows, counts),
+            "command of the replayed loop",
+            tuple(rows),
+            tuple(counts),
+            float(np.mean(error)) ** 0.5,
+        )
+        for rows, error in zip(series, errors, strict=True)
+    ]
+
+
+def _rms(rows: Sequence[FloatArray], counts: Sequence[npt.NDArray[np.bool_]]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)]) ** 2)))
+
+
+def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
+    """What noise and quantiser alone would leave: the rest of the gap once any force of position, speed, time and
+    direction is taken from it, and counted for the freedom that this takes."""
+    total, rows = 0.0, 0
+    for series, counts, log in zip(seen.series, seen.counts, logs, strict=True):
+        source = Innovations(log, model, bandwidth=BANDWIDTH)
+        from cogging.diagnose.rest import coordinates
+
+        columns = [np.ones(len(series))[None, :]]
+        for name, (_, _, table, _) in coordinates(source, model).items():
+            if name in ("position", "velocity", "time", "acceleration"):
+                columns.append(table)
+        table = np.vstack(columns)[:, counts]
+        size = np.sqrt((table**2).sum(axis=1))
+        table = table[size > 0] / size[size > 0, None]
+        gram = table @ table.T
+        weights = np.linalg.lstsq(gram + 1e-9 * np.eye(len(gram)), table @ series[counts], rcond=None)[0]
+        left = series[counts] - weights @ table
+        total += float(left @ left)
+        rows += len(left)
+    return float(np.sqrt(total / max(rows, 1)))

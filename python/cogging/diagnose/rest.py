@@ -1,0 +1,140 @@
+"""What is left, against a generic basis: forces of any shape in position, velocity, time, command and so on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging.diagnose.chances import log_survival
+from cogging.diagnose.evidence import Evidence, Test, model_plant
+from cogging.model import Model
+from cogging.residuals import Innovations
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A force of any shape in one coordinate, as far as the residual asks for one.
+
+    Attributes:
+        coordinate: what the force depends on.
+        unit: of the coordinate.
+        test: of its columns.
+        places: where the shape is told, in the coordinate, (m,).
+        force: V, the force that the model lacks there, (p,); for `position` first forward, then backward.
+        deviation: 1-sigma of each, (p,).
+        log_chance: ln of the chance that noise alone shows as much in any of the coordinates.
+        share: of the whitened residual's power below 60 Hz that it explains.
+    """
+
+    coordinate: str
+    unit: str
+    test: Test
+    places: FloatArray
+    force: FloatArray
+    deviation: FloatArray
+    log_chance: float
+    share: float
+
+    @property
+    def score(self) -> float:
+        """2 ln likelihood less what the free parameters cost."""
+        return self.test.statistic - 2.0 * self.test.freedom
+
+
+def hats(values: FloatArray, places: FloatArray) -> FloatArray:
+    """Linear interpolation between places as columns, (m, n)."""
+    return np.array([np.interp(values, places, one) for one in np.eye(len(places))])
+
+
+def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, FloatArray, FloatArray, FloatArray]]:
+    """Unit, places, columns (m, n) of V per V, and values of each coordinate along a log."""
+    x, v = source.along.middle_position, source.along.middle_velocity
+    t = source.log.time - source.log.time[0]
+    u = source.log.command
+    a = source.predictor.net_force([model_plant(model)], x, v)[0] / model.axis.mass
+    moving = source.counts > 0
+    direction = np.sign(v)
+
+    def spread(values: FloatArray, count: int) -> FloatArray:
+        places = np.unique(np.quantile(values[moving], np.linspace(0.0, 1.0, count)))
+        return places if len(places) > 2 else np.linspace(places[0] - 1e-9, places[-1] + 1e-9, 3)
+
+    ends = np.linspace(float(x.min()), float(x.max()), 9)
+    forward = hats(x, ends)
+    speeds = np.unique(np.concatenate([-one_way(-v[moving]), [0.0], one_way(v[moving])]))
+    times = np.linspace(0.0, float(t[-1]), 13)
+    commands, accelerations = spread(u, 9), spread(a, 9)
+    # Each coordinate's shape is free for either direction where that makes a difference.
+    both = np.vstack([forward * (direction > 0), forward * (direction < 0)])
+    speed_columns = hats(v, speeds)
+    return {
+        "position": ("m", ends, both, x),
+        "velocity": ("m/s", speeds, speed_columns, v),
+        "time": ("s", times, hats(t, times), t),
+        "command": ("V", commands, hats(u, commands), u),
+        "acceleration": ("m/s^2", accelerations, hats(a, accelerations), a),
+        "friction over time": ("s", times, hats(t, times) * direction, t),
+        "gain over time": ("s", times, hats(t, times) * u, t),
+    }
+
+
+def one_way(velocity: FloatArray) -> FloatArray:
+    """Places for the positive velocities among these: seven quantiles, or their end where there are few."""
+    up = velocity[velocity > 0]
+    if len(up) < 50:
+        return np.array([float(np.abs(velocity).max())])
+    return np.asarray(np.quantile(up, np.linspace(0.0, 1.0, 7)))
+
+
+def shapes(evidence: Evidence) -> list[Shape]:
+    """The generic shapes, the likeliest first."""
+    model = evidence.model
+    tables: dict[str, list[FloatArray]] = {}
+    facts: dict[str, tuple[str, FloatArray]] = {}
+    for source, along in zip(evidence.sources, evidence.alongs, strict=True):
+        for name, (unit, places, columns, _) in coordinates(source, model).items():
+            table = source.scale * source.predictor.propagate(along, model.axis.mass, columns)
+            tables.setdefault(name, []).append(table)
+            facts[name] = (unit, places)
+    # Each log has its own places, but equally many unless a direction is missing.
+    found = []
+    power = low_power(evidence)
+    for name, parts in tables.items():
+        if len({len(part) for part in parts}) != 1:
+            continue
+        columns = evidence.whitened(parts)
+        test = evidence.test(columns)
+        if test.freedom == 0:
+            continue
+        size = np.sqrt(np.einsum("ij,ij->i", evidence.project(columns), columns))
+        deviation = np.sqrt(evidence.excess) / np.where(size > 0.0, size, np.inf)
+        found.append(
+            Shape(
+                name,
+                facts[name][0],
+                test,
+                facts[name][1],
+                -test.amplitudes,
+                deviation,
+                min(0.0, log_survival(test.statistic, test.freedom) + float(np.log(len(tables)))),
+                float(min(1.0, max(0.0, test.statistic - test.freedom) / power)),
+            )
+        )
+    return sorted(found, key=lambda shape: shape.log_chance)
+
+
+def low_power(evidence: Evidence) -> float:
+    """Power of the whitened residual below 60 Hz, in rows: what effects could explain, noise among it."""
+    total, start = 0.0, 0
+    for source in evidence.sources:
+        n = len(source.log)
+        part = evidence.free_residual[start : start + n]
+        start += n
+        spectrum = np.abs(np.fft.rfft(part)) ** 2
+        frequency = np.fft.rfftfreq(n, source.scales.sample_time)
+        total += 2.0 * float(spectrum[frequency < 60.0].sum()) / n
+    return max(total, 1.0)

@@ -1,0 +1,156 @@
+"""Every effect of the list tried on the evidence, each at its best shape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, DivergedError
+from cogging.diagnose.chances import log_survival
+from cogging.diagnose.evidence import Evidence, Test
+from cogging.diagnose.signatures import Candidate, candidates, quantities, tables
+from cogging.diagnose.waves import is_wave, peaks, refine
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect at its best shape.
+
+    Attributes:
+        candidate: effect and shape.
+        test: score test of its columns.
+        amplitudes: what the effect would need, (p,); (1,) near 1 where the shape alone makes it.
+        looked: independent shapes that were tried.
+        log_chance: ln of the chance that noise alone shows as much anywhere in this scan.
+        score: 2 ln likelihood, less what the free parameters and the looking cost.
+    """
+
+    candidate: Candidate
+    test: Test
+    amplitudes: FloatArray
+    looked: float
+    log_chance: float
+    score: float
+
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.candidate.name
+
+    def effect(self) -> object:
+        """The effect with its amplitudes."""
+        return self.candidate.effect([float(a) for a in self.amplitudes] if self.candidate.amplitudes else [])
+
+
+def judge(evidence: Evidence, candidate: Candidate, columns: FloatArray, looked: float) -> Finding | None:
+    """Test one candidate; None where what it would take is not physical."""
+    test = evidence.test(columns)
+    if test.freedom == 0:
+        return None
+    amplitudes = -test.amplitudes
+    if candidate.amplitudes:
+        sizes = quantities(evidence)
+        for (field, _), value in zip(candidate.amplitudes, amplitudes, strict=True):
+            role = EFFECTS[candidate.name].ROLES[field]
+            largest = max(abs(role["low"]), abs(role["high"])) * sizes[role["quantity"]]
+            if abs(value) > largest:
+                return None
+    elif not 0.25 < amplitudes[0] < 2.5:  # the finite size that was tried is not what the log shows
+        return None
+    shapes = sum(
+        1
+        for field, role in EFFECTS[candidate.name].ROLES.items()
+        if role["role"] == "shape" and not isinstance(candidate.shape.get(field), list)
+    )
+    return Finding(
+        candidate,
+        test,
+        amplitudes,
+        looked,
+        min(0.0, log_survival(test.statistic, test.freedom) + float(np.log(max(looked, 1.0)))),
+        test.statistic - 2.0 * test.freedom - 2.0 * float(np.log(max(looked, 1.0))) - shapes,
+    )
+
+
+def scan(
+    evidence: Evidence,
+    names: Sequence[str] | None = None,
+    progress: Callable[[str], None] = lambda name: None,
+) -> list[Finding]:
+    """The best shape of each effect, best score first."""
+    best: dict[str, Finding] = {}
+    for name in EFFECTS if names is None else names:
+        for finding in _of(evidence, name):
+            if name not in best or finding.score > best[name].score:
+                best[name] = finding
+        progress(name)
+    ranked = sorted(best.values(), key=lambda f: -f.score)
+    if not ranked:
+        return []
+    top = ranked[0].score
+    sharpened = [sharpen(evidence, f) if f.score > top - 40.0 and f.score > 0.0 else f for f in ranked]
+    return sorted(sharpened, key=lambda f: -f.score)
+
+
+def _of(evidence: Evidence, name: str) -> list[Finding]:
+    if is_wave(EFFECTS[name]):
+        found, looked = peaks(evidence, name)
+        found = refine(evidence, found)
+    else:
+        found = list(candidates(evidence, name))
+        looked = float(max(1, len(found)))
+    return judged(evidence, found, looked)
+
+
+def judged(evidence: Evidence, found: Sequence[Candidate], looked: float) -> list[Finding]:
+    """Test candidates; those that cannot be simulated or are not physical are left out."""
+    if not found:
+        return []
+    try:
+        made = tables(evidence, found)
+    except (DivergedError, ValueError):
+        if len(found) == 1:
+            return []
+        return [f for one in found for f in judged(evidence, [one], looked)]
+    columns = [evidence.whitened(table) for table in made]
+    results = [judge(evidence, c, w, looked) for c, w in zip(found, columns, strict=True)]
+    return [result for result in results if result is not None]
+
+
+def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
+    """Move the shape to where it explains most: steps of each shape parameter that shrink."""
+    roles = EFFECTS[finding.name].ROLES
+    fields = [f for f, v in finding.candidate.shape.items() if roles[f]["role"] == "shape" and isinstance(v, float)]
+    if not fields:
+        return finding
+    wave = is_wave(EFFECTS[finding.name])
+    ratio = 0.35
+    for _ in range(rounds):
+        tried = []
+        for field in fields:
+            value = finding.candidate.shape[field]
+            role = roles[field]
+            sizes = quantities(evidence)
+            for sign in (-1.0, 1.0):
+                if wave:
+                    span = evidence.scales.position if role["quantity"] == "distance" else evidence.scales.time
+                    turns = (span / value if role["quantity"] == "distance" else span * value) + 0.2 * sign * ratio
+                    moved = span / turns if role["quantity"] == "distance" else turns / span
+                elif role["logarithmic"] or role["neutral"] == 0.0:
+                    moved = value * float(np.exp(sign * ratio))
+                else:
+                    moved = value + sign * 0.25 * ratio * sizes[role["quantity"]] * (role["high"] - role["low"])
+                if moved > 0.0 or not (role["logarithmic"] or role["neutral"] == 0.0):
+                    shape = {**finding.candidate.shape, field: moved}
+                    tried.append(replace(finding.candidate, shape=shape))
+        better = [f for f in judged(evidence, tried, finding.looked) if f.score > finding.score]
+        if better:
+            finding = max(better, key=lambda f: f.score)
+        else:
+            ratio *= 0.4
+    return finding

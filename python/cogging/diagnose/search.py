@@ -1,0 +1,298 @@
+"""The search for missing effects: scan, confirm, add, and look again at what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, DivergedError
+from cogging.diagnose.chances import log_survival
+from cogging.diagnose.evidence import Evidence, gather
+from cogging.diagnose.null import fit_null, nuisances, sources_of
+from cogging.diagnose.rest import Shape, shapes
+from cogging.diagnose.scan import Finding, scan
+from cogging.diagnose.signatures import tables
+from cogging.estimation import Estimate, fit
+from cogging.logs import Log
+from cogging.model import Model
+from cogging.parameters import effect_paths, parameters_of
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
+DETECTED = (
+    -9.5
+)  # ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all
+LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
+RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
+INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
+CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
+EFFECTS_MAX = 3
+TERMS_MAX = 5
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """An effect with frozen amplitudes on motion that had no part in the choice.
+
+    Attributes:
+        foreseen: lambda that this motion can show.
+        ratio: of what it shows over what was foreseen, 1 where the effect is right.
+        gain: of 2 ln likelihood.
+    """
+
+    foreseen: float
+    ratio: float
+    gain: float
+
+    @property
+    def deviation(self) -> float:
+        """1-sigma of the ratio, 0.15 at least for amplitudes that are estimates themselves."""
+        return float(np.hypot(1.0 / np.sqrt(max(self.foreseen, 1e-9)), 0.15))
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the other motion speaks against it."""
+        return self.foreseen >= INFORMATIVE and self.ratio < 1.0 - 3.0 * self.deviation
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the other motion shows it."""
+        return self.foreseen >= INFORMATIVE and not self.refuted and self.gain > 0.0
+
+
+@dataclass
+class Added:
+    """An effect that was accepted, and what stood against it."""
+
+    finding: Finding
+    rivals: list[Finding]
+    shapes: list[Shape]
+    confirmation: Confirmation | None
+    rival_gap: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass
+class Search:
+    """All that was found on the way."""
+
+    nominal: Estimate
+    nominal_evidence: Evidence
+    estimate: Estimate
+    evidence: Evidence
+    added: list[Added]
+    refused: list[tuple[Finding, str]]
+    first_shapes: list[Shape]
+    left: list[Shape]
+    left_findings: list[Finding]
+    confirm_evidence: Evidence | None
+
+
+def search(
+    logs: Sequence[Log],
+    model: Model,
+    confirm: Sequence[Log] = (),
+    progress: Callable[[str], None] = lambda step: None,
+) -> Search:
+    """Scan, add what stands, until nothing significant is left or three effects were added."""
+    progress("re-tuning the model")
+    nominal, evidence = fit_null(logs, model)
+    confirm_evidence = None
+    if confirm:
+        try:
+            confirm_evidence = retuned(confirm, nominal.model)
+        except (DivergedError, ValueError):
+            confirm_evidence = None
+    estimate = nominal
+    added: list[Added] = []
+    refused: list[tuple[Finding, str]] = []
+    first = nominal_evidence = evidence
+    first_shapes = shapes(evidence)
+    left = first_shapes
+    findings: list[Finding] = []
+    while True:
+        progress(f"scanning, effect {len(added) + 1}")
+        findings = scan(evidence)
+        # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
+        best = max(findings, key=lambda f: f.score, default=None)
+        if best is not None and best.log_chance < 0.6 * DETECTED:
+            evidence = cleaned(estimate, evidence, best)
+            again = scan(evidence, [f.name for f in findings if f.log_chance < -1.5])
+            findings = [*again, *(f for f in findings if f.log_chance >= -1.5)]
+        left = shapes(evidence)
+        names = {one.finding.name for one in added}
+        if len(added) == TERMS_MAX:
+            break
+        barred = {finding.name for finding, _ in refused}
+        if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
+            barred |= set(EFFECTS) - names
+        step = None
+        for finding in findings:
+            if finding.log_chance > DETECTED or finding.name in barred:
+                continue
+            check = confirmation(confirm_evidence, finding)
+            if check is not None and check.refuted:
+                refused.append((finding, f"other motion shows {check.ratio:.2f} of what was foreseen"))
+                continue
+            step = (finding, check)
+            break
+        if step is None:
+            break
+        finding, check = step
+        step_rivals, chosen, check = choose(evidence, findings, finding, check, confirm_evidence, barred)
+        try:
+            progress(f"adding {chosen.name}")
+            estimate = refit(estimate, chosen, logs, evidence)
+        except (DivergedError, ValueError) as error:
+            refused.append((chosen, f"the model with it cannot be fitted: {error}"))
+            continue
+        added.append(Added(chosen, step_rivals, left, check))
+        evidence = gather(estimate, evidence.sources, memory=evidence.memory)
+        if confirm_evidence is not None:
+            try:
+                confirm_evidence = retuned(confirm, estimate.model)
+            except (DivergedError, ValueError):
+                confirm_evidence = None
+    return Search(
+        nominal,
+        nominal_evidence if added else first,
+        estimate,
+        evidence,
+        added,
+        refused,
+        first_shapes,
+        left,
+        findings,
+        confirm_evidence,
+    )
+
+
+def choose(
+    evidence: Evidence,
+    findings: Sequence[Finding],
+    best: Finding,
+    check: Confirmation | None,
+    confirm_evidence: Evidence | None,
+    barred: set[str],
+) -> tuple[list[Finding], Finding, Confirmation | None]:
+    """Of the effects that explain about as much, the one that both motions favour; and those within reach of it."""
+    near = [f for f in findings if f.score > best.score - 40.0 and f.name not in barred and f.log_chance < -5.0]
+    checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
+
+    def total(f: Finding) -> float:
+        c = checks[f.name]
+        return f.score + (0.0 if c is None else float(np.clip(c.gain, -60.0, None)))
+
+    standing = [f for f in near if f is best or not (checks[f.name] is not None and checks[f.name].refuted)]  # type: ignore[union-attr]
+    ranked = sorted(standing, key=total, reverse=True)
+    chosen = ranked[0]
+    rivals = [replace(f, score=total(f)) for f in ranked]
+    return rivals, chosen, checks[chosen.name]
+
+
+def retuned(logs: Sequence[Log], model: Model) -> Evidence:
+    """Evidence of other logs under a model whose nuisances are re-tuned on them, its effects as they are."""
+    paths = [p for p in nuisances(model) if not p.startswith("effects.")]
+    sources = sources_of(logs, model)
+    return gather(fit(model, paths, sources, iterations=4), sources)
+
+
+def cleaned(estimate: Estimate, evidence: Evidence, finding: Finding) -> Evidence:
+    """The evidence with filters estimated from what an effect leaves."""
+    made = tables(evidence, [finding.candidate])[0]
+    weights = finding.amplitudes if finding.candidate.amplitudes else finding.amplitudes[:1]
+    return gather(estimate, evidence.sources, [-(weights @ table) for table in made], evidence.memory)
+
+
+def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
+    """What other motion says to an effect with frozen amplitudes; None without other motion."""
+    if evidence is None:
+        return None
+    try:
+        made = tables(evidence, [finding.candidate])[0]
+    except (DivergedError, ValueError):
+        return None
+    columns = evidence.project(evidence.whitened(made))
+    foreseen = finding.amplitudes @ columns
+    size = float(foreseen @ foreseen) / evidence.excess
+    if size <= 0.0:
+        return Confirmation(0.0, 0.0, 0.0)
+    score = -float(foreseen @ evidence.free_residual) / evidence.excess
+    return Confirmation(size, score / size, 2.0 * score - size)
+
+
+def refit(estimate: Estimate, finding: Finding, logs: Sequence[Log], evidence: Evidence) -> Estimate:
+    """Fit the model with the effect in it: nuisances, amplitudes, and shapes that are numbers."""
+    model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
+    paths = [p for p in estimate.paths if not p.startswith("effects.")]
+    paths += effect_parameters(model)
+    return fit(model, paths, evidence.sources, iterations=8)
+
+
+def effect_parameters(model: Model) -> list[str]:
+    """Paths of the effects' amplitudes and shapes that a fit can move."""
+    known = parameters_of(model)
+    paths = []
+    for prefix, effect in effect_paths(model.effects):
+        for name, role in effect.ROLES.items():
+            value = getattr(effect, name)
+            if role["role"] == "setting" or (role["role"] == "shape" and isinstance(value, list)):
+                continue
+            if role["quantity"] in ("time", "exponent") or (role["quantity"] == "position"):
+                continue  # edges and places: where the scan found them
+            paths += [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
+    return [p for p in paths if np.isfinite(known[p].value)]
+
+
+def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
+    """Mass, viscous and Coulomb friction beyond what the model states: (name, change, deviation, how many deviations).
+
+    Shapes of friction close to rest are nuisances here too: what they take up is no change of the level.
+    """
+    values, covariance = level_estimates(search_.evidence, search_.estimate)
+    found = []
+    for i, path in enumerate(search_.estimate.paths):
+        name = path.removeprefix("axis.")
+        if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
+            continue
+        prior = getattr(model.axis, name)
+        if prior <= 0.0:
+            continue
+        stated = model.uncertainty[name] * prior
+        deviation = float(np.sqrt(covariance[i, i] + stated**2))
+        beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
+        found.append((name, values[i] / prior - 1.0, float(np.sqrt(covariance[i, i])) / prior, float(beyond)))
+    return found
+
+
+def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray]:
+    """Values and covariance of the free parameters with the shapes of slow friction free beside them."""
+    columns = evidence.columns
+    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
+    size[size == 0.0] = 1.0
+    scaled = columns / size[:, None]
+    gram = scaled @ scaled.T
+    inverse = np.linalg.pinv(gram, rcond=1e-9, hermitian=True)
+    step = -(inverse @ (scaled @ evidence.residual)) / size
+    p = len(estimate.paths)
+    covariance = (inverse / np.outer(size, size) * evidence.excess)[:p, :p]
+    return estimate.values + step[:p], covariance
+
+
+def variance_jumps(evidence: Evidence) -> float:
+    """ln of the chance that a white residual's power jumps as high in any half second."""
+    worst = 0.0
+    for block in range(0, int(evidence.block[-1]) + 1, 3):
+        rows = (evidence.block >= block) & (evidence.block < block + 3) & (evidence.residual != 0.0)
+        n = int(rows.sum())
+        if n < 100:
+            continue
+        power = float((evidence.free_residual[rows] ** 2).sum())
+        worst = min(worst, log_survival(power, n))
+    return worst
+
+
+__all__ = ["EFFECTS", "Search", "search"]

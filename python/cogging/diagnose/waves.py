@@ -1,0 +1,138 @@
+"""Effects that are a sine and a cosine of one period or frequency: found at once by a spectrum of the adjoint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, Prediction, whiten
+from cogging.diagnose.evidence import Evidence, Filter, coloured
+from cogging.diagnose.signatures import Candidate, quantities
+from cogging.residuals import Innovations
+
+FloatArray = npt.NDArray[np.float64]
+
+BINS = 1 << 14  # of the positions, or times: the shortest period is some bins long
+PEAKS = 6  # that are looked at exactly
+
+
+def is_wave(effect: Any) -> bool:
+    """Whether an effect is a sine and a cosine of one period or frequency."""
+    amplitudes = {f for f, role in effect.ROLES.items() if role["role"] == "amplitude"}
+    shapes = [role for role in effect.ROLES.values() if role["role"] == "shape"]
+    scalar = all(not isinstance(getattr(effect(), f), list) for f in amplitudes)
+    return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
+
+
+def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
+    """The likeliest waves of an effect, and how many independent ones were looked at."""
+    effect = EFFECTS[name]
+    field, role = next((f, r) for f, r in effect.ROLES.items() if r["role"] == "shape")
+    sizes = quantities(evidence)
+    low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
+    spatial = role["quantity"] == "distance"
+    wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
+    total: Any = None
+    norm: Any = None
+    span = sizes["position"] if spatial else sizes["time"]
+    start = 0
+    origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
+    for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
+        n = len(source.log)
+        residual = evidence.free_residual[start : start + n]
+        start += n
+        score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span)
+        total = score if total is None else total + score
+        norm = power if norm is None else norm + power
+    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-3 * float(norm.max()))
+    statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
+    looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
+    found = []
+    for _ in range(PEAKS):
+        best = int(np.argmax(statistic))
+        if statistic[best] <= 2.0:
+            break
+        value = 1.0 / float(wave[best]) if spatial else float(wave[best])
+        unit = 0.02 * abs(effect.ROLES["sine"]["high"]) * sizes[effect.ROLES["sine"]["quantity"]]
+        found.append(Candidate(name, {field: value}, (("sine", None), ("cosine", None)), (unit, unit)))
+        near = np.abs(wave - wave[best]) < 1.0 / span
+        statistic[near] = 0.0
+    return found, looked
+
+
+def _score(
+    evidence: Evidence,
+    source: Innovations,
+    filter_: Filter,
+    along: Prediction,
+    residual: FloatArray,
+    effect: Any,
+    spatial: bool,
+    origin: float,
+    span: float,
+) -> tuple[npt.NDArray[np.complex128], FloatArray, FloatArray]:
+    """Score and its variance over wavenumbers (1/m) or frequencies (Hz)."""
+    model = evidence.model
+    back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
+    back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
+    force, reading = source.predictor.propagate_transposed(along, model.axis.mass, np.ascontiguousarray(back))
+    on_reading = "reading" in effect.HOOKS
+    adjoint = reading if on_reading else force
+    gain = source.log.command if "command_gain" in effect.HOOKS else np.ones(len(force))
+    place = (
+        (along.position if on_reading else along.middle_position) if spatial else source.log.time - source.log.time[0]
+    )
+    length = 2 * BINS
+    width = 2.0 * span / length  # twice the span: wavenumbers finer than independent ones
+    bins = np.clip(((place - (origin if spatial else 0.0)) / width).astype(np.int64), 0, length - 1)
+    spectrum = np.fft.rfft(np.bincount(bins, adjoint * gain, length)[:length])
+    wave = np.arange(len(spectrum)) / (width * length)
+    frequency, response = _response(source, filter_, model.axis.mass, on_reading)
+    weight = source.counts * gain**2
+    if spatial:
+        speed = np.abs(along.middle_velocity)
+        edges = np.linspace(0.0, float(speed.max()) + 1e-12, 41)
+        share, _ = np.histogram(speed, edges, weights=weight)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        power = np.zeros(len(wave))
+        for one, velocity in zip(share, middle, strict=True):
+            power += 0.5 * one * np.interp(wave * velocity, frequency, response, right=0.0)
+    else:
+        power = 0.5 * weight.sum() * np.interp(wave, frequency, response, right=0.0)
+    # |score|^2 / power is chi-square with 2 degrees of freedom: sine and cosine each have half the weight.
+    return spectrum, power, wave
+
+
+def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) -> tuple[FloatArray, FloatArray]:
+    """Power gain from a force (or an error of the reading) to the whitened residual over frequency, Hz."""
+    h = source.scales.sample_time
+    frequency = np.linspace(0.0, 0.5 / h, 4096)
+    z = np.exp(2j * np.pi * frequency * h)
+    pole = np.exp(-2.0 * np.pi * source.bandwidth * h)
+    transfer = (z - 1.0) ** 2 / (z - pole) ** 2 if reading else h**2 / mass * 0.5 * (z + 1.0) / (z - pole) ** 2
+    a = filter_.coefficients
+    white = 1.0 - sum(c * z ** -(i + 1.0) for i, c in enumerate(a))
+    level = np.interp(frequency, filter_.frequency, filter_.level)
+    return frequency, np.abs(source.scale * transfer * white / filter_.rms) ** 2 / level
+
+
+def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
+    """Each wave at five periods (or frequencies) about the one given, within the width of its peak."""
+    near = []
+    for candidate in found:
+        field, value = next(iter(candidate.shape.items()))
+        role = EFFECTS[candidate.name].ROLES[field]
+        spatial = role["quantity"] == "distance"
+        span = evidence.scales.position if spatial else evidence.scales.time
+        for shift in (-0.3, -0.15, 0.0, 0.15, 0.3):
+            wave = (1.0 / value if spatial else value) + shift / span
+            if wave > 0.0:
+                near.append(
+                    Candidate(
+                        candidate.name, {field: 1.0 / wave if spatial else wave}, candidate.amplitudes, candidate.unit
+                    )
+                )
+    return near
