@@ -1,10 +1,8 @@
-"""A ball-screw axis measured by others (EMPS): its two logs and the model that was published for them, in newton.
+"""A ball-screw axis under cascade control (Janot, Gautier, Brunot, nonlinear benchmark workshop 2019).
 
-A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of EMPS" (2019), public through nonlinearbenchmark.org.
-test_diagnose_real.py and notebook 06 both use what stands here.
+Public through nonlinearbenchmark.org. The command is recorded in volts; the force is 35.15065 N/V times it, which is
+taken as the command unit here, so that masses are kilograms.
 """
-
-from __future__ import annotations
 
 from pathlib import Path
 
@@ -13,14 +11,40 @@ import numpy as np
 import cogging
 
 FOLDER = Path(__file__).parents[1] / ".." / "shared" / "data" / "emps"
-GAIN = 35.15065  # N/V, of the drive: the logs hold volts
+FORCE_CONSTANT = GAIN = 35.15065  # N/V
 SCREW = 2.5e-3  # m, one turn of the screw
+PULSE = 1.08  # V for each unit of `pulses_N`
+COLUMNS = {"time": "t", "position": "qm", "reference": "qg", "command": "vir"}
+PUBLISHED = {"axis.mass": 95.11, "axis.viscous": 203.5, "axis.coulomb": 20.39, "effects.constant_force.force": 3.16}
+AUTHORS = {"position": 1.38e-4, "velocity": 2.3e-3, "command": 5.85e-2}  # relative errors of their own simulation
+AUTHORS_PULSES = {"position": 8.0e-5, "velocity": 4.8e-3, "command": 8.94e-2}
 
 
-def read(name):
-    """DATA_EMPS or DATA_EMPS_PULSES, with the command in newton."""
-    columns = {"time": "t", "position": "qm", "command": "vir", "reference": "qg"}
-    return cogging.read_log(FOLDER / f"{name}.mat", columns=columns, scale={"command": GAIN})
+def read(name="DATA_EMPS.mat"):
+    """A log in newtons."""
+    return cogging.read_log(
+        FOLDER / (name if name.endswith(".mat") else f"{name}.mat"), columns=COLUMNS, scale={"command": FORCE_CONSTANT}
+    )
+
+
+def pulses():
+    """What was added to the command of the second log, N, (n,)."""
+    from scipy.io import loadmat
+
+    table = loadmat(FOLDER / "DATA_EMPS_PULSES.mat")
+    return PULSE * FORCE_CONSTANT * np.asarray(table["pulses_N"], dtype=float).ravel()
+
+
+def prior(coulomb_width=0.0):
+    """A wrong guess, and the controller as it is published."""
+    return cogging.Model(
+        axis=cogging.AxisParameters(mass=90.0, viscous=180.0, coulomb=25.0, coulomb_width=coulomb_width),
+        effects=(cogging.effects.ConstantForce(),),
+        controller=cogging.CascadeParameters(
+            sample_rate=1000.0, kp=160.18, kv=243.45 * FORCE_CONSTANT, command_limit=10.0 * FORCE_CONSTANT
+        ),
+        controller_type="cascade",
+    )
 
 
 def published(controller=True):

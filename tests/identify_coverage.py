@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 
 import numpy as np
 
@@ -98,23 +99,35 @@ def draw(seed: int) -> Case:
     return Case(truth, nominal, cogging.simulate(truth, reference, seed=seed, duration=12.0, steps_per_sample=20))
 
 
-def standing(seed: int) -> dict[str, tuple[float, float, float, bool]]:
-    """(error / half interval, error of the output error in its sigma, value / truth, determined) of each parameter."""
+@dataclass(frozen=True)
+class Standing:
+    """One fitted parameter beside the truth.
+
+    Attributes:
+        error: in halves of the 95 % interval: at most 1 where it holds the truth.
+        check: output error less inverse dynamics, in their standard deviation.
+    """
+
+    error: float
+    check: float
+
+
+def standing(seed: int) -> dict[str, Standing | None]:
+    """Where the truth of each parameter stands; None where the log does not determine it."""
     case = draw(seed)
-    result = identify(case.log, case.nominal)
     known = cogging.parameters_of(case.truth)
-    found = {}
-    for p in result.parameters:
-        true = known[p.path].value
+    found: dict[str, Standing | None] = {}
+    for p in identify(case.log, case.nominal).parameters:
         half = 0.5 * (p.ci95[1] - p.ci95[0])
-        found[p.path] = ((p.value - true) / half, p.difference or 0.0, p.value - true, p.determined)
+        error = (p.value - known[p.path].value) / half
+        found[p.path] = Standing(error, p.difference or 0.0) if p.determined else None
     return found
 
 
-def coverage(seeds: range, jobs: int) -> dict[str, list[tuple[float, float, float, bool]]]:
+def coverage(seeds: range, jobs: int) -> dict[str, list[Standing | None]]:
     """What `standing` says, by parameter, over the seeds."""
-    table: dict[str, list[tuple[float, float, float, bool]]] = {}
-    with ProcessPoolExecutor(jobs) as pool:
+    table: dict[str, list[Standing | None]] = {}
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
         for found in pool.map(standing, seeds):
             for path, entry in found.items():
                 table.setdefault(path, []).append(entry)
@@ -128,14 +141,14 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
     table = coverage(range(options.seed, options.seed + options.machines), options.jobs)
-    held = total = 0
-    print(f"{'parameter':<32} {'determined':>10} {'held by 95 % interval':>22} {'|check| < 3 sigma':>18}")
-    for path, entries in table.items():
-        good = [abs(e[0]) <= 1.0 for e in entries if e[3]]
-        agree = [abs(e[1]) < 3.0 for e in entries if e[3]]
-        held, total = held + sum(good), total + len(good)
-        print(f"{path:<32} {len(good):>10} {100 * np.mean(good):>20.1f} % {100 * np.mean(agree):>16.1f} %")
-    print(f"{'all':<32} {total:>10} {100 * held / total:>20.1f} %")
+    everything = [entry for entries in table.values() for entry in entries]
+    print(f"{'parameter':<32} {'determined':>12} {'held by the 95 % interval':>26} {'|check| < 3 sigma':>18}")
+    for path, entries in {**table, "all": everything}.items():
+        good = [entry for entry in entries if entry is not None]
+        held = np.mean([abs(entry.error) <= 1.0 for entry in good])
+        agree = np.mean([abs(entry.check) < 3.0 for entry in good])
+        share = f"{len(good)}/{len(entries)}"
+        print(f"{path:<32} {share:>12} {100 * held:>24.1f} % {100 * agree:>16.1f} %")
 
 
 if __name__ == "__main__":

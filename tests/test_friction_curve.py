@@ -8,9 +8,9 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 import cogging
-import tro2021
 from cogging import fit_friction_curve
 from cogging.friction_law import Law, student
+from tests import tro2021
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)
 BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])

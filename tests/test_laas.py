@@ -5,8 +5,8 @@ import os
 import numpy as np
 import pytest
 
-import laas
-from laas import TURN, Loop, Ripple, Rows
+from tests import laas
+from tests.laas import TURN, Loop, Ripple, Rows
 
 data = pytest.mark.data
 

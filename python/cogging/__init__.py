@@ -55,7 +55,8 @@ from cogging.files import InputError
 from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction_law import FrictionParameter
 from cogging.gains import pid_gains, pid_poles
-from cogging.identify import Identification, identify
+from cogging.identification import Identification
+from cogging.identify import identify
 from cogging.logs import Log, read_log
 from cogging.map import MapFit, fit_map
 from cogging.model import Model

@@ -75,7 +75,9 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("diagnose", help="find, name and add the effect that a model lacks")
     command.add_argument("logs", nargs="+", metavar="LOG")
     command.add_argument("--model", required=True, metavar="MODEL.toml")
-    command.add_argument("--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found")
+    command.add_argument(
+        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
+    )
     command.add_argument("--json", metavar="OUT", help="where the result is written")
     command.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
     command.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
@@ -88,6 +90,16 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--json", metavar="OUT", help="where the figures are written, one object a log")
     _add_log_options(command)
     command.set_defaults(run=_audit)
+
+    command = commands.add_parser("identify", help="fit the parameters of a model to logs, with intervals")
+    command.add_argument("logs", nargs="+", metavar="LOG")
+    command.add_argument("--model", required=True, metavar="MODEL.toml", help="the prior; its controller is optional")
+    command.add_argument("--out", metavar="MODEL.toml", help="where the fitted model is written, with [bounds]")
+    command.add_argument("--json", metavar="OUT", help="where the fit is written")
+    command.add_argument("--free", metavar="PATH,...", help="parameters to fit, as axis.mass (default: all)")
+    command.add_argument("--cutoff", type=float, metavar="HZ", help="of the filter (default: found from the noise)")
+    _add_log_options(command)
+    command.set_defaults(run=_identify)
 
     command = commands.add_parser("schema", help="print the JSON Schema of model and reference files")
     command.set_defaults(run=_schema)
@@ -245,6 +257,21 @@ def _audit(options: argparse.Namespace) -> None:
         print(f"{path}\n{found.text()}\n")
     if options.json:
         write_text(options.json, json.dumps(told, indent=1) + "\n")
+
+
+def _identify(options: argparse.Namespace) -> None:
+    from cogging.identify import identify
+    from cogging.model import Model
+
+    model = Model.read(options.model)
+    free = None if options.free is None else [path.strip() for path in options.free.split(",")]
+    logs = _read_logs(options, options.logs)
+    found = identify(logs, model, free=free, cutoff=options.cutoff, names=options.logs, progress=True)
+    print(found.text())
+    if options.json:
+        write_text(options.json, json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
+    if options.out:
+        found.model.write(options.out)
 
 
 def _schema(options: argparse.Namespace) -> None:

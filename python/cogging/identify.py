@@ -3,191 +3,34 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError
-from cogging.estimation import fit
-from cogging.inverse_dynamics import BalanceEstimate, ForceBalance, InverseDynamics, fit_force_balance
+from cogging.audit import encoder_quantum
+from cogging.determinability import Determinability, determinability, role_of, size_of
+from cogging.estimation import Estimate, fit
+from cogging.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
+from cogging.identification import Identification, LogFit, ParameterEstimate
+from cogging.inverse_dynamics import InverseDynamics, hooks_of
+from cogging.logged_run import LoggedRun
 from cogging.logs import Log, read_log
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, parameters_of, with_values
-from cogging.residuals import Innovations, Replay, Residuals
+from cogging.residuals import Innovations, Residuals
 
 FloatArray = npt.NDArray[np.float64]
 
-UNDETERMINED = 0.5  # 1-sigma, relative to the parameter's size, above which a log does not determine it
-TRADE = 0.95  # correlation above which two parameters are said to trade against each other
+FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which ...
 READING_SHARE = 0.5  # ... quantiser and encoder noise alone make less than this share of the residual's rms
-
-
-@dataclass(frozen=True)
-class ParameterEstimate:
-    """One parameter of the model, before and after.
-
-    Attributes:
-        path: where it stands in the model.
-        unit: SI and V.
-        prior: as the model had it.
-        value: as fitted; the prior where the logs do not determine it.
-        ci95: 95 % interval; infinite where the logs do not determine it.
-        determined: whether they do.
-        inverse_dynamics, output_error: what each estimator says; None where it cannot see the parameter.
-        difference: of the two, in units of its standard deviation were they independent; None likewise.
-        spread: standard deviation of the mean over logs fitted one by one, or None for a single log.
-        note: in words, how well or why not.
-    """
-
-    path: str
-    unit: str
-    prior: float
-    value: float
-    ci95: tuple[float, float]
-    determined: bool
-    inverse_dynamics: float | None
-    output_error: float | None
-    difference: float | None
-    spread: float | None
-    note: str
-
-
-@dataclass(frozen=True)
-class LogFit:
-    """What one log says of the fit.
-
-    Attributes:
-        name: of the file, or the log's number.
-        rows: that counted.
-        residual_before, residual_after: rms of the force balance below the cut-off, V, of the rows in motion.
-        floor: what quantiser and stated encoder noise alone would leave, V.
-        replay: relative errors of the closed-loop replay, norm of the difference over norm, of position, velocity and
-            command; empty without a controller.
-    """
-
-    name: str
-    rows: int
-    residual_before: float
-    residual_after: float
-    floor: float
-    replay: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Identification:
-    """The fit of a model to logs.
-
-    Attributes:
-        model: with the fitted values and their intervals in `[bounds]`.
-        parameters: one entry a free parameter.
-        correlation: of the estimates, (p, p), in the order of `parameters`; 0 where not determined.
-        covariance: of the determined ones, in the same order, 0 elsewhere.
-        determinability: what the logs can and cannot determine, in words, known before the fit.
-        logs: one entry a log.
-        cutoff: of the inverse dynamics' filter, Hz.
-        estimator: whose values are reported: "inverse_dynamics" or "output_error".
-        controller: what the audit says of a stated controller, one line a log.
-    """
-
-    model: Model
-    parameters: tuple[ParameterEstimate, ...]
-    correlation: FloatArray
-    covariance: FloatArray
-    determinability: tuple[str, ...]
-    logs: tuple[LogFit, ...]
-    cutoff: float
-    estimator: str
-    controller: tuple[str, ...] = ()
-
-    def __getitem__(self, path: str) -> ParameterEstimate:
-        """The parameter at a path.
-
-        Raises:
-            KeyError: no such free parameter.
-        """
-        for parameter in self.parameters:
-            if parameter.path == path:
-                return parameter
-        raise KeyError(path)
-
-    def text(self) -> str:
-        """The fit for the screen."""
-        lines = ["What the logs can determine:"]
-        lines += [f"  {line}" for line in self.determinability]
-        lines += ["", f"Fit ({self.estimator.replace('_', ' ')}, below {self.cutoff:g} Hz):"]
-        width = max(len(p.path) for p in self.parameters)
-        lines.append(
-            f"  {'parameter':<{width}} {'prior':>11} {'value':>11}   95 % interval              check      unit"
-        )
-        for p in self.parameters:
-            interval = f"[{p.ci95[0]:.5g}, {p.ci95[1]:.5g}]" if p.determined else "not determined"
-            check = "" if p.difference is None else f"{p.difference:+.1f} sigma"
-            lines.append(f"  {p.path:<{width}} {p.prior:>11.5g} {p.value:>11.5g}   {interval:<26} {check:<10} {p.unit}")
-            if p.spread is not None:
-                lines[-1] += f"; spread between logs {p.spread:.2g}"
-        pairs = [
-            (abs(self.correlation[i, j]), i, j)
-            for i in range(len(self.parameters))
-            for j in range(i)
-            if abs(self.correlation[i, j]) > 0.8
-        ]
-        if pairs:
-            lines.append("  correlated: ")
-            lines[-1] += ", ".join(
-                f"{self.parameters[j].path} and {self.parameters[i].path} {self.correlation[i, j]:+.2f}"
-                for _, i, j in sorted(pairs, reverse=True)[:4]
-            )
-        lines.append("")
-        for log in self.logs:
-            lines.append(
-                f"{log.name}: force balance {log.residual_before:.4g} V before, {log.residual_after:.4g} V after, "
-                f"quantiser and encoder noise alone {log.floor:.2g} V ({log.rows} rows in motion)"
-            )
-            if log.replay:
-                errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
-                lines.append(f"  closed-loop replay, relative error: {errors}")
-        lines += list(self.controller)
-        return "\n".join(lines)
-
-    def to_dict(self) -> dict[str, Any]:
-        """All of it for JSON."""
-        return {
-            "estimator": self.estimator,
-            "cutoff": self.cutoff,
-            "parameters": {
-                p.path: {
-                    "unit": p.unit,
-                    "prior": p.prior,
-                    "value": p.value,
-                    "ci95": list(p.ci95) if p.determined else None,
-                    "determined": p.determined,
-                    "inverse_dynamics": p.inverse_dynamics,
-                    "output_error": p.output_error,
-                    "difference_sigma": p.difference,
-                    "spread_between_logs": p.spread,
-                    "note": p.note,
-                }
-                for p in self.parameters
-            },
-            "correlation": self.correlation.tolist(),
-            "determinability": list(self.determinability),
-            "logs": [
-                {
-                    "name": log.name,
-                    "rows": log.rows,
-                    "residual_before": log.residual_before,
-                    "residual_after": log.residual_after,
-                    "floor": log.floor,
-                    "replay_relative_error": dict(log.replay),
-                }
-                for log in self.logs
-            ],
-            "controller": list(self.controller),
-        }
+STARTS = 3  # further starts where the law is not linear in a parameter
+SHAPELESS = 2.0  # 1-sigma of a shape, relative to its size, above which it is left alone altogether
+SPREAD = 0.1  # of their sizes, by which they are apart
+STAGES = ("what the logs determine", "inverse dynamics", "output error", "logs one by one")
 
 
 def identify(
@@ -199,26 +42,36 @@ def identify(
     rest: float | None = None,
     added_commands: Sequence[npt.ArrayLike | None] | None = None,
     names: Sequence[str] | None = None,
+    progress: bool = False,
 ) -> Identification:
     """Fit the parameters of a model to one or several logs together.
 
     Two estimators: inverse dynamics with instruments from a simulated run (reported, since it weighs all motion below
     the cut-off alike, and so bears a model that is not quite true), and the whitened output error of the closed-loop
-    replay (where the controller is known, else the whitened one-step prediction), as a check. Parameters that the
-    force balance does not show (of the encoder, of a second mass) are reported from the output error.
+    replay (where the controller is known and made the log, else the whitened one-step prediction), as a check. Where
+    the model has a second mass or a state of friction, or a free parameter that the force balance does not show, the
+    output error is reported.
+
+    A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) stays at its
+    prior with an infinite interval. The others are fitted with it moving within its own size: their intervals allow
+    for it.
 
     Args:
         logs: one or several, or their files.
         model: the prior, or its file.
-        free: paths of the parameters to fit; None: all, but for `axis.coulomb_width` where it is 0 or said to be exact.
+        free: paths of the parameters to fit (`parameters_of` lists them). None: all but settings, places of nodes,
+            those that are not finite, those with an uncertainty of 0, and `axis.coulomb_width` where it is 0.
         cutoff: of the inverse dynamics' filter, Hz; None: the highest of 80, 40, 20 and 10 Hz at which encoder noise
             does not rule the residual.
         rest: rows slower than this do not count, m/s; None: 2 % of the largest speed.
         added_commands: for each log, what was added to its controller's command, V, (n,), or None.
         names: of the logs, for the text.
+        progress: show a bar.
 
     Raises:
-        ValueError: a free parameter that the model has not; no logs; a log too short to fit.
+        InputError: a file that cannot be used, a log whose units cannot be those of the model.
+        ValueError: a free parameter that the model has not, no logs, a log that is too short or at rest, a cut-off or
+            rest that breaks its rule.
     """
     if not isinstance(model, Model):
         model = Model.read(model)
@@ -226,257 +79,329 @@ def identify(
         logs = [logs]
     if not logs:
         raise ValueError("logs: must be at least 1, got 0")
-    names = list(names or [])
-    if not names:
-        names = [f"log {i + 1}" if isinstance(log, Log) else os.fspath(log) for i, log in enumerate(logs)]
+    called = list(names or [f"log {i + 1}" if isinstance(g, Log) else os.fspath(g) for i, g in enumerate(logs)])
+    added = list(added_commands or [None] * len(logs))
+    for field, entries in (("names", called), ("added_commands", added)):
+        if len(entries) != len(logs):
+            raise ValueError(f"{field}: must be one for each of {len(logs)} logs, got {len(entries)}")
+    known = parameters_of(model)
+    paths = _free_by_default(model, known) if free is None else list(dict.fromkeys(free))
+    for path in paths:
+        _require_free(path, model, known)
+    if not paths:
+        raise ValueError("free: must name at least one parameter, got none")
     read = [log if isinstance(log, Log) else read_log(log) for log in logs]
-    return _Fit(model, read, names, free, cutoff, rest, added_commands).run()
+    for name, log in zip(called, read, strict=True):
+        if len(log) < FEWEST_ROWS:
+            raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
+        if np.ptp(log.position) == 0.0:
+            raise ValueError(f"{name}: position: must move, got {log.position[0]:g} m in every row")
+    rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
+    if cutoff is not None and not 0.0 < cutoff <= 0.2 * rate:
+        raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")
+    if rest is not None and not 0.0 <= rest < np.inf:
+        raise ValueError(f"rest: must be at least 0, got {rest:g}")
+    runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
+    cutoffs = [cutoff] if cutoff is not None else [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
+    return _Fit(model, runs, paths, cutoffs, rest).run(progress)
+
+
+@dataclass(frozen=True)
+class _Values:
+    """Values of some parameters by one estimator: covariance (p, p) and degrees of freedom (p,)."""
+
+    paths: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    freedom: FloatArray
+
+    def value(self, path: str) -> float:
+        return float(self.values[self.paths.index(path)])
+
+    def sigma(self, path: str) -> float:
+        i = self.paths.index(path)
+        return float(np.sqrt(self.covariance[i, i]))
+
+    def half_width(self, path: str) -> float:
+        return _student(float(self.freedom[self.paths.index(path)])) * self.sigma(path)
 
 
 class _Fit:
     def __init__(
         self,
         model: Model,
-        logs: Sequence[Log],
-        names: Sequence[str],
-        free: Sequence[str] | None,
-        cutoff: float | None,
+        runs: Sequence[LoggedRun],
+        paths: Sequence[str],
+        cutoffs: Sequence[float],
         rest: float | None,
-        added_commands: Sequence[npt.ArrayLike | None] | None,
     ) -> None:
-        self.model, self.logs, self.names, self.rest = model, logs, names, rest
-        self.added = list(added_commands or [None] * len(logs))
-        if len(self.added) != len(logs):
-            raise ValueError(f"added_commands: must be one for each log, got {len(self.added)} for {len(logs)}")
-        for name, log in zip(names, logs, strict=True):
-            if len(log) < 200:
-                raise ValueError(f"{name}: rows: must be at least 200 to fit a model, got {len(log)}")
-        known = parameters_of(model)
-        self.paths = _free_paths(model, known) if free is None else list(free)
-        for path in self.paths:
-            if path not in known:
-                raise ValueError(f"free: {path}: must be one of {', '.join(known)}")
-        if not self.paths:
-            raise ValueError("free: must name at least one parameter, got none")
-        rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in logs)
-        self.cutoffs = [cutoff] if cutoff is not None else [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
-        self.replays = [self._replay(log, added) for log, added in zip(logs, self.added, strict=True)]
+        self.model, self.runs, self.paths, self.cutoffs, self.rest = model, runs, paths, cutoffs, rest
+        self.prior = parameters_of(model)
+        self.simulate = [run.simulator() for run in runs]
 
-    def _replay(self, log: Log, added: npt.ArrayLike | None) -> Replay | None:
-        try:
-            return Replay(log, self.model, added_command=added)
-        except ValueError:
-            return None
+    def run(self, progress: bool) -> Identification:
+        from tqdm import tqdm
 
-    def _simulators(self, balances: Sequence[ForceBalance]) -> list[Callable[[Model], FloatArray] | None]:
-        def simulator(replay: Replay) -> Callable[[Model], FloatArray]:
-            return lambda model: replay.run(model)["true_position"]
+        with tqdm(total=len(STAGES), unit="stage", disable=not progress, leave=False) as bar:
 
-        return [simulator(replay) if replay else None for replay in self.replays]
+            def stage(i: int) -> None:
+                bar.set_description(STAGES[i])
+                bar.update(1 if i else 0)
 
-    def run(self) -> Identification:
-        for cutoff in self.cutoffs:
-            balances = [ForceBalance.of(log, cutoff=cutoff, rest=self.rest) for log in self.logs]
-            if min(int(b.counts.sum()) for b in balances) < 4 * len(self.paths) + 50:
-                raise ValueError("logs: must have rows in motion to fit to, got an axis at rest")
-            scales = _combined([b.scales for b in balances])
-            undetermined, frozen, notes = self._determine(balances, scales)
-            paths = [path for path in self.paths if path not in frozen]
-            if not paths:
-                raise ValueError("logs: must determine at least one free parameter, got motion that shows none of them")
+            for cutoff in self.cutoffs:
+                stage(0)
+                balances = [ForceBalance.of(run.log, cutoff=cutoff, rest=self.rest) for run in self.runs]
+                for run, balance in zip(self.runs, balances, strict=True):
+                    if int(balance.counts.sum()) < 4 * len(self.paths) + 50:
+                        raise ValueError(
+                            f"{run.name}: rows: must be at least {4 * len(self.paths) + 50} in motion, away from the "
+                            f"ends and from gaps, to fit {len(self.paths)} parameters, got {int(balance.counts.sum())}"
+                        )
+                scales = _combined([balance.scales for balance in balances])
+                told = self._determine(self.model, balances, scales)
+                bar.set_description(STAGES[1])
+                estimate = self._balance(self.model, told, balances, scales)
+                again = self._determine(estimate.model, balances, scales)
+                if _classes(again) != _classes(told):  # a prior far off may hide what a law is sensitive to
+                    told = again
+                    estimate = self._balance(estimate.model, told, balances, scales)
+                floors = [noise_floor(balance, estimate.model) for balance in balances]
+                if (
+                    max(f / max(rms, 1e-300) for f, rms in zip(floors, estimate.residual_rms, strict=True))
+                    < READING_SHARE
+                ):
+                    break
+            stage(1)
+            stage(2)
+            output = self._output_error(estimate.model, told)
+            stage(3)
+            spread = self._one_by_one(estimate.model, told, balances, scales)
+            return self._report(told, estimate, output, spread, balances, scales, floors)
+
+    def _determine(self, model: Model, balances: Sequence[ForceBalance], scales: Scales) -> Determinability:
+        return determinability(model, self.paths, balances, scales, self.simulate, lambda: self._sources(model))
+
+    def _sources(self, model: Model) -> list[Residuals]:
+        return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
+
+    def _balance(
+        self, start: Model, told: Determinability, balances: Sequence[ForceBalance], scales: Scales
+    ) -> BalanceEstimate:
+        """The fit of the force balance, from the best of a few starts where the law is not linear."""
+        paths = self._moving(told)
+        loose = np.array([np.inf if told.determined(p) else size_of(self.model, self.prior[p], scales) for p in paths])
+        bent = [path for path in paths if told.determined(path) and not self._linear(path)]
+        bent = [path for path in bent if path != "axis.coulomb_width"]
+        starts, random = [start], np.random.default_rng(0)
+        for _ in range(STARTS if bent else 0):
+            moved = {
+                path: parameters_of(start)[path].value
+                + SPREAD * random.normal() * size_of(start, parameters_of(start)[path], scales)
+                for path in bent
+            }
             try:
-                estimate = fit_force_balance(self.model, paths, balances, scales, self._simulators(balances))
-            except DivergedError:
-                estimate = fit_force_balance(self.model, paths, balances, scales, [None] * len(balances))
-            floor = max(
-                noise_floor(balance, estimate.model) / rms
-                for balance, rms in zip(balances, estimate.residual_rms, strict=True)
-            )
-            if floor < READING_SHARE:
-                break
-        return self._report(estimate, balances, undetermined, frozen, notes)
+                starts.append(with_values(start, moved))
+            except ValueError:
+                continue
+        fits = [fit_force_balance(s, paths, balances, scales, self.simulate, loose=loose) for s in starts]
+        return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
 
-    def _determine(
-        self, balances: Sequence[ForceBalance], scales: Scales
-    ) -> tuple[list[str], list[str], dict[str, str]]:
-        """Paths that the logs do not determine, those of them to freeze, and a sentence for each path."""
-        known = parameters_of(self.model)
-        left, undetermined, notes = list(self.paths), [], {}
-        frozen: list[str] = []
-        while left:
-            parameters = [known[path] for path in left]
-            deviation, correlation = _foreseen(self.model, parameters, balances, scales)
-            relative = deviation / np.array([_size(p, scales) for p in parameters])
-            if not frozen:
-                for i, p in enumerate(parameters):
-                    partner = int(np.argmax(np.abs(correlation[i]) - np.eye(len(parameters))[i]))
-                    trades = len(parameters) > 1 and abs(correlation[i, partner]) > TRADE
-                    notes[p.path] = _sentence(p, relative[i], parameters[partner].path if trades else None, balances)
-                    if not relative[i] < UNDETERMINED:
-                        undetermined.append(p.path)
-            worst = int(np.argmax(np.nan_to_num(relative, nan=np.inf)))
-            if relative[worst] < UNDETERMINED:
-                break
-            frozen.append(left.pop(worst))
-        return undetermined, frozen, notes
+    def _moving(self, told: Determinability) -> list[str]:
+        """What the fit of the force balance moves: more than it determines, so that the rest is not bent by a prior."""
+        return [
+            path
+            for path, sigma in zip(told.paths, told.sigma, strict=True)
+            if told.seen_by_balance(path) and (self._linear(path) or sigma < SHAPELESS)
+        ]
+
+    def _linear(self, path: str) -> bool:
+        return role_of(self.model, path) == "amplitude"
+
+    def _output_error(self, start: Model, told: Determinability) -> _Values | None:
+        """The whitened output error of what the logs determine, from the better of two starts."""
+        paths = [path for path in self.paths if told.determined(path)]
+        if not paths:
+            return None
+        fits: list[Estimate] = []
+        for model in (start, with_values(start, {path: self.prior[path].value for path in paths})):
+            try:
+                fits.append(fit(model, paths, self._sources(start)))
+            except (DivergedError, ValueError):
+                continue
+        if not fits:
+            return None
+        best = min(fits, key=lambda found: found.cost)
+        blocks = sum(len(np.unique(log.block)) for log in best.whitened)
+        return _Values(best.paths, best.values, best.covariance, np.full(len(paths), max(blocks - len(paths), 1)))
+
+    def _one_by_one(
+        self, model: Model, told: Determinability, balances: Sequence[ForceBalance], scales: Scales
+    ) -> dict[str, tuple[float, float]]:
+        """Standard deviation of the values of logs fitted one by one, and the rms of their own, by path."""
+        found: dict[str, list[tuple[float, float]]] = {}
+        for balance, simulator in zip(balances, self.simulate, strict=True) if len(balances) > 1 else ():
+            alone = determinability(model, self.paths, [balance], scales, [simulator])
+            paths = [p for p in self.paths if told.determined(p) and told.seen_by_balance(p)]
+            loose = np.array([np.inf if alone.determined(p) else size_of(model, self.prior[p], scales) for p in paths])
+            single = fit_force_balance(model, paths, [balance], scales, [simulator], loose=loose, iterations=4)
+            for i, path in enumerate(paths):
+                if alone.determined(path):
+                    sigma = float(np.sqrt(single.covariance[i, i]))
+                    found.setdefault(path, []).append((float(single.values[i]), sigma))
+        spread = {}
+        for path, entries in found.items():
+            if len(entries) > 1:
+                values, sigmas = np.array(entries).T
+                spread[path] = (float(np.std(values, ddof=1)), float(np.sqrt(np.mean(sigmas**2))))
+        return spread
 
     def _report(
         self,
+        told: Determinability,
         estimate: BalanceEstimate,
-        balances: list[ForceBalance],
-        undetermined: list[str],
-        frozen: list[str],
-        notes: dict[str, str],
+        output: _Values | None,
+        spread: Mapping[str, tuple[float, float]],
+        balances: Sequence[ForceBalance],
+        scales: Scales,
+        floors: Sequence[float],
     ) -> Identification:
-        prior = parameters_of(self.model)
-        paths = [path for path in self.paths if path not in frozen]
-        scales = _combined([b.scales for b in balances])
-        check = self._output_error(estimate.model, paths)
-        seen = _visible(self.model, [prior[path] for path in paths], balances, scales)
-        use_check = check is not None and not all(seen)
-        values, covariance = (check[0], check[1]) if use_check and check else (estimate.values, estimate.covariance)
-        fitted = with_values(self.model, dict(zip(paths, map(float, values), strict=True)))
-        quantile = _student(estimate.blocks - len(paths))
-        spread = self._spread(fitted, paths, balances, scales)
-        entries, everything = [], np.zeros((len(self.paths), len(self.paths)))
-        for row, path in enumerate(self.paths):
-            determined = path in paths and path not in undetermined
-            value, interval = prior[path].value, (-np.inf, np.inf)
-            inverse = output = difference = None
-            if path in paths:
-                i = paths.index(path)
-                value = float(values[i])
-                inverse = float(estimate.values[i]) if seen[i] else None
-                if check is not None:
-                    output = float(check[0][i])
-                if inverse is not None and output is not None and check is not None:
-                    sigma = float(np.sqrt(estimate.covariance[i, i] + check[1][i, i]))
-                    difference = (output - inverse) / sigma if sigma > 0 else None
-            if determined:
-                half = quantile * float(np.sqrt(covariance[i, i]))
-                interval = (value - half, value + half)
-                for column, other in enumerate(self.paths):
-                    if other in paths and other not in undetermined:
-                        everything[row, column] = covariance[i, paths.index(other)]
-            entries.append(
-                ParameterEstimate(
-                    path=path,
-                    unit=prior[path].unit,
-                    prior=prior[path].value,
-                    value=value,
-                    ci95=interval,
-                    determined=determined,
-                    inverse_dynamics=inverse,
-                    output_error=output,
-                    difference=difference,
-                    spread=None if spread is None or path not in paths else float(spread[paths.index(path)]),
-                    note=notes[path],
-                )
-            )
-        size = np.sqrt(np.diag(everything))
-        size[size == 0.0] = 1.0
+        inside = tuple(self._moving(told))
+        balance = _Values(inside, estimate.values, estimate.covariance, estimate.freedom)
+        hidden = any(told.determined(path) and path not in inside for path in self.paths)
+        reported = output if output is not None and (hidden or _has_states(self.model)) else balance
+        entries, fitted = [], {}
+        for path, note in zip(told.paths, told.notes, strict=True):
+            entry = self._entry(path, note, told.determined(path), reported, balance, output, spread.get(path))
+            entries.append(entry)
+            if entry.determined:
+                fitted[path] = entry.value
+        model = with_values(self.model, fitted)
         intervals = {**self.model.intervals, **{entry.path: entry.ci95 for entry in entries}}
+        covariance = np.zeros((len(entries), len(entries)))
+        known = [i for i, entry in enumerate(entries) if entry.determined]
+        inner = [reported.paths.index(entries[i].path) for i in known]
+        covariance[np.ix_(known, known)] = reported.covariance[np.ix_(inner, inner)]
+        size = np.sqrt(np.diag(covariance))
+        size[size == 0.0] = 1.0
         return Identification(
-            model=fitted.replace(intervals=intervals),
+            model=model.replace(intervals=intervals),
             parameters=tuple(entries),
-            correlation=everything / np.outer(size, size),
-            covariance=everything,
-            determinability=tuple(notes[path] for path in self.paths),
-            logs=tuple(self._log_fit(i, fitted, balances[i]) for i in range(len(self.logs))),
-            cutoff=balances[0].motion.cutoff,
-            estimator="output_error" if use_check else "inverse_dynamics",
+            correlation=covariance / np.outer(size, size),
+            covariance=covariance,
+            determinability=told.notes,
+            logs=tuple(
+                self._log_fit(run, model, with_values(estimate.model, fitted), b, floor, estimate)
+                for run, b, floor in zip(self.runs, balances, floors, strict=True)
+            ),
+            audits=tuple(run.audit for run in self.runs),
+            cutoff=balances[0].dynamics.cutoff,
+            estimator="inverse_dynamics" if reported is balance else "output_error",
+            controller=tuple(run.line for run in self.runs if run.line),
         )
 
-    def _output_error(self, start: Model, paths: list[str]) -> tuple[FloatArray, FloatArray] | None:
-        """Values and covariance of the whitened output error, from the better of two starts."""
-        sources: list[Residuals] = []
-        for log, replay in zip(self.logs, self.replays, strict=True):
-            source: Residuals = replay or Innovations(log, start, rest=self.rest)
-            sources.append(source)
-        found = []
-        for model in (start, self.model):
-            try:
-                result = fit(model, paths, sources)
-            except (DivergedError, ValueError):
-                continue
-            found.append(result)
-        if not found:
-            return None
-        best = min(found, key=lambda result: result.cost)
-        return best.values, best.covariance
+    def _entry(
+        self,
+        path: str,
+        note: str,
+        determined: bool,
+        reported: _Values,
+        balance: _Values,
+        output: _Values | None,
+        spread: tuple[float, float] | None,
+    ) -> ParameterEstimate:
+        prior = self.prior[path]
+        value, interval = prior.value, (-np.inf, np.inf)
+        inverse = balance.value(path) if determined and path in balance.paths else None
+        by_output = output.value(path) if output is not None and path in output.paths else None
+        difference = None
+        if inverse is not None and by_output is not None and output is not None:
+            sigma = float(np.hypot(balance.sigma(path), output.sigma(path)))
+            difference = (by_output - inverse) / sigma if sigma > 0 else None
+        determined = determined and path in reported.paths and bool(np.isfinite(reported.sigma(path)))
+        if determined:
+            value, half = reported.value(path), reported.half_width(path)
+            interval = (max(value - half, 0.0) if prior.positive else value - half, value + half)
+        return ParameterEstimate(
+            path=path,
+            unit=prior.unit,
+            prior=prior.value,
+            value=value,
+            ci95=interval,
+            determined=determined,
+            inverse_dynamics=inverse,
+            output_error=by_output,
+            difference=difference,
+            spread=None if spread is None else spread[0],
+            single_sigma=None if spread is None else spread[1],
+            note=note,
+        )
 
-    def _spread(
-        self, model: Model, paths: list[str], balances: list[ForceBalance], scales: Scales
-    ) -> FloatArray | None:
-        """Standard deviation of the mean of the values over logs fitted one by one."""
-        if len(self.logs) < 2:
-            return None
-        simulators = self._simulators(balances)
-        single = []
-        for balance, simulator in zip(balances, simulators, strict=True):
-            try:
-                single.append(fit_force_balance(model, paths, [balance], scales, [simulator], iterations=3).values)
-            except DivergedError:
-                return None
-        return np.asarray(np.std(single, axis=0, ddof=1) / np.sqrt(len(single)))
-
-    def _log_fit(self, i: int, fitted: Model, balance: ForceBalance) -> LogFit:
-        rows, replay = balance.counts, self.replays[i]
-        before, after = (np.sqrt(np.mean(r[rows] ** 2)) for r in balance.motion.of([self.model, fitted]))
-        errors: dict[str, float] = {}
-        if replay is not None:
-            try:
-                errors = relative_errors(self.logs[i], replay.run(fitted))
-            except DivergedError:
-                errors = {}
-        return LogFit(self.names[i], int(rows.sum()), float(before), float(after), noise_floor(balance, fitted), errors)
-
-
-def relative_errors(log: Log, run: Mapping[str, FloatArray]) -> dict[str, float]:
-    """Norm of measured less simulated over norm of measured: position, velocity and command.
-
-    Both velocities by the same second-order differences of positions that were low-pass filtered at 80 Hz.
-    """
-    rate = 1.0 / float(np.median(np.diff(log.time)))
-    cutoff = min(80.0, 0.1 * rate)
-    measured = InverseDynamics(log, cutoff=cutoff)
-    simulated = InverseDynamics(log, cutoff=cutoff, along=run["true_position"])
-
-    def ratio(a: FloatArray, b: FloatArray) -> float:
-        return float(np.linalg.norm(a - b) / np.linalg.norm(a))
-
-    return {
-        "position": ratio(log.position, run["true_position"]),
-        "velocity": ratio(measured.middle_velocity, simulated.middle_velocity),
-        "command": ratio(log.command, run["command"]),
-    }
+    def _log_fit(
+        self, run: LoggedRun, model: Model, free: Model, balance: ForceBalance, floor: float, estimate: BalanceEstimate
+    ) -> LogFit:
+        try:
+            errors = run.relative_errors(model)
+        except DivergedError:
+            errors = {}
+        return LogFit(
+            name=run.name,
+            rows=int(balance.counts.sum()),
+            residual_before=balance.residual_rms(self.model),
+            residual_after=balance.residual_rms(model),
+            residual_free=balance.residual_rms(free),
+            floor=floor,
+            replay=errors,
+            instruments=estimate.instruments,
+        )
 
 
 def noise_floor(balance: ForceBalance, model: Model) -> float:
     """What the quantiser, as the readings show it, and the stated encoder noise leave in the force balance, V."""
-    step = np.diff(np.unique(balance.log.position[: 200 * 1000]))
-    quantum = float(step[step > 0].min()) if (step > 0).any() else 0.0
-    quantum = max(model.encoder.resolution, min(quantum, 1e-3 * balance.scales.position))
+    quantum = max(model.encoder.resolution, encoder_quantum(balance.log.position))
     random = np.random.default_rng(0)
     n = len(balance.log)
     noise = quantum * (random.random(n) - 0.5) + model.encoder.noise * random.standard_normal(n)
-    shaken = InverseDynamics(balance.log, cutoff=balance.motion.cutoff, along=noise)
-    row = model.axis.mass * shaken.acceleration + model.axis.viscous * shaken.middle_velocity
+    log = Log(time=balance.log.time, position=noise, command=np.zeros(n))
+    shaken = InverseDynamics(log, cutoff=balance.dynamics.cutoff)
+    row = model.axis.mass * shaken.motion.acceleration + model.axis.viscous * shaken.motion.middle_velocity
     return float(np.sqrt(np.mean(shaken.filtered(row[None, :])[0, balance.counts] ** 2)))
 
 
-def _free_paths(model: Model, known: Mapping[str, Parameter]) -> list[str]:
-    exact = [f"axis.{name}" for name, sigma in model.uncertainty.items() if sigma == 0.0]
+def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:
+    exact = {f"axis.{name}" for name, sigma in model.uncertainty.items() if sigma == 0.0}
     if model.axis.coulomb_width == 0.0:
-        exact.append("axis.coulomb_width")
-    return [path for path, p in known.items() if path not in exact and np.isfinite(p.value)]
+        exact.add("axis.coulomb_width")
+    paths = []
+    for path, parameter in known.items():
+        role = role_of(model, path)
+        place = role == "shape" and path.endswith("]")  # where nodes stand is a choice
+        if path not in exact and role != "setting" and not place and np.isfinite(parameter.value):
+            paths.append(path)
+    return paths
 
 
-def _size(parameter: Parameter, scales: Scales) -> float:
-    """Against which an error of the parameter is judged."""
-    if parameter.positive and parameter.value > 0.0:
-        return parameter.value
-    return max(abs(parameter.value), scales.of(parameter.unit))
+def _require_free(path: str, model: Model, known: Mapping[str, Parameter]) -> None:
+    if path not in known:
+        raise ValueError(f"free: {path}: must be one of {', '.join(known)}")
+    if role_of(model, path) == "setting":
+        raise ValueError(f"free: {path}: must be a parameter that a fit may move, got a setting")
+    if not np.isfinite(known[path].value):
+        raise ValueError(f"free: {path}: must start from a finite value, got {known[path].value:g}")
+    if path == "axis.coulomb_width" and known[path].value == 0.0:
+        raise ValueError(f"free: {path}: must start above 0 to be fitted, got 0, which is a law of its own")
+
+
+def _has_states(model: Model) -> bool:
+    """Whether an effect with states of its own is at work, which the force balance does not see."""
+    for effect in model.effects:
+        neutral = type(effect)().to_dict()
+        if "state" in hooks_of(effect) and effect.to_dict() != neutral:
+            return True
+    return False
+
+
+def _classes(told: Determinability) -> tuple[tuple[bool, bool], ...]:
+    return tuple((told.determined(path), told.seen_by_balance(path)) for path in told.paths)
 
 
 def _combined(scales: Sequence[Scales]) -> Scales:
@@ -487,70 +412,10 @@ def _combined(scales: Sequence[Scales]) -> Scales:
     )
 
 
-def _foreseen(
-    model: Model, parameters: Sequence[Parameter], balances: Sequence[ForceBalance], scales: Scales
-) -> tuple[FloatArray, FloatArray]:
-    """1-sigma and correlation that a linear fit from the prior foresees."""
-    p = len(parameters)
-    curvature, parts = np.zeros((p, p)), []
-    right = np.zeros(p)
-    for balance in balances:
-        residual, columns = balance.columns(model, parameters, scales)
-        rows = balance.counts
-        parts.append((columns[:, rows], residual[rows], balance.block[rows]))
-        curvature += parts[-1][0] @ parts[-1][0].T
-        right += parts[-1][0] @ parts[-1][1]
-    size = np.sqrt(np.diag(curvature))
-    dead = size < 1e-12 * np.array([scales.force / scales.of(q.unit) for q in parameters])
-    size[dead] = 1.0
-    scaled = curvature / np.outer(size, size) + np.diag(np.where(dead, 1.0, 0.0))
-    values, vectors = np.linalg.eigh(scaled)
-    values = np.maximum(values, 1e-13)  # what rounding leaves of a direction that no row shows
-    inverse = (vectors / values) @ vectors.T
-    step = -inverse @ (right / size)
-    meat, blocks = np.zeros((p, p)), 0
-    for columns, residual, block in parts:
-        starts = np.flatnonzero(np.diff(block, prepend=-1))
-        scores = np.add.reduceat(columns / size[:, None] * (residual + (step / size) @ columns), starts, axis=1)
-        meat += scores @ scores.T
-        blocks += len(starts)
-    covariance = inverse @ meat @ inverse * blocks / max(blocks - p, 1)
-    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / size
-    deviation[dead] = np.inf
-    spread = np.sqrt(np.diag(inverse))
-    correlation = inverse / np.outer(spread, spread)
-    return deviation, correlation
-
-
-def _visible(
-    model: Model, parameters: Sequence[Parameter], balances: Sequence[ForceBalance], scales: Scales
-) -> list[bool]:
-    """Which parameters move the force balance at all."""
-    power = np.zeros(len(parameters))
-    for balance in balances:
-        power += (balance.columns(model, parameters, scales)[1] ** 2).sum(axis=1)
-    return [bool(value > 0.0) for value in power]
-
-
-def _sentence(parameter: Parameter, relative: float, partner: str | None, balances: Sequence[ForceBalance]) -> str:
-    name = parameter.path.removeprefix("axis.").removeprefix("effects.")
-    if relative < UNDETERMINED:
-        text = f"{name}: determined to {100 * relative:.2g} %"
-        if not (parameter.positive and parameter.value > 0.0):
-            text += " of what would matter" if parameter.value == 0.0 else ""
-        return text + (f", in exchange with {partner}" if partner else "")
-    if partner is None:
-        return f"{name}: not determined, this motion hardly shows it"
-    speed = np.concatenate([np.abs(b.motion.middle_velocity[b.counts]) for b in balances])
-    travel = max(float(np.ptp(b.log.position)) for b in balances)
-    low, high = np.quantile(speed, [0.05, 0.95])
-    return (
-        f"{name}: not determined, it trades against {partner}: speeds span a factor {high / max(low, 1e-12):.2g}, "
-        f"positions {travel:.3g} m"
-    )
-
-
-def _student(freedom: int) -> float:
+def _student(freedom: float) -> float:
     """97.5 % quantile of Student's distribution, by Cornish and Fisher's expansion about the normal one."""
-    z, f = 1.959963985, float(max(freedom, 3))
-    return z + (z**3 + z) / (4 * f) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * f**2)
+    z, f = 1.959963985, max(freedom, 2.0)
+    first = (z**3 + z) / 4.0
+    second = (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / 96.0
+    third = (3.0 * z**7 + 19.0 * z**5 + 17.0 * z**3 - 15.0 * z) / 384.0
+    return z + first / f + second / f**2 + third / f**3

@@ -61,15 +61,14 @@ class Innovations:
         plant = quiet(model).plant()
         if steps_per_sample is None:
             steps_per_sample = steps_needed(model, sample_time)
-        few = max(2, min(len(log) // 10, round(START / sample_time)))
-        slope = np.polyfit(log.time[:few] - log.time[0], log.position[:few], 1)[0]
+        self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time,
             log.position,
             log.command,
             bandwidth=bandwidth,
             gap=max(5.0 * sample_time, 0.1 / bandwidth),
-            initial_velocity=float(slope),
+            initial_velocity=self.initial_velocity,
             steps_per_sample=steps_per_sample,
         )
         self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
@@ -164,7 +163,7 @@ class Innovations:
 class Replay:
     """Residuals by closed-loop replay from the reference alone: logged less simulated command, V.
 
-    The quantiser and the noise are off in the replay. It starts at the first reading.
+    The quantiser and the noise are off in the replay. It starts at the first reading, with the speed of the first.
 
     Raises:
         ValueError: the log has no reference, the model no controller, or the rows are not evenly spaced.
@@ -188,18 +187,22 @@ class Replay:
         self.duration = float(time[-1])
         seen = Innovations(log, model)
         self.counts, self.scales, self.velocity = seen.counts, seen.scales, seen.velocity
+        self.initial_velocity = seen.initial_velocity if abs(seen.initial_velocity) > seen.rest else 0.0
 
     def run(self, model: Model) -> dict[str, FloatArray]:
         """The simulated columns of one model."""
         model = quiet(model)
+        # A run may leave the travel, but what an effect takes from the travel stays.
+        effects = tuple(effect.resolved(model.axis, model.cogging) for effect in model.effects)
         axis = model.axis.replace(travel=[-np.inf, np.inf])
         steps = steps_needed(model, 1.0 / model.make_controller().sample_rate)
         return closed_loop(
-            model.replace(axis=axis).plant(),
+            model.replace(axis=axis, effects=effects).plant(),
             model.make_controller(),
             self.reference,
             duration=self.duration,
             initial_position=float(self.log.position[0]),
+            initial_velocity=self.initial_velocity,
             added_command=self.added_command,
             steps_per_sample=steps,
         )
@@ -240,6 +243,13 @@ def is_reading(model: Model, path: str) -> bool:
 def quiet(model: Model) -> Model:
     """The model without quantiser and noise: what is expected of it."""
     return model.replace(encoder=EncoderParameters(), noise=NoiseParameters())
+
+
+def initial_velocity(log: Log) -> float:
+    """Slope in the first row of the parabola through the first readings, m/s."""
+    few = max(6, min(len(log) // 10, round(0.02 / float(np.median(np.diff(log.time))))))
+    time, position = log.time[:few] - log.time[0], log.position[:few] - log.position[0]
+    return float(np.polyfit(time / time[-1], position, 2)[1] / time[-1])
 
 
 def steps_needed(model: Model, sample_time: float) -> int:

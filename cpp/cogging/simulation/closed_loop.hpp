@@ -133,9 +133,12 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
       command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);
     else
       command = controller.command(point, reading);
-    if (!options.added_command.empty()) command += options.added_command[k];
     if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
     controller.update(command);
+    if (!options.added_command.empty()) {  // behind the controller, which does not know of it
+      command += options.added_command[k];
+      if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
+    }
     log.position[k] = reading;
     log.command[k] = command;
     log.true_position[k] = state.position;

@@ -185,9 +185,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
 
     The list of effects is asked which of them are a plain force of one period or of one frequency.
     """
-    kinds = [
-        name for name, effect in EFFECTS.items() if is_wave(effect) and set(effect.HOOKS) == {"force"}
-    ]
+    kinds = [name for name, effect in EFFECTS.items() if is_wave(effect) and set(effect.HOOKS) == {"force"}]
     found: list[Wave] = []
     power = low_power(evidence)
     for _ in range(WAVES_MAX):

@@ -208,11 +208,15 @@ def _next(result: Diagnosis) -> list[str]:
     if result.separating_experiment:
         advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
     if result.verdict == "controller_mismatch":
-        advice.append("State the controller that was running, its gains and its sample rate; or none, to be judged without.")
+        advice.append(
+            "State the controller that was running, its gains and its sample rate; or none, to be judged without."
+        )
     elif result.verdict == "insufficient_excitation":
         advice.append("Move the axis over its travel, in both directions, at several speeds, for ten seconds or more.")
     elif result.gap.confirm_before is None:
-        advice.append("Record a second log with other motion (other speeds, other strokes) and give it as a confirm log.")
+        advice.append(
+            "Record a second log with other motion (other speeds, other strokes) and give it as a confirm log."
+        )
     if result.unlisted is not None and result.verdict != "controller_mismatch":
         advice.append(
             f"What no known effect explains depends on {result.unlisted['coordinate']}: repeat the motion with that "
