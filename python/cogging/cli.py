@@ -75,7 +75,9 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("diagnose", help="find, name and add the effect that a model lacks")
     command.add_argument("logs", nargs="+", metavar="LOG")
     command.add_argument("--model", required=True, metavar="MODEL.toml")
-    command.add_argument("--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found")
+    command.add_argument(
+        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
+    )
     command.add_argument("--json", metavar="OUT", help="where the result is written")
     command.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
     command.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")

@@ -208,11 +208,15 @@ def _next(result: Diagnosis) -> list[str]:
     if result.separating_experiment:
         advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
     if result.verdict == "controller_mismatch":
-        advice.append("State the controller that was running, its gains and its sample rate; or none, to be judged without.")
+        advice.append(
+            "State the controller that was running, its gains and its sample rate; or none, to be judged without."
+        )
     elif result.verdict == "insufficient_excitation":
         advice.append("Move the axis over its travel, in both directions, at several speeds, for ten seconds or more.")
     elif result.gap.confirm_before is None:
-        advice.append("Record a second log with other motion (other speeds, other strokes) and give it as a confirm log.")
+        advice.append(
+            "Record a second log with other motion (other speeds, other strokes) and give it as a confirm log."
+        )
     if result.unlisted is not None and result.verdict != "controller_mismatch":
         advice.append(
             f"What no known effect explains depends on {result.unlisted['coordinate']}: repeat the motion with that "
@@ -253,7 +257,11 @@ def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
     if "gap_before" not in series:
         return {}
     shared = {name: series[name] for name in ("time", "position", "velocity", "counts")}
-    shared["command"] = [log.command for log in series["logs"]]
+    # A replayed gap is part of the logged command: against that, noise alone would look like a gain.
+    replayed = result.gap.signal.startswith("command")
+    shared["command"] = [
+        log.command - (gap if replayed else 0.0) for log, gap in zip(series["logs"], series["gap_before"], strict=True)
+    ]
     shared["acceleration"] = [
         slope(np.asarray(velocity), np.asarray(time))
         for velocity, time in zip(series["velocity"], series["time"], strict=True)
