@@ -97,7 +97,7 @@ class Evidence:
         seen = left > 2e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
         amplitudes = np.zeros(len(columns))
         if not seen.any():
-            return Test(0.0, 0, amplitudes, 0.0, np.zeros(len(self.residual)))
+            return Test(0.0, 0, amplitudes, 0.0, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
         gram = free[seen] @ free[seen].T / np.outer(left[seen], left[seen])
         values, vectors = np.linalg.eigh(gram)
         good = values > 1e-4
@@ -105,12 +105,18 @@ class Evidence:
         score = free[seen] @ self.free_residual / left[seen]
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
+        # What the gram matrix cannot tell apart has no amplitude of its own: its deviation says so.
+        unknown = (vectors[:, ~good] ** 2).sum(axis=1) > 1e-2
+        spread = np.sqrt(np.diag(inverse) * self.excess) / left[seen]
+        deviations = np.full(len(columns), np.inf)
+        deviations[seen] = np.where(unknown, np.inf, spread)
         return Test(
             float(score @ solution) / self.excess,
             int(good.sum()),
             amplitudes,
             float(np.sqrt(np.diag(inverse))[0] / left[seen][0]) * np.sqrt(self.excess),
             solution / left[seen] @ free[seen],
+            deviations,
         )
 
 
@@ -124,6 +130,7 @@ class Test:
         amplitudes: by which the columns would have to be multiplied, (p,), with the sign of the residual.
         deviation: of the first of them.
         explained: the part of the whitened residual that the columns explain, (n,).
+        deviations: of each amplitude beside the others, (p,); infinite where the columns cannot tell it.
     """
 
     statistic: float
@@ -131,6 +138,7 @@ class Test:
     amplitudes: FloatArray
     deviation: float
     explained: FloatArray
+    deviations: FloatArray
 
 
 def orthonormal(columns: FloatArray) -> FloatArray:

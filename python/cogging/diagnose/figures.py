@@ -209,10 +209,11 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
         panel.axhline(0.0, color="black", linewidth=0.6)
         for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):
             deviation = shape.deviation[half]
+            told = np.isfinite(deviation)
             panel.errorbar(
-                shape.places,
-                shape.force[half],
-                1.96 * deviation,
+                shape.places[told],
+                shape.force[half][told],
+                1.96 * deviation[told],
                 color=colour,
                 marker=marker,
                 markersize=3,

@@ -29,6 +29,8 @@ FloatArray = npt.NDArray[np.float64]
 SIGNIFICANT = -9.5  # ln of the chance from which a coordinate is told
 STRONG = 3.0  # deviations from which a place counts
 WAVES_MAX = 5
+TURNS_MIN = 4.0  # over the travel or the log: slower waves are told by the coordinates
+WAVE_MIN = 0.1  # of the strongest wave's share: weaker ones are its shadows
 
 
 @dataclass(frozen=True)
@@ -197,6 +199,8 @@ def waves_of(evidence: Evidence) -> list[Wave]:
         if best is None or best.log_chance > SIGNIFICANT:
             break
         field, value = next(iter(best.candidate.shape.items()))
+        if found and best.test.statistic / power < WAVE_MIN * found[0].share:
+            break
         spatial = EFFECTS[best.name].ROLES[field]["quantity"] == "distance"
         found.append(
             Wave(
@@ -215,8 +219,15 @@ def waves_of(evidence: Evidence) -> list[Wave]:
 
 def _waves(evidence: Evidence, name: str) -> list[Finding]:
     found, looked = peaks(evidence, name)
+    spatial = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")["quantity"] == "distance"
+    scales = evidence.scales
+
+    def turns(value: float) -> float:
+        return scales.position / value if spatial else scales.time * value
+
+    fast = [candidate for candidate in found if turns(next(iter(candidate.shape.values()))) >= TURNS_MIN]
     try:
-        return judged(evidence, refine(evidence, found[:2]), looked)
+        return judged(evidence, refine(evidence, fast[:2]), looked)
     except (DivergedError, ValueError):
         return []
 
@@ -301,13 +312,15 @@ def _about_rest(shape: Shape) -> str:
     for label, (low, high, force, to_the_end) in told.items():
         if low <= 0.0 or low == min(np.abs(shape.places)):
             reach = "at any speed" if to_the_end else f"within {quantity_text(high, 'm/s')} of rest"
-        elif to_the_end:
+        elif to_the_end and high > 1.1 * low:
             reach = f"above {quantity_text(low, 'm/s')}"
+        elif high <= 1.1 * low:
+            reach = f"about {quantity_text(high, 'm/s')}"
         else:
             reach = f"from {quantity_text(low, 'm/s')} to {quantity_text(high, 'm/s')}"
         parts.append((reach, label, force))
     if len(parts) == 2 and parts[0][0].split()[0] == parts[1][0].split()[0]:
-        reach = parts[0][0] if parts[0][0] == parts[1][0] else f"{parts[0][0]} (backward {parts[1][0]})"
+        reach = max((part[0] for part in parts), key=len)
         return f"{reach}, both directions: {parts[0][2]:+.2g} V forward, {parts[1][2]:+.2g} V backward"
     return "; ".join(f"{reach}, {label}: {force:+.2g} V" for reach, label, force in parts)
 

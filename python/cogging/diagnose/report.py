@@ -257,7 +257,11 @@ def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
     if "gap_before" not in series:
         return {}
     shared = {name: series[name] for name in ("time", "position", "velocity", "counts")}
-    shared["command"] = [log.command for log in series["logs"]]
+    # A replayed gap is part of the logged command: against that, noise alone would look like a gain.
+    replayed = result.gap.signal.startswith("command")
+    shared["command"] = [
+        log.command - (gap if replayed else 0.0) for log, gap in zip(series["logs"], series["gap_before"], strict=True)
+    ]
     shared["acceleration"] = [
         slope(np.asarray(velocity), np.asarray(time))
         for velocity, time in zip(series["velocity"], series["time"], strict=True)

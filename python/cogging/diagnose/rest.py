@@ -110,8 +110,6 @@ def shapes(evidence: Evidence) -> list[Shape]:
         test = evidence.test(columns)
         if test.freedom == 0:
             continue
-        size = np.sqrt(np.einsum("ij,ij->i", evidence.project(columns), columns))
-        deviation = np.sqrt(evidence.excess) / np.where(size > 0.0, size, np.inf)
         found.append(
             Shape(
                 name,
@@ -119,7 +117,7 @@ def shapes(evidence: Evidence) -> list[Shape]:
                 test,
                 facts[name][1],
                 -test.amplitudes,
-                deviation,
+                test.deviations,
                 min(0.0, log_survival(test.statistic, test.freedom) + float(np.log(len(tables)))),
                 float(min(1.0, max(0.0, test.statistic - test.freedom) / power)),
             )

@@ -42,6 +42,8 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
     low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     spatial = role["quantity"] == "distance"
     wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
+    if spatial and "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
+        wave_high = min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
     total: Any = None
     norm: Any = None
     span = sizes["position"] if spatial else sizes["time"]
