@@ -4,6 +4,7 @@ Public through nonlinearbenchmark.org. The command is recorded in volts; the for
 taken as the command unit here, so that masses are kilograms.
 """
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -68,4 +69,4 @@ def laps(log):
     below = span < 0.02 * span.max()
     edges = np.flatnonzero(np.diff(below.astype(int)))
     leave = edges[~below[edges + 1]]  # from below the mark to above it
-    return [slice(int(first), int(last)) for first, last in zip(leave[:-1], leave[1:], strict=True)]
+    return [slice(int(first), int(last)) for first, last in itertools.pairwise(leave)]

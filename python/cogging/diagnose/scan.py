@@ -47,11 +47,21 @@ class Finding:
         return self.candidate.effect([float(a) for a in self.amplitudes] if self.candidate.amplitudes else [])
 
 
-def judge(evidence: Evidence, candidate: Candidate, columns: FloatArray, looked: float) -> Finding | None:
-    """Test one candidate; None where what it would take is not physical."""
+def judge(
+    evidence: Evidence, candidate: Candidate, columns: FloatArray, looked: float, exact: bool = False
+) -> Finding | None:
+    """Test one candidate; None where what it would take is not physical.
+
+    An effect that its shape alone makes is a column of finite size. On the grid that size is free; when `exact`, it is as
+    the shape says, for a lag of half the time constant taken twice would else pass for a delay.
+    """
     test = evidence.test(columns)
     if test.freedom == 0:
         return None
+    if exact and not candidate.amplitudes:
+        size = test.statistic / float(test.amplitudes[0]) ** 2
+        value = test.statistic - size * (1.0 + float(test.amplitudes[0])) ** 2
+        test = replace(test, statistic=max(value, 0.0), amplitudes=-np.ones(1))
     amplitudes = -test.amplitudes
     if candidate.amplitudes:
         sizes = quantities(evidence)
@@ -107,7 +117,7 @@ def _of(evidence: Evidence, name: str) -> list[Finding]:
     return judged(evidence, found, looked)
 
 
-def judged(evidence: Evidence, found: Sequence[Candidate], looked: float) -> list[Finding]:
+def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact: bool = False) -> list[Finding]:
     """Test candidates; those that cannot be simulated or are not physical are left out."""
     if not found:
         return []
@@ -116,9 +126,9 @@ def judged(evidence: Evidence, found: Sequence[Candidate], looked: float) -> lis
     except (DivergedError, ValueError):
         if len(found) == 1:
             return []
-        return [f for one in found for f in judged(evidence, [one], looked)]
+        return [f for one in found for f in judged(evidence, [one], looked, exact)]
     columns = [evidence.whitened(table) for table in made]
-    results = [judge(evidence, c, w, looked) for c, w in zip(found, columns, strict=True)]
+    results = [judge(evidence, c, w, looked, exact) for c, w in zip(found, columns, strict=True)]
     return [result for result in results if result is not None]
 
 
@@ -129,6 +139,18 @@ def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
     if not fields:
         return finding
     wave = is_wave(EFFECTS[finding.name])
+    exact = not finding.candidate.amplitudes
+    if exact:  # the size that the grid left free goes into the first shape that starts from nothing
+        field = next((f for f in fields if roles[f]["neutral"] == 0.0), fields[0])
+        value = finding.candidate.shape[field]
+        starts = [
+            replace(finding.candidate, shape={**finding.candidate.shape, field: value * float(finding.amplitudes[0])})
+        ]
+        ones = judged(evidence, [finding.candidate, *starts], finding.looked, exact)
+        if not ones:
+            return finding
+        finding = max(ones, key=lambda f: f.score)
+        rounds += 3
     ratio = 0.35
     for _ in range(rounds):
         tried = []
@@ -148,7 +170,7 @@ def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
                 if moved > 0.0 or not (role["logarithmic"] or role["neutral"] == 0.0):
                     shape = {**finding.candidate.shape, field: moved}
                     tried.append(replace(finding.candidate, shape=shape))
-        better = [f for f in judged(evidence, tried, finding.looked) if f.score > finding.score]
+        better = [f for f in judged(evidence, tried, finding.looked, exact) if f.score > finding.score]
         if better:
             finding = max(better, key=lambda f: f.score)
         else:
