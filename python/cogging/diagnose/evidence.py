@@ -225,6 +225,7 @@ def gather(
     sources: Sequence[Innovations],
     explained: Sequence[FloatArray] | None = None,
     memory: dict[Any, list[FloatArray]] | None = None,
+    plain: bool = False,
 ) -> Evidence:
     """Make evidence of a fit: residuals, whitening, and the basis of all that the free parameters can explain.
 
@@ -234,6 +235,7 @@ def gather(
         explained: V, one (n,) a log, taken from the residual before the filters are estimated: a strong effect would
             else be taken for noise.
         memory: of earlier evidence of these logs.
+        plain: do not whiten: all frequencies weigh as they do in the gap itself.
     """
     model = estimate.model
     known = parameters_of(model)
@@ -246,13 +248,14 @@ def gather(
         alongs.append(along)
         shapes = source.scale * source.predictor.propagate(along, model.axis.mass, slow_friction(source, model))
         noise = residuals[i] - (explained[i] if explained is not None else 0.0)
-        a = whitening_filter(source, noise)
+        a = np.zeros(1) if plain else whitening_filter(source, noise)
         table = np.asarray(whiten(np.vstack([noise[None, :], residuals[i][None, :], columns[i], shapes]), list(a)))
         rms = robust_rms(table[0, source.counts > 0])
         table *= source.counts / rms
         table[:2] = np.clip(table[:2], -CLIP, CLIP)
         basis = orthonormal(table[2:])
-        filter_ = Filter(a, rms, *spectrum(table[0] - (basis @ table[0]) @ basis, source))
+        level = spectrum(table[0] - (basis @ table[0]) @ basis, source)
+        filter_ = Filter(a, rms, level[0], np.ones_like(level[1]) if plain else level[1])
         table = coloured(table[1:], source, filter_)
         rows.append(table[0])
         bases.append(table[1:])
