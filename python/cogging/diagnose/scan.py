@@ -52,8 +52,8 @@ def judge(
 ) -> Finding | None:
     """Test one candidate; None where what it would take is not physical.
 
-    An effect that its shape alone makes is a column of finite size. On the grid that size is free; when `exact`, it is as
-    the shape says, for a lag of half the time constant taken twice would else pass for a delay.
+    An effect that its shape alone makes is a column of finite size. On the grid that size is free; when `exact`, it
+    is as the shape says, for a lag of half the time constant taken twice would else pass for a delay.
     """
     test = evidence.test(columns)
     if test.freedom == 0:

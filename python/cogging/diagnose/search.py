@@ -13,7 +13,7 @@ from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, scan
+from cogging.diagnose.scan import Finding, judged, scan
 from cogging.diagnose.signatures import tables
 from cogging.diagnose.waves import is_spatial_wave
 from cogging.estimation import Estimate, fit
@@ -32,6 +32,7 @@ RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer 
 INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
 CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
 WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
+OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of what they are worth
 EFFECTS_MAX = 4
 TERMS_MAX = 6
 
@@ -134,7 +135,7 @@ def search(
             barred |= set(EFFECTS) - names
         step = None
         power = low_power(evidence)
-        for finding in findings:
+        for finding in by_worth(estimate, evidence, findings):
             if finding.log_chance > DETECTED or finding.name in barred:
                 continue
             if finding.test.statistic < WORTH * power:
@@ -176,6 +177,21 @@ def search(
     )
 
 
+def by_worth(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
+    """The findings in the order in which to take them: the likeliest first; where the evidence is overwhelming, and every
+    imperfection of the model significant, those first that make most of the gap."""
+    ranked = sorted(findings, key=lambda f: -f.score)
+    if not ranked or ranked[0].score < OVERWHELMING:
+        return ranked
+    plain = gather(estimate, evidence.sources, memory=evidence.memory, plain=True)
+    worth = {}
+    for finding in ranked:
+        if finding.log_chance < DETECTED:
+            again = judged(plain, [finding.candidate], 1.0)
+            worth[finding.name] = again[0].test.statistic if again else 0.0
+    return sorted(ranked, key=lambda f: -worth.get(f.name, 0.0))
+
+
 def choose(
     evidence: Evidence,
     findings: Sequence[Finding],
@@ -185,7 +201,12 @@ def choose(
     barred: set[str],
 ) -> tuple[list[Finding], Finding, Confirmation | None]:
     """Of the effects that explain about as much, the one that both motions favour; and those within reach of it."""
-    near = [f for f in findings if f.score > best.score - 40.0 and f.name not in barred and f.log_chance < -5.0]
+    near = [
+        f
+        for f in findings
+        if f is best
+        or (f.score > best.score - 40.0 and f.name not in barred and f.log_chance < -5.0 and alike(f, best) > 0.5)
+    ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 
     def total(f: Finding) -> float:
@@ -197,6 +218,13 @@ def choose(
     chosen = ranked[0]
     rivals = [replace(f, score=total(f)) for f in ranked]
     return rivals, chosen, checks[chosen.name]
+
+
+def alike(one: Finding, other: Finding) -> float:
+    """Cosine between the parts of the residual that two findings explain."""
+    a, b = one.test.explained, other.test.explained
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return abs(float(a @ b)) / size if size > 0.0 else 0.0
 
 
 def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
