@@ -178,8 +178,10 @@ def search(
 
 
 def by_worth(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
-    """The findings in the order in which to take them: the likeliest first; where the evidence is overwhelming, and every
-    imperfection of the model significant, those first that make most of the gap."""
+    """The findings in the order in which to take them: the likeliest first.
+
+    Where the evidence is overwhelming, every imperfection of the model is significant: then what makes most of the gap.
+    """
     ranked = sorted(findings, key=lambda f: -f.score)
     if not ranked or ranked[0].score < OVERWHELMING:
         return ranked
