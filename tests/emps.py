@@ -6,6 +6,7 @@ test_diagnose_real.py and notebook 06 both use what stands here.
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -44,4 +45,4 @@ def laps(log):
     below = span < 0.02 * span.max()
     edges = np.flatnonzero(np.diff(below.astype(int)))
     leave = edges[~below[edges + 1]]  # from below the mark to above it
-    return [slice(int(first), int(last)) for first, last in zip(leave[:-1], leave[1:], strict=True)]
+    return [slice(int(first), int(last)) for first, last in itertools.pairwise(leave)]

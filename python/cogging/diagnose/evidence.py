@@ -100,11 +100,8 @@ class Evidence:
         score = free[seen] @ self.free_residual / left[seen]
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
-        # What the gram matrix cannot tell apart has no amplitude of its own: its deviation says so.
-        unknown = (vectors[:, ~good] ** 2).sum(axis=1) > 1e-2
-        spread = np.sqrt(np.diag(inverse) * self.excess) / left[seen]
         deviations = np.full(len(columns), np.inf)
-        deviations[seen] = np.where(unknown, np.inf, spread)
+        deviations[seen] = np.sqrt(np.diag(inverse) * self.excess) / left[seen]
         return Test(
             float(score @ solution) / self.excess,
             int(good.sum()),
@@ -125,7 +122,7 @@ class Test:
         amplitudes: by which the columns would have to be multiplied, (p,), with the sign of the residual.
         deviation: of the first of them.
         explained: the part of the whitened residual that the columns explain, (n,).
-        deviations: of each amplitude beside the others, (p,); infinite where the columns cannot tell it.
+        deviations: of each amplitude beside the others, (p,); infinite where nothing is seen of it.
     """
 
     statistic: float

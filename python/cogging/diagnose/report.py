@@ -46,7 +46,7 @@ MEANINGS = {
         "The motion that would decide is described below."
     ),
     "unlisted": (
-        "Something significant remains that none of the known effects explains. Effects that are named beside it stand; "
+        "Something significant remains that none of the known effects explains. Effects named beside it stand; "
         "what remains is described by where it sits."
     ),
     "controller_mismatch": (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cogging.estimation import Estimate
 from cogging.model import Model
 from cogging.parameters import effect_paths, parameters_of
 
