@@ -145,7 +145,7 @@ def chance_text(log_chance: float) -> str:
         return f"in {100.0 * np.exp(log_chance):.0f} of 100 logs"
     if exponent < 6.0:
         return f"in 1 of {10 ** int(exponent):,} logs"
-    return f"in fewer than 1 of 10^{min(int(exponent), 99)} logs"
+    return "practically never, in less than 1 of a million logs"
 
 
 def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
