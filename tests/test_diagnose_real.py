@@ -75,7 +75,7 @@ def test_the_floor_of_four_laps(logs):
     assert 0.1 < spread < 2.0
 
 
-# A direct-drive motor --------------------------------------------------------------------------------------------------
+# A direct-drive motor -------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_the_detent_of_the_motor_is_named(motor):
     assert abs(turned) < 30.0
 
 
-# Hidden by hand in the axis --------------------------------------------------------------------------------------------
+# Hidden by hand in the axis -------------------------------------------------------------------------------------------
 
 
 def test_a_coulomb_level_taken_away(logs):

@@ -15,7 +15,7 @@ from cogging.audit import check_against_model
 from cogging.diagnose.evidence import Evidence, orthonormal
 from cogging.diagnose.null import fit_null
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, judged
+from cogging.diagnose.scan import Finding, judged, sharpen
 from cogging.diagnose.signatures import tables
 from cogging.diagnose.waves import is_wave, peaks, refine
 from cogging.logs import Log, read_log
@@ -198,6 +198,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
                     best = finding
         if best is None or best.log_chance > SIGNIFICANT:
             break
+        best = sharpen(evidence, best)
         field, value = next(iter(best.candidate.shape.items()))
         if found and best.test.statistic / power < WAVE_MIN * found[0].share:
             break
@@ -310,7 +311,7 @@ def _about_rest(shape: Shape) -> str:
         return "at rest" if rest.any() else "spread over its whole range, strong nowhere"
     parts = []
     for label, (low, high, force, to_the_end) in told.items():
-        if low <= 0.0 or low == min(np.abs(shape.places)):
+        if low <= np.min(np.abs(shape.places)[shape.places != 0.0]):
             reach = "at any speed" if to_the_end else f"within {quantity_text(high, 'm/s')} of rest"
         elif to_the_end and high > 1.1 * low:
             reach = f"above {quantity_text(low, 'm/s')}"

@@ -99,7 +99,8 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "notes": result.notes,
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
-        "figures": _figures(result, location),
+        "figures": {"time": "", "coordinates": "", "shapes": "", "folded": "", **_figures(result, location)},
+        "measured": "gap_before" in result.series,
     }
 
 

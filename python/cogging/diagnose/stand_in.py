@@ -29,8 +29,7 @@ def stood_in(nominal: Model, final: Model) -> list[str]:
 
 def _vanished(nominal: Model, final: Model) -> Iterator[tuple[str, str, float, float]]:
     before, after = parameters_of(nominal), parameters_of(final)
-    paths = dict(zip(effect_paths(nominal.effects), effect_paths(final.effects), strict=False))
-    for (old, effect), (new, _) in paths.items():
+    for (old, effect), (new, _) in zip(effect_paths(nominal.effects), effect_paths(final.effects), strict=False):
         amplitudes = [
             (name, index)
             for name, role in effect.ROLES.items()
