@@ -180,7 +180,7 @@ def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, Flo
     """Power, 1 where the rows that count are white with rms 1, and its frequencies, Hz."""
     length = fast_length(len(white))
     power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.counts.sum()), 1.0)
-    return power, np.fft.rfftfreq(length, source.scales.sample_time)
+    return np.asarray(power), np.asarray(np.fft.rfftfreq(length, source.scales.sample_time))
 
 
 def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:

@@ -128,7 +128,7 @@ def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
     parts = [values[first : first + length] for first in range(0, len(values) - length + 1, max(1, length // 2))]
     power = np.mean([np.abs(np.fft.rfft(window * (part - part.mean()))) ** 2 for part in parts], axis=0)
     density = np.sqrt(2.0 * power * step / float((window**2).sum()))
-    return np.fft.rfftfreq(length, step)[1:], np.asarray(density[1:])
+    return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
 
 
 def limits(shape: Shape) -> tuple[float, float]:
