@@ -15,6 +15,7 @@ from cogging.audit import check_against_model
 from cogging.diagnose.evidence import Evidence, orthonormal
 from cogging.diagnose.null import fit_null
 from cogging.diagnose.rest import Shape, low_power, shapes
+from cogging.diagnose.result import finite
 from cogging.diagnose.scan import Finding, judged, sharpen
 from cogging.diagnose.signatures import tables
 from cogging.diagnose.waves import is_wave, peaks, refine
@@ -98,8 +99,8 @@ class Location:
         return "\n".join([f"gap {self.residual:.4g} V rms; shares overlap, since coordinates go together", *lines])
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers for JSON."""
-        return {
+        """Numbers for JSON; what is not finite is None."""
+        told = {
             "residual": self.residual,
             "coordinates": [
                 {
@@ -116,6 +117,7 @@ class Location:
             ],
             "waves": [vars(wave) for wave in self.waves],
         }
+        return {name: finite(value) for name, value in told.items()}
 
     def plot(self) -> Figure:
         """The gap against position, speed, acceleration, command and time with 95 % bands, and its spectrum."""
