@@ -77,16 +77,16 @@ def _rows(series: Series, name: str, direction: float = 0.0) -> tuple[FloatArray
 
 
 def bins_of(values: FloatArray, name: str) -> FloatArray:
-    """Edges of bins: of equal width in position and time, of equally many rows elsewhere."""
+    """Edges of bins: of equal width in position and time, denser where there are more rows elsewhere."""
     if name in ("position", "time"):
         return np.linspace(float(values.min()), float(values.max()), 41)
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, 33)))
-    span = float(edges[-1] - edges[0])
-    kept = [float(edges[0])]  # cruising fills many quantiles with one value: bins not narrower than half a percent
-    for edge in edges[1:]:
-        if edge - kept[-1] > 5e-3 * span:
+    low, high = float(values.min()), float(values.max())
+    both = np.union1d(np.quantile(values, np.linspace(0.0, 1.0, 33)), np.linspace(low, high, 17))
+    kept = [low]  # cruising fills many quantiles with one value: no bin is narrower than one percent
+    for edge in both[1:]:
+        if edge - kept[-1] > 1e-2 * (high - low):
             kept.append(float(edge))
-    return np.array(kept) if len(kept) > 2 else np.linspace(edges[0], edges[-1], 4)
+    return np.array(kept) if len(kept) > 2 else np.linspace(low, high, 4)
 
 
 def binned(
@@ -101,7 +101,7 @@ def binned(
     sums = np.bincount(cell, gap, count * len(blocks)).reshape(count, -1)
     total = rows.sum(axis=1)
     middle = np.bincount(place, values, count)
-    kept = total > 0
+    kept = total >= 20  # the mean of fewer rows is noise
     total, rows, sums, middle = total[kept], rows[kept], sums[kept], middle[kept] / total[kept]
     mean = sums.sum(axis=1) / total
     seen = (rows > 0).sum(axis=1)

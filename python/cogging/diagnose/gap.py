@@ -56,8 +56,10 @@ def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[
 
 
 def source_of(log: Log, model: Model) -> Innovations:
-    """The log as the model predicts it; a faster observer, and less of rest, where an axis that keeps turning back would
-    leave the slow one no rows."""
+    """The log as the model predicts it.
+
+    An axis that keeps turning back would leave a slow observer no rows: it then gets a faster one, and less of rest.
+    """
     source = Innovations(log, model, bandwidth=BANDWIDTH)
     if source.counts.mean() < FEW:
         source = Innovations(log, model, bandwidth=min(FAST, 0.05 / source.scales.sample_time))
