@@ -186,7 +186,7 @@ def fit(
     scales = combined_scales(logs)
     done = 0
     while True:
-        known = parameters_of(model)
+        known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, logs, scales)
         seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, columns, strict=True)]

@@ -13,6 +13,7 @@ import numpy as np
 from cogging._core import AxisParameters, CoggingModel
 from cogging.model import Model
 
+TOGETHER = ("gain", "phas")  # beginnings of the paths that move a harmonic as one
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
@@ -91,8 +92,13 @@ class Scales:
         return 1e-3 * max(size, 0.1 * self.of(parameter.unit))
 
 
-def parameters_of(model: Model) -> dict[str, Parameter]:
-    """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects."""
+def parameters_of(model: Model, *, together: bool = False) -> dict[str, Parameter]:
+    """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects.
+
+    With `together`, also what moves a harmonic's amplitudes along the whole travel as one: `cogging.sine[0][*]` adds to
+    each control point (its value is their mean), `cogging.gain[0]` multiplies them, `cogging.phase[0]` (rad)
+    turns them.
+    """
     found: list[Parameter] = []
     for name in AXIS_FIELDS:
         unit = AxisParameters.FIELDS[name][0]
@@ -101,6 +107,12 @@ def parameters_of(model: Model) -> dict[str, Parameter]:
         for part in ("sine", "cosine"):
             for (row, column), value in np.ndenumerate(getattr(model.cogging, part)):
                 found.append(Parameter(f"cogging.{part}[{row}][{column}]", float(value), "V"))
+    if together and model.cogging is not None:
+        for row in range(len(model.cogging.sine)):
+            for part in ("sine", "cosine"):
+                mean = float(np.mean(getattr(model.cogging, part)[row]))
+                found.append(Parameter(f"cogging.{part}[{row}][*]", mean, "V"))
+            found += [Parameter(f"cogging.gain[{row}]", 1.0, "1"), Parameter(f"cogging.phase[{row}]", 0.0, "1")]
     for prefix, effect in effect_paths(model.effects):
         for name, (unit, _) in effect.FIELDS.items():
             value = getattr(effect, name)
@@ -138,6 +150,8 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
         section, _, rest = path.partition(".")
         if section == "axis" and rest in AXIS_FIELDS:
             axis[rest] = float(value)
+        elif section == "cogging" and model.cogging is not None and (rest.endswith("[*]") or rest[:4] in TOGETHER):
+            _move_together(path, rest, value, model.cogging, tables)
         elif section == "cogging" and model.cogging is not None:
             name, row, column = _indexed(path, rest, 2)
             if name not in tables:
@@ -168,6 +182,19 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
             effect.replace(**effects[i]) if i in effects else effect for i, effect in enumerate(model.effects)
         )
     return model.replace(**changed) if changed else model
+
+
+def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:
+    for name in ("sine", "cosine"):
+        tables.setdefault(name, np.array(getattr(cogging, name)))
+    if rest.endswith("[*]"):
+        name, row = _indexed(path, rest.removesuffix("[*]"), 1)
+        tables[name][row] += value - float(np.mean(getattr(cogging, name)[row]))
+        return
+    name, row = _indexed(path, rest, 1)
+    factor = value if name == "gain" else np.exp(1j * value)
+    turned = (tables["sine"][row] + 1j * tables["cosine"][row]) * factor
+    tables["sine"][row], tables["cosine"][row] = turned.real, turned.imag
 
 
 def _indexed(path: str, text: str, count: int) -> list[Any]:

@@ -105,11 +105,8 @@ class Evidence:
         score = free[seen] @ self.free_residual / left[seen]
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
-        # What the gram matrix cannot tell apart has no amplitude of its own: its deviation says so.
-        unknown = (vectors[:, ~good] ** 2).sum(axis=1) > 1e-2
-        spread = np.sqrt(np.diag(inverse) * self.excess) / left[seen]
         deviations = np.full(len(columns), np.inf)
-        deviations[seen] = np.where(unknown, np.inf, spread)
+        deviations[seen] = np.sqrt(np.diag(inverse) * self.excess) / left[seen]
         return Test(
             float(score @ solution) / self.excess,
             int(good.sum()),
@@ -130,7 +127,7 @@ class Test:
         amplitudes: by which the columns would have to be multiplied, (p,), with the sign of the residual.
         deviation: of the first of them.
         explained: the part of the whitened residual that the columns explain, (n,).
-        deviations: of each amplitude beside the others, (p,); infinite where the columns cannot tell it.
+        deviations: of each amplitude beside the others, (p,); infinite where nothing is seen of it.
     """
 
     statistic: float
@@ -238,7 +235,7 @@ def gather(
         plain: do not whiten: all frequencies weigh as they do in the gap itself.
     """
     model = estimate.model
-    known = parameters_of(model)
+    known = parameters_of(model, together=True)
     scales = combined_scales(sources)
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
     rows, bases, blocks, filters, alongs = [], [], [], [], []

@@ -18,6 +18,7 @@ Series = Mapping[str, Sequence[FloatArray]]
 
 BLOCK = 0.25  # s: rows closer than this say much the same, so that bands are computed from blocks
 COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
+SMOOTH = 0.01  # s, over which traces are averaged
 POINTS = 4000  # of a trace: more cannot be seen
 
 
@@ -76,16 +77,16 @@ def _rows(series: Series, name: str, direction: float = 0.0) -> tuple[FloatArray
 
 
 def bins_of(values: FloatArray, name: str) -> FloatArray:
-    """Edges of bins: of equal width in position and time, of equally many rows elsewhere."""
+    """Edges of bins: of equal width in position and time, denser where there are more rows elsewhere."""
     if name in ("position", "time"):
         return np.linspace(float(values.min()), float(values.max()), 41)
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, 33)))
-    span = float(edges[-1] - edges[0])
-    kept = [float(edges[0])]  # cruising fills many quantiles with one value: bins not narrower than half a percent
-    for edge in edges[1:]:
-        if edge - kept[-1] > 5e-3 * span:
+    low, high = float(values.min()), float(values.max())
+    both = np.union1d(np.quantile(values, np.linspace(0.0, 1.0, 33)), np.linspace(low, high, 17))
+    kept = [low]  # cruising fills many quantiles with one value: no bin is narrower than one percent
+    for edge in both[1:]:
+        if edge - kept[-1] > 1e-2 * (high - low):
             kept.append(float(edge))
-    return np.array(kept) if len(kept) > 2 else np.linspace(edges[0], edges[-1], 4)
+    return np.array(kept) if len(kept) > 2 else np.linspace(low, high, 4)
 
 
 def binned(
@@ -100,7 +101,7 @@ def binned(
     sums = np.bincount(cell, gap, count * len(blocks)).reshape(count, -1)
     total = rows.sum(axis=1)
     middle = np.bincount(place, values, count)
-    kept = total > 0
+    kept = total >= 20  # the mean of fewer rows is noise
     total, rows, sums, middle = total[kept], rows[kept], sums[kept], middle[kept] / total[kept]
     mean = sums.sum(axis=1) / total
     seen = (rows > 0).sum(axis=1)
@@ -127,18 +128,26 @@ def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
     parts = [values[first : first + length] for first in range(0, len(values) - length + 1, max(1, length // 2))]
     power = np.mean([np.abs(np.fft.rfft(window * (part - part.mean()))) ** 2 for part in parts], axis=0)
     density = np.sqrt(2.0 * power * step / float((window**2).sum()))
-    return np.fft.rfftfreq(length, step)[1:], np.asarray(density[1:])
+    return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
+
+
+def limits(shape: Shape) -> tuple[float, float]:
+    """A range of force that shows the places that are known, and cuts the bars of those that are hardly seen."""
+    known = shape.deviation < 4.0 * float(np.median(shape.deviation))
+    reach = np.abs(shape.force[known]) + 2.2 * shape.deviation[known] if known.any() else np.abs(shape.force)
+    top = float(np.max(reach)) or 1.0
+    return -1.1 * top, 1.1 * top
 
 
 def time_figure(gaps: Mapping[str, Series], log: int = 0) -> Figure:
-    """The gap over time, and the last stretch of it from close by."""
+    """The gap over time, and a stretch of it from close by; averaged over SMOOTH, so that noise does not hide it."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
     whole, near = figure.subplots(2, 1)
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         time, gap = series["time"][log] - series["time"][log][0], series["gap"][log]
-        gap = np.where(series["counts"][log], gap, np.nan)
+        gap = np.where(series["counts"][log], smoothed(gap, time), np.nan)
         few = max(1, len(time) // POINTS)
         middle, low, high = envelope(time, gap, few)
         whole.fill_between(middle, low, high, color=colour, alpha=0.75, linewidth=0.3, label=label)
@@ -148,6 +157,12 @@ def time_figure(gaps: Mapping[str, Series], log: int = 0) -> Figure:
     near.set(xlabel="time (s), a twelfth of the log", ylabel="gap (V)")
     whole.legend(loc="upper right", fontsize=8)
     return figure
+
+
+def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
+    """Running mean over SMOOTH."""
+    few = max(1, round(SMOOTH / float(np.median(np.diff(time)))))
+    return np.convolve(values, np.ones(few) / few, mode="same")
 
 
 def liveliest(gap: FloatArray, counts: npt.NDArray[np.bool_], rows: int) -> slice:
@@ -207,6 +222,7 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
         if len(shape.force) == 2 * m:
             halves = [("forward", slice(0, m)), ("backward", slice(m, 2 * m))]
         panel.axhline(0.0, color="black", linewidth=0.6)
+        panel.set_ylim(*limits(shape))
         for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):
             deviation = shape.deviation[half]
             told = np.isfinite(deviation)

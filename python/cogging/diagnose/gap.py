@@ -15,6 +15,8 @@ from cogging.residuals import Innovations, Replay
 
 FloatArray = npt.NDArray[np.float64]
 
+FEW = 0.1  # of the rows, which must be in motion for the slow observer
+FAST = 50.0  # Hz
 BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are the gap where no controller is known
 
 
@@ -46,11 +48,24 @@ def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[
     series: list[list[FloatArray]] = [[] for _ in models]
     counts = []
     for log in logs:
-        source = Innovations(log, models[0], bandwidth=BANDWIDTH)
+        source = source_of(log, models[0])
         counts.append(source.counts > 0)
         for i, row in enumerate(source.of(models)):
             series[i].append(row)
     return [Seen(_rms(rows, counts), "innovations of an observer", tuple(rows), tuple(counts), None) for rows in series]
+
+
+def source_of(log: Log, model: Model) -> Innovations:
+    """The log as the model predicts it.
+
+    An axis that keeps turning back would leave a slow observer no rows: it then gets a faster one, and less of rest.
+    """
+    source = Innovations(log, model, bandwidth=BANDWIDTH)
+    if source.counts.mean() < FEW:
+        source = Innovations(log, model, bandwidth=min(FAST, 0.05 / source.scales.sample_time))
+    if source.counts.mean() < FEW:
+        source = Innovations(log, model, bandwidth=source.bandwidth, rest=3e-3 * source.scales.velocity)
+    return source
 
 
 def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
@@ -85,10 +100,12 @@ def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
     direction is taken from it, and counted for the freedom that this takes."""
     total, rows = 0.0, 0
     for series, counts, log in zip(seen.series, seen.counts, logs, strict=True):
-        source = Innovations(log, model, bandwidth=BANDWIDTH)
+        source = source_of(log, model)
         from cogging.diagnose.rest import coordinates
 
         columns = [np.ones(len(series))[None, :]]
+        if not (source.counts > 0).any():
+            return seen.rms
         for name, (_, _, table, _) in coordinates(source, model).items():
             if name in ("position", "velocity", "time", "acceleration"):
                 columns.append(table)

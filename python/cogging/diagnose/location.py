@@ -15,7 +15,8 @@ from cogging.audit import check_against_model
 from cogging.diagnose.evidence import Evidence, orthonormal
 from cogging.diagnose.null import fit_null
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, judged
+from cogging.diagnose.result import finite
+from cogging.diagnose.scan import Finding, judged, sharpen
 from cogging.diagnose.signatures import tables
 from cogging.diagnose.waves import is_wave, peaks, refine
 from cogging.logs import Log, read_log
@@ -98,8 +99,8 @@ class Location:
         return "\n".join([f"gap {self.residual:.4g} V rms; shares overlap, since coordinates go together", *lines])
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers for JSON."""
-        return {
+        """Numbers for JSON; what is not finite is None."""
+        told = {
             "residual": self.residual,
             "coordinates": [
                 {
@@ -116,6 +117,7 @@ class Location:
             ],
             "waves": [vars(wave) for wave in self.waves],
         }
+        return {name: finite(value) for name, value in told.items()}
 
     def plot(self) -> Figure:
         """The gap against position, speed, acceleration, command and time with 95 % bands, and its spectrum."""
@@ -198,6 +200,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
                     best = finding
         if best is None or best.log_chance > SIGNIFICANT:
             break
+        best = sharpen(evidence, best)
         field, value = next(iter(best.candidate.shape.items()))
         if found and best.test.statistic / power < WAVE_MIN * found[0].share:
             break
@@ -310,7 +313,7 @@ def _about_rest(shape: Shape) -> str:
         return "at rest" if rest.any() else "spread over its whole range, strong nowhere"
     parts = []
     for label, (low, high, force, to_the_end) in told.items():
-        if low <= 0.0 or low == min(np.abs(shape.places)):
+        if low <= np.min(np.abs(shape.places)[shape.places != 0.0]):
             reach = "at any speed" if to_the_end else f"within {quantity_text(high, 'm/s')} of rest"
         elif to_the_end and high > 1.1 * low:
             reach = f"above {quantity_text(low, 'm/s')}"

@@ -30,7 +30,11 @@ def nuisances(model: Model) -> list[str]:
     Fields of the effects that the model already has are re-tuned too.
     """
     paths = []
-    for path, parameter in parameters_of(model).items():
+    # Along the travel a known harmonic may be wrong as a whole; that its amplitude changes otherwise is an effect.
+    points = 1 if model.cogging is None else model.cogging.sine.shape[1]
+    for path, parameter in parameters_of(model, together=points > 1).items():
+        if points > 1 and path.startswith("cogging.") and path.count("[") == 2 and "*" not in path:
+            continue
         if path == "axis.coulomb_width" and (model.axis.coulomb_width == 0.0 or stated_exact(model)):
             continue
         if parameter.value in (float("inf"), -float("inf")):

@@ -99,7 +99,8 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "notes": result.notes,
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
-        "figures": _figures(result, location),
+        "figures": {"time": "", "coordinates": "", "shapes": "", "folded": "", **_figures(result, location)},
+        "measured": "gap_before" in result.series,
     }
 
 
@@ -145,7 +146,7 @@ def chance_text(log_chance: float) -> str:
         return f"in {100.0 * np.exp(log_chance):.0f} of 100 logs"
     if exponent < 6.0:
         return f"in 1 of {10 ** int(exponent):,} logs"
-    return f"in fewer than 1 of 10^{min(int(exponent), 99)} logs"
+    return "practically never, in less than 1 of a million logs"
 
 
 def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:

@@ -85,8 +85,10 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
 def one_way(velocity: FloatArray) -> FloatArray:
     """Places for the positive velocities among these: seven quantiles, or their end where there are few."""
     up = velocity[velocity > 0]
+    if len(up) == 0:
+        return up  # the axis never moves this way
     if len(up) < 50:
-        return np.array([float(np.abs(velocity).max())])
+        return np.array([float(up.max())])
     return np.asarray(np.quantile(up, np.linspace(0.0, 1.0, 7)))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from cogging.model import Model
 from cogging.parameters import effect_paths, parameters_of
@@ -44,5 +44,5 @@ def _vanished(nominal: Model, final: Model) -> Iterator[tuple[str, str, float, f
             yield effect.NAME, first.unit, first.value, second.value
 
 
-def _indexes(known: dict[str, object], path: str) -> list[str]:
+def _indexes(known: Iterable[str], path: str) -> list[str]:
     return [p[len(path) :] for p in known if p.startswith(path + "[")]

@@ -56,7 +56,7 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
         score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span)
         total = score if total is None else total + score
         norm = power if norm is None else norm + power
-    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-3 * float(norm.max()))
+    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
     looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
     found = []

@@ -1,0 +1,163 @@
+"""What `diagnose` rests on: tails, the transpose of the observer's loop, tests that hold their level."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import cogging
+from cogging import EFFECTS, Model
+from cogging._core import Predictor
+from cogging.diagnose.chances import log_survival
+from cogging.diagnose.evidence import orthonormal, spectrum
+from cogging.diagnose.null import fit_null, nuisances
+from cogging.diagnose.rest import shapes
+from cogging.diagnose.scan import scan
+from cogging.diagnose.search import search
+from cogging.diagnose.signatures import candidates, tables
+from cogging.diagnose.waves import is_wave
+
+RATE = 1000.0
+
+
+def machine(effects=(), force=0.02):
+    kp, ki, kd = cogging.pid_gains([-80.0] * 3, 2.0)
+    return Model(
+        axis=cogging.AxisParameters(mass=2.0, viscous=3.0, coulomb=1.5, coulomb_width=2e-3),
+        cogging=cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.03, harmonics=[1]), [[0.4]], [[0.2]]),
+        effects=tuple(effects),
+        encoder=cogging.EncoderParameters(resolution=1e-7),
+        noise=cogging.NoiseParameters(force=force, bandwidth=40.0),
+        controller=cogging.PidParameters(sample_rate=RATE, kp=kp, ki=ki, kd=kd),
+        controller_type="pid",
+        uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2},
+    )
+
+
+def motion(seed):
+    random = np.random.default_rng(seed)
+    time = np.arange(int(8.0 * RATE) + 1) / RATE
+    position, at, now = np.zeros(len(time)), 0.0, 0.1
+    while now < 7.9:
+        goal, top = random.uniform(-0.15, 0.15), float(np.exp(random.uniform(np.log(0.02), np.log(0.4))))
+        goal = at + float(np.clip(goal - at, -top, top))
+        length = 1.9 * abs(goal - at) / top + 0.05
+        s = np.clip((time - now) / length, 0.0, 1.0)
+        position += (goal - at) * s**3 * (10 - 15 * s + 6 * s * s)
+        at, now = goal, now + length + 0.02
+    return cogging.Sampled(time, position, None, None)
+
+
+def record(model, seed):
+    return cogging.simulate(model, motion(seed), seed=seed, duration=8.0, steps_per_sample=4)
+
+
+@pytest.fixture(scope="module")
+def quiet_evidence():
+    nominal = machine()
+    return fit_null([record(nominal, 3)], nominal)[1]
+
+
+@pytest.mark.parametrize("freedom", [1, 2, 3, 7, 12, 24])
+@pytest.mark.parametrize("statistic", [0.5, 10.0, 60.0, 600.0])
+def test_log_survival_is_that_of_scipy(freedom, statistic):
+    assert log_survival(statistic, freedom) == pytest.approx(stats.chi2.logsf(statistic, freedom), rel=1e-9, abs=1e-12)
+
+
+def test_log_survival_far_out_is_finite_and_falls():
+    assert -5100 < log_survival(1e4, 3) < log_survival(9e3, 3) < -4000
+
+
+def test_transpose_of_propagate():
+    log = record(machine(), 1)
+    predictor = Predictor(log.time, log.position, log.command, bandwidth=40.0)
+    along = predictor.predict(machine().plant())
+    random = np.random.default_rng(0)
+    force, error, weight = random.normal(size=(3, len(log)))
+    force[-1] = 0.0  # no interval after the last row
+    forward = predictor.propagate(along, 2.0, force[None, :], error[None, :] * 1e-3)[0]
+    on_force, on_reading = predictor.propagate_transposed(along, 2.0, weight)
+    assert weight @ forward == pytest.approx(on_force @ force + on_reading @ error * 1e-3, rel=1e-9)
+
+
+def test_orthonormal_spans_and_is_orthonormal():
+    rows = np.random.default_rng(1).normal(size=(4, 50))
+    rows = np.vstack([rows, rows[0] + rows[1]])
+    basis = orthonormal(rows)
+    assert len(basis) == 4
+    np.testing.assert_allclose(basis @ basis.T, np.eye(4), atol=1e-8)
+    np.testing.assert_allclose((rows @ basis.T) @ basis, rows, atol=1e-6)
+
+
+def test_spectrum_of_white_noise_is_one(quiet_evidence):
+    source = quiet_evidence.sources[0]
+    noise = np.random.default_rng(2).normal(size=len(source.log)) * (source.counts > 0)
+    _, level = spectrum(noise, source)
+    assert np.all((level > 0.4) & (level < 2.2))
+    assert np.median(level) == pytest.approx(1.0, abs=0.2)
+
+
+def test_score_test_of_random_columns_is_chi_square(quiet_evidence):
+    random = np.random.default_rng(5)
+    found = []
+    for _ in range(200):
+        test = quiet_evidence.test(random.normal(size=(2, len(quiet_evidence.residual))))
+        found.append(test.statistic)
+        assert test.freedom == 2
+    assert stats.kstest(found, stats.chi2(2).cdf).pvalue > 1e-3
+
+
+def test_amplitude_of_a_column_that_is_there(quiet_evidence):
+    column = np.random.default_rng(6).normal(size=(1, len(quiet_evidence.residual)))
+    free = quiet_evidence.project(column)[0]
+    residual = quiet_evidence.residual + 0.5 * free
+    moved = type(quiet_evidence)(**{**vars_of(quiet_evidence), "residual": residual})
+    before, after = quiet_evidence.test(column).amplitudes[0], moved.test(column).amplitudes[0]
+    assert after - before == pytest.approx(0.5, abs=1e-6)
+
+
+def vars_of(evidence):
+    return {name: getattr(evidence, name) for name in evidence.__dataclass_fields__}
+
+
+def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):
+    for name, effect in EFFECTS.items():
+        if is_wave(effect):
+            continue
+        found = list(candidates(quiet_evidence, name))
+        assert found, name
+        made = tables(quiet_evidence, found[:2])
+        for candidate, table in zip(found[:2], made, strict=True):
+            assert table[0].shape == (max(1, len(candidate.amplitudes)), len(quiet_evidence.residual))
+            assert np.isfinite(table[0]).all(), name
+            assert name == candidate.effect([0.0] * len(candidate.amplitudes)).NAME
+
+
+def test_nothing_is_found_where_nothing_is_hidden(quiet_evidence):
+    assert all(finding.log_chance > -9.5 for finding in scan(quiet_evidence))
+    assert all(shape.log_chance > -12.0 for shape in shapes(quiet_evidence))
+
+
+@pytest.mark.parametrize(
+    ("effect", "others"),
+    [
+        (EFFECTS["cable_spring"](stiffness=1.5), set()),
+        (EFFECTS["cogging_harmonic"](period=0.0113, sine=0.12, cosine=-0.05), set()),
+        (EFFECTS["viscous_asymmetry"](difference=1.2), set()),
+        (EFFECTS["disturbance_tone"](frequency=7.3, sine=0.05, cosine=0.05), set()),
+        (EFFECTS["force_constant_ripple"](period=0.021, sine=0.03, cosine=0.0), set()),
+        (EFFECTS["quadratic_drag"](coefficient=4.0), {"stribeck_friction"}),
+        (EFFECTS["command_delay"](delay=1.5e-3), {"actuator_lag"}),
+    ],
+    ids=lambda value: getattr(value, "NAME", ""),
+)
+def test_a_hidden_effect_is_found_first(effect, others):
+    truth, nominal = machine([effect]), machine()
+    found = search([record(truth, 11)], nominal, [record(truth, 12)])
+    assert found.added
+    assert found.added[0].finding.name in {effect.NAME} | others
+
+
+def test_nuisances_are_levels_and_known_amplitudes():
+    assert set(nuisances(machine())) == {
+        "axis.mass", "axis.viscous", "axis.coulomb", "axis.coulomb_width", "cogging.sine[0][0]", "cogging.cosine[0][0]",
+    }  # fmt: skip
