@@ -223,7 +223,8 @@ def _move(
         total = 0.0
         for log, residual, a in zip(logs, values, filters, strict=True):
             white = np.asarray(whiten(residual[None, :], list(a)))[0, log.counts > 0]
-            total += len(white) * float(np.log(np.mean(white**2)))
+            with np.errstate(over="ignore", invalid="ignore"):  # a step too far: an infinite cost refuses it
+                total += len(white) * float(np.log(np.mean(white**2)))
         return total
 
     before = cost(residuals)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -132,6 +133,16 @@ def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact:
     return [result for result in results if result is not None]
 
 
+def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
+    """Whether a shape stays where its effect says that it is to be looked for."""
+    if role["quantity"] == "position":
+        return True
+    size = quantities(evidence)[role["quantity"]]
+    if role["logarithmic"] or role["neutral"] == 0.0:
+        return bool(0.0 < value <= 1.01 * role["high"] * size)
+    return bool(0.99 * role["low"] * size <= value <= 1.01 * role["high"] * size)
+
+
 def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
     """Move the shape to where it explains most: steps of each shape parameter that shrink."""
     roles = EFFECTS[finding.name].ROLES
@@ -167,7 +178,7 @@ def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
                     moved = value * float(np.exp(sign * ratio))
                 else:
                     moved = value + sign * 0.25 * ratio * sizes[role["quantity"]] * (role["high"] - role["low"])
-                if moved > 0.0 or not (role["logarithmic"] or role["neutral"] == 0.0):
+                if in_range(evidence, role, moved):
                     shape = {**finding.candidate.shape, field: moved}
                     tried.append(replace(finding.candidate, shape=shape))
         better = [f for f in judged(evidence, tried, finding.looked, exact) if f.score > finding.score]

@@ -13,7 +13,7 @@ from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, judged, scan
+from cogging.diagnose.scan import Finding, in_range, judged, scan
 from cogging.diagnose.signatures import tables
 from cogging.diagnose.waves import is_spatial_wave
 from cogging.estimation import Estimate, fit
@@ -282,7 +282,25 @@ def refit(estimate: Estimate, finding: Finding, logs: Sequence[Log], evidence: E
     paths = [p for p in estimate.paths if not p.startswith("effects.")]
     paths += effect_parameters(model)
     floors = {"axis.coulomb_width": 0.2 * evidence.sources[0].rest}
-    return fit(model, paths, evidence.sources, iterations=8, floors=floors)
+    fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors)
+    for effect in fitted.model.effects[-1 - len(estimate.model.effects) :]:
+        for name, role in effect.ROLES.items():
+            value = getattr(effect, name)
+            if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
+                # The shape runs off where the log does not hold it: shapes stay where the scan found them.
+                held = [p for p in paths if p not in shape_paths(model)]
+                return fit(model, held, evidence.sources, iterations=8, floors=floors)
+    return fitted
+
+
+def shape_paths(model: Model) -> set[str]:
+    """Paths of the effects' shapes."""
+    return {
+        f"{prefix}.{name}"
+        for prefix, effect in effect_paths(model.effects)
+        for name, role in effect.ROLES.items()
+        if role["role"] == "shape"
+    }
 
 
 def effect_parameters(model: Model) -> list[str]:
