@@ -167,6 +167,7 @@ def fit(
     iterations: int = 15,
     tolerance: float = 1e-3,
     floors: Mapping[str, float] | None = None,
+    ceilings: Mapping[str, float] | None = None,
 ) -> Estimate:
     """Least squares of the whitened residuals of all logs together, by Gauss and Newton with step halving.
 
@@ -178,7 +179,7 @@ def fit(
         logs: what it is held against.
         iterations: at most.
         tolerance: of the last step, in 1-sigma.
-        floors: values below which a parameter does not go, by path.
+        floors, ceilings: values below and above which a parameter does not go, by path.
 
     Raises:
         DivergedError: the model diverges on a log.
@@ -199,7 +200,9 @@ def fit(
         scaled = curvature / np.outer(size, size)
         step = -np.linalg.lstsq(scaled + 1e-12 * np.eye(len(size)), gradient / size, rcond=1e-12)[0] / size
         done += 1
-        moved, length = _move(model, parameters, step, logs, residuals, [s.coefficients for s in seen], floors or {})
+        moved, length = _move(
+            model, parameters, step, logs, residuals, [s.coefficients for s in seen], floors or {}, ceilings or {}
+        )
         model = moved
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
@@ -216,6 +219,7 @@ def _move(
     residuals: Sequence[FloatArray],
     filters: Sequence[FloatArray],
     floors: Mapping[str, float],
+    ceilings: Mapping[str, float],
 ) -> tuple[Model, float]:
     """The model after the longest of the steps 1, 1/2, 1/4, ... that lowers the cost under the same filters."""
 
@@ -231,7 +235,9 @@ def _move(
     length = 1.0
     while length > 1e-3:
         values = {
-            p.path: max(_inside(p, p.value + length * s), floors.get(p.path, -np.inf))
+            p.path: min(
+                max(_inside(p, p.value + length * s), floors.get(p.path, -np.inf)), ceilings.get(p.path, np.inf)
+            )
             for p, s in zip(parameters, step, strict=True)
         }
         try:

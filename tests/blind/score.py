@@ -129,7 +129,7 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
             found = (entry.get("parameters") or {}).get(name)
             if found is None or found.get("value") is None:
                 continue
-            if found.get("ci95"):
+            if found.get("ci95") and None not in found["ci95"]:
                 low, high = found["ci95"]
                 covered.append((f"{entry['name']}.{name}", bool(low <= known["value"] <= high)))
             if known["deviation"]:

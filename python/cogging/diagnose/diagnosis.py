@@ -25,6 +25,7 @@ from cogging.diagnose.search import (
     RIVAL,
     Added,
     Search,
+    alike,
     changes,
     effect_parameters,
     search,
@@ -39,6 +40,7 @@ from cogging.parameters import effect_paths, parameters_of
 Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 SURE = 0.9  # confidence from which a name is stated
+LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 VARIANCE = -25.0  # ln of the chance of a burst
 SECONDS_MIN = 1.0  # of motion
 
@@ -240,7 +242,8 @@ def _reason(added: Added) -> str:
 def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     added = found.added[place]
     best = added.rivals[0]
-    rivals = [r for r in added.rivals[1:] if r.score > best.score - RIVAL]
+    # What explains nearly the same rows is told apart by how well its form is known, not by noise alone.
+    rivals = [r for r in added.rivals[1:] if r.score > best.score - (LOOK_ALIKE if alike(r, best) > 0.85 else RIVAL)]
     prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
     confidence = _confidence(added, odds, left)
@@ -294,7 +297,7 @@ def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
     if left:
         chance *= 0.75
     if added.finding.test.statistic < 35.0:
-        chance *= 0.93
+        chance *= 0.9
     return round(float(np.clip(0.985 * chance, 0.01, 0.985)), 3)
 
 

@@ -14,7 +14,7 @@ from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, in_range, judged, scan
-from cogging.diagnose.signatures import tables
+from cogging.diagnose.signatures import quantities, tables
 from cogging.diagnose.waves import is_spatial_wave
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
@@ -207,7 +207,7 @@ def choose(
         f
         for f in findings
         if f is best
-        or (f.score > best.score - 40.0 and f.name not in barred and f.log_chance < -5.0 and alike(f, best) > 0.5)
+        or (f.score > best.score - 60.0 and f.name not in barred and f.log_chance < -5.0 and alike(f, best) > 0.5)
     ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 
@@ -281,16 +281,33 @@ def refit(estimate: Estimate, finding: Finding, logs: Sequence[Log], evidence: E
     model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
     paths = [p for p in estimate.paths if not p.startswith("effects.")]
     paths += effect_parameters(model)
-    floors = {"axis.coulomb_width": 0.2 * evidence.sources[0].rest}
-    fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors)
+    floors, ceilings = shape_limits(model, evidence)
+    floors["axis.coulomb_width"] = 0.2 * evidence.sources[0].rest
+    fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
     for effect in fitted.model.effects[-1 - len(estimate.model.effects) :]:
         for name, role in effect.ROLES.items():
             value = getattr(effect, name)
             if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
                 # The shape runs off where the log does not hold it: shapes stay where the scan found them.
                 held = [p for p in paths if p not in shape_paths(model)]
-                return fit(model, held, evidence.sources, iterations=8, floors=floors)
+                return fit(model, held, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
     return fitted
+
+
+def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], dict[str, float]]:
+    """Values that shapes keep between while a fit moves them: twice the range in which their effect is looked for.
+
+    Beyond it a log holds them no more, and what is stiff (a contact, a mode) would be simulated in ever finer steps.
+    """
+    floors, ceilings = {}, {}
+    sizes = quantities(evidence)
+    for prefix, effect in effect_paths(model.effects):
+        for name, role in effect.ROLES.items():
+            if role["role"] == "shape" and role["quantity"] not in ("position", "time", "exponent"):
+                size = sizes[role["quantity"]]
+                floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
+                ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
+    return floors, ceilings
 
 
 def shape_paths(model: Model) -> set[str]:
