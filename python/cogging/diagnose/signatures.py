@@ -101,6 +101,10 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
         return [
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
+    if (
+        role["quantity"] == "command" and role["neutral"] == np.inf
+    ):  # a limit: it is felt just below the largest command
+        return [float(v) for v in size * (1.0 - np.geomspace(0.005, 1.0 - role["low"], count))]
     if role["logarithmic"] or role["neutral"] == 0.0:
         low = max(low, 2e-3 * high)
         return [float(v) for v in np.geomspace(low, high, count)]
