@@ -192,7 +192,7 @@ class CoggingHarmonic:
     HOOKS: typing.ClassVar[tuple] = ('force')
     LAW: typing.ClassVar[str] = '-(sine sin(2 pi x / period) + cosine cos(2 pi x / period))'
     NAME: typing.ClassVar[str] = 'cogging_harmonic'
-    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
+    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.0001, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -654,7 +654,7 @@ class ForceConstantRipple:
     HOOKS: typing.ClassVar[tuple] = ('command_gain')
     LAW: typing.ClassVar[str] = 'u (1 + sine sin(2 pi x / period) + cosine cos(2 pi x / period))'
     NAME: typing.ClassVar[str] = 'force_constant_ripple'
-    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
+    ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.0001, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
