@@ -72,6 +72,10 @@ class Estimate:
         return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
 
 
+class NothingCounts(ValueError):
+    """No row of a log shows the axis in motion for long enough."""
+
+
 def combined_scales(logs: Sequence[Residuals]) -> Scales:
     """The largest of each size over several logs."""
     fields = ("force", "position", "velocity", "acceleration", "time")
@@ -87,6 +91,8 @@ def order_for(log: Residuals) -> int:
 def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
     """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
     counted = np.abs(residual[log.counts > 0])
+    if not len(counted):
+        raise NothingCounts("log: must have rows in motion, got an axis that rests or keeps turning back")
     limit = 6.0 * 1.4826 * float(np.median(counted))
     clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
     return np.asarray(autoregression(clipped, log.counts, order=order_for(log)))

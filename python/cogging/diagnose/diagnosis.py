@@ -33,6 +33,7 @@ from cogging.diagnose.search import (
 )
 from cogging.diagnose.separate import separating
 from cogging.diagnose.stand_in import stood_in
+from cogging.estimation import NothingCounts
 from cogging.logs import Log, read_log
 from cogging.model import Model
 from cogging.parameters import effect_paths, parameters_of
@@ -86,7 +87,11 @@ def diagnose(
     if moving < SECONDS_MIN:
         notes.append(f"the axis moves for {moving:.2g} s only: at rest, friction hides every force")
         return _nothing("insufficient_excitation", given, model, notes)
-    found = search(given, model, others, progress)
+    try:
+        found = search(given, model, others, progress)
+    except NothingCounts as error:
+        notes.append(str(error))
+        return _nothing("insufficient_excitation", given, model, notes)
     progress("measuring the gap")
     return _assemble(found, given, others, model, replay, notes)
 

@@ -74,11 +74,11 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
     counts = []
     for log in logs:
         replays = [Replay(log, model) for model in models]
-        counts.append(replays[0].counts > 0)
+        counts.append(source_of(log, models[0]).counts > 0)
         for i, (one, model) in enumerate(zip(replays, models, strict=True)):
             run = one.run(model)
             series[i].append(log.command - run["command"])
-            errors[i].append(float(np.mean((log.position - run["true_position"])[counts[-1]] ** 2)))
+            errors[i].append(_rms([log.position - run["true_position"]], counts[-1:]) ** 2)
     return [
         Seen(
             _rms(rows, counts),
@@ -92,7 +92,8 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
 
 
 def _rms(rows: Sequence[FloatArray], counts: Sequence[npt.NDArray[np.bool_]]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)]) ** 2)))
+    moving = np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)])
+    return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 
 
 def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
