@@ -12,7 +12,7 @@ import cogging
 from cogging.cli import main
 from cogging.diagnose import scan, search, signatures, waves
 from cogging.diagnose.figures import binned, coordinates_figure, spectrum
-from cogging.diagnose.location import length_text, ranges
+from cogging.diagnose.location_words import length_text, ranges
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.stand_in import stood_in
 

@@ -225,7 +225,14 @@ def _diagnose(options: argparse.Namespace) -> None:
     model = Model.read(options.model)
     given, others = _read_logs(options, options.logs), _read_logs(options, options.confirm)
     with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False) as bar:
-        result = diagnose(given, model, confirm=others, progress=bar.set_description_str)
+        result = diagnose(
+            given,
+            model,
+            confirm=others,
+            names=options.logs,
+            confirm_names=options.confirm,
+            progress=bar.set_description_str,
+        )
         content = {}
         if options.json:
             content[options.json] = json.dumps(result.to_dict(), indent=1, allow_nan=False) + "\n"

@@ -2,6 +2,6 @@
 
 from cogging.diagnose.diagnosis import diagnose
 from cogging.diagnose.location import Location, Wave, locate_gap
-from cogging.diagnose.result import Diagnosis, Gap, NamedEffect, Step, Value
+from cogging.diagnose.result import Diagnosis, Gap, NamedEffect, Placebo, Step, Value
 
-__all__ = ["Diagnosis", "Gap", "Location", "NamedEffect", "Step", "Value", "Wave", "diagnose", "locate_gap"]
+__all__ = ["Diagnosis", "Gap", "Location", "NamedEffect", "Placebo", "Step", "Value", "Wave", "diagnose", "locate_gap"]

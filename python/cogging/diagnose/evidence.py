@@ -97,7 +97,7 @@ class Evidence:
         seen = left > 2e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
         amplitudes = np.zeros(len(columns))
         if not seen.any():
-            return Test(0.0, 0, amplitudes, 0.0, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
+            return Test(0.0, 0, amplitudes, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
         gram = free[seen] @ free[seen].T / np.outer(left[seen], left[seen])
         values, vectors = np.linalg.eigh(gram)
         good = values > 1e-4
@@ -111,7 +111,6 @@ class Evidence:
             float(score @ solution) / self.excess,
             int(good.sum()),
             amplitudes,
-            float(np.sqrt(np.diag(inverse))[0] / left[seen][0]) * np.sqrt(self.excess),
             solution / left[seen] @ free[seen],
             deviations,
         )
@@ -125,7 +124,6 @@ class Test:
         statistic: T, chi-square with `freedom` degrees of freedom where there is no effect.
         freedom: p.
         amplitudes: by which the columns would have to be multiplied, (p,), with the sign of the residual.
-        deviation: of the first of them.
         explained: the part of the whitened residual that the columns explain, (n,).
         deviations: of each amplitude beside the others, (p,); infinite where nothing is seen of it.
     """
@@ -133,7 +131,6 @@ class Test:
     statistic: float
     freedom: int
     amplitudes: FloatArray
-    deviation: float
     explained: FloatArray
     deviations: FloatArray
 
@@ -286,6 +283,3 @@ def model_plant(model: Model):  # type: ignore[no-untyped-def]
     from cogging.residuals import quiet
 
     return quiet(model).plant()
-
-
-__all__ = ["Evidence", "Test", "gather"]

@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.diagnose.rest import Shape
+from cogging.intervals import SIGMAS_95
+from cogging.residuals import moving_average
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +108,7 @@ def binned(
     mean = sums.sum(axis=1) / total
     seen = (rows > 0).sum(axis=1)
     spread = ((sums - mean[:, None] * rows) ** 2).sum(axis=1) / total**2
-    half = 1.96 * np.sqrt(spread * np.where(seen > 1, seen / np.maximum(seen - 1.0, 1.0), np.nan))
+    half = SIGMAS_95 * np.sqrt(spread * np.where(seen > 1, seen / np.maximum(seen - 1.0, 1.0), np.nan))
     return middle, mean, half
 
 
@@ -161,8 +163,7 @@ def time_figure(gaps: Mapping[str, Series], log: int = 0) -> Figure:
 
 def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
     """Running mean over SMOOTH."""
-    few = max(1, round(SMOOTH / float(np.median(np.diff(time)))))
-    return np.convolve(values, np.ones(few) / few, mode="same")
+    return moving_average(values, round(SMOOTH / float(np.median(np.diff(time)))))
 
 
 def liveliest(gap: FloatArray, counts: npt.NDArray[np.bool_], rows: int) -> slice:
@@ -229,7 +230,7 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
             panel.errorbar(
                 shape.places[told],
                 shape.force[half][told],
-                1.96 * deviation[told],
+                SIGMAS_95 * deviation[told],
                 color=colour,
                 marker=marker,
                 markersize=3,

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.diagnose.rest import coordinates
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.residuals import Innovations, Replay
@@ -97,13 +98,14 @@ def _rms(rows: Sequence[FloatArray], counts: Sequence[npt.NDArray[np.bool_]]) ->
 
 
 def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
-    """What noise and quantiser alone would leave: the rest of the gap once any force of position, speed, time and
-    direction is taken from it, and counted for the freedom that this takes."""
+    """What noise and quantiser alone would leave, V.
+
+    The rms of the gap once any force of position (for each direction), speed, time and acceleration is taken from it,
+    over the rows less the freedom that this takes.
+    """
     total, rows = 0.0, 0
     for series, counts, log in zip(seen.series, seen.counts, logs, strict=True):
         source = source_of(log, model)
-        from cogging.diagnose.rest import coordinates
-
         columns = [np.ones(len(series))[None, :]]
         if not (source.counts > 0).any():
             return seen.rms
@@ -117,5 +119,5 @@ def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
         weights = np.linalg.lstsq(gram + 1e-9 * np.eye(len(gram)), table @ series[counts], rcond=None)[0]
         left = series[counts] - weights @ table
         total += float(left @ left)
-        rows += len(left)
+        rows += len(left) - int(np.linalg.matrix_rank(gram, tol=1e-9, hermitian=True))
     return float(np.sqrt(total / max(rows, 1)))

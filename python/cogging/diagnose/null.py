@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from cogging._core import DivergedError
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.parameters import parameters_of
-from cogging.residuals import Innovations
+from cogging.residuals import Innovations, moving_average
 
 BANDWIDTH = 50.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
 
@@ -88,9 +90,5 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
 
 
 def _speed(log: Log) -> float:
-    import numpy as np
-
-    from cogging.residuals import moving_average
-
     window = max(1, round(0.01 / _sample_time(log)))
     return float(np.abs(np.gradient(moving_average(log.position, window), log.time)).max())

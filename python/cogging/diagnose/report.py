@@ -18,6 +18,7 @@ from cogging.diagnose.result import Diagnosis, NamedEffect, Value
 from cogging.files import to_toml
 from cogging.model import Model
 from cogging.parameters import parameters_of
+from cogging.residuals import moving_average
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +96,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "where": location.lines() if location is not None else list(result.where_text),
         "next": _next(result),
         "ledger": result.ledger,
-        "placebo": [dict(entry) for entry in result.placebo],
+        "placebo": result.placebo,
         "notes": result.notes,
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
@@ -264,19 +265,13 @@ def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
         log.command - (gap if replayed else 0.0) for log, gap in zip(series["logs"], series["gap_before"], strict=True)
     ]
     shared["acceleration"] = [
-        slope(np.asarray(velocity), np.asarray(time))
+        np.gradient(moving_average(np.asarray(velocity), round(0.02 / float(np.median(np.diff(time))))), time)
         for velocity, time in zip(series["velocity"], series["time"], strict=True)
     ]
     labels = {"before: re-tuned model": "gap_before"}
     if result.effects:
         labels["after: with what was found"] = "gap_after"
     return {label: {**shared, "gap": series[name]} for label, name in labels.items()}
-
-
-def slope(velocity: np.ndarray[Any, Any], time: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Acceleration from a velocity smoothed over 20 ms, m/s^2."""
-    few = max(1, round(0.02 / float(np.median(np.diff(time)))))
-    return np.gradient(np.convolve(velocity, np.ones(few) / few, mode="same"), time)
 
 
 def overview(result: Diagnosis) -> Figure:

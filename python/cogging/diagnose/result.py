@@ -52,16 +52,40 @@ class NamedEffect:
 
 @dataclass(frozen=True)
 class Step:
-    """One line of the ledger: an effect that was tried, with the gap (V) before and after, and on the confirm logs."""
+    """One line of the ledger: an effect that was tried.
+
+    Attributes:
+        name: of the effect.
+        accepted: whether it was added.
+        reason: for either.
+        statistic: T of its score test.
+        gap_before, gap_after: V, of the models without and with it; None where it was refused.
+        confirm_before, confirm_after: the same on the confirm logs.
+    """
 
     name: str
     accepted: bool
     reason: str
     statistic: float
-    gap_before: float
-    gap_after: float
+    gap_before: float | None
+    gap_after: float | None
     confirm_before: float | None
     confirm_after: float | None
+
+
+@dataclass(frozen=True)
+class Placebo:
+    """An effect that was not found, fitted all the same: what noise gives to a term that explains nothing.
+
+    Attributes:
+        name: of the effect.
+        statistic: T on the logs.
+        confirm_gain: of 2 ln likelihood on the confirm logs with frozen amplitudes; negative: worse than without it.
+    """
+
+    name: str
+    statistic: float
+    confirm_gain: float | None
 
 
 @dataclass(frozen=True)
@@ -93,6 +117,7 @@ class Diagnosis:
         nominal: refitted, without them.
         where: the gap before anything was named, by coordinate, the likeliest first.
         ledger: the effects that were tried.
+        placebo: what terms that explain nothing would have gained.
         notes: in words.
         series: for the figures, by name: `logs`, the `given` model, and of each log time, position, velocity (m/s),
             gap_before, gap_after (V) and counts (rows in motion).
@@ -109,7 +134,7 @@ class Diagnosis:
     where_text: tuple[str, ...] = ()
     ledger: tuple[Step, ...] = ()
     notes: tuple[str, ...] = ()
-    placebo: tuple[Mapping[str, Any], ...] = ()
+    placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
@@ -150,7 +175,7 @@ class Diagnosis:
             "separating_experiment": self.separating_experiment,
             "where": list(self.where_text),
             "ledger": [vars(step) for step in self.ledger],
-            "placebo": [dict(entry) for entry in self.placebo],
+            "placebo": [vars(entry) for entry in self.placebo],
             "notes": list(self.notes),
         }
         return {name: finite(value) for name, value in told.items()}
@@ -209,14 +234,24 @@ class Diagnosis:
             lines += [f"  {line}" for line in self.where_text]
         if self.ledger:
             lines.append("ledger:")
-            lines += [
-                f"  {'added  ' if s.accepted else 'refused'} {s.name}: T = {s.statistic:.0f}, {s.reason}"
-                for s in self.ledger
-            ]
+            lines += [f"  {step_text(step, g.unit)}" for step in self.ledger]
+        if self.placebo:
+            lines.append("placebo terms, T here and gain of 2 ln likelihood on the confirm logs:")
+            lines += [f"  {p.name}: T = {p.statistic:.1f}, {_number(p.confirm_gain)}" for p in self.placebo]
         if self.separating_experiment:
             lines.append(f"what would tell them apart: {self.separating_experiment}")
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
+
+
+def step_text(step: Step, unit: str) -> str:
+    """A line of the ledger in words."""
+    if not step.accepted:
+        return f"refused {step.name}: T = {step.statistic:.0f}, {step.reason}"
+    gap = f"gap {step.gap_before:.4g} to {step.gap_after:.4g} {unit}"
+    if step.confirm_after is not None:
+        gap += f", on the confirm logs {step.confirm_before:.4g} to {step.confirm_after:.4g} {unit}"
+    return f"added   {step.name}: T = {step.statistic:.0f}, {gap}; {step.reason}"
 
 
 def finite(value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -88,18 +88,13 @@ def judge(
     )
 
 
-def scan(
-    evidence: Evidence,
-    names: Sequence[str] | None = None,
-    progress: Callable[[str], None] = lambda name: None,
-) -> list[Finding]:
+def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
     """The best shape of each effect, best score first."""
     best: dict[str, Finding] = {}
     for name in EFFECTS if names is None else names:
         for finding in _of(evidence, name):
             if name not in best or finding.score > best[name].score:
                 best[name] = finding
-        progress(name)
     ranked = sorted(best.values(), key=lambda f: -f.score)
     if not ranked:
         return []

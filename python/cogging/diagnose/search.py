@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.determinability import role_of
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
@@ -24,9 +25,8 @@ from cogging.parameters import effect_paths, parameters_of
 FloatArray = npt.NDArray[np.float64]
 
 #: Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
-DETECTED = (
-    -9.5
-)  # ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all
+#: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
+DETECTED = -9.5
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
 INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
@@ -70,18 +70,35 @@ class Confirmation:
 
 @dataclass
 class Added:
-    """An effect that was accepted, and what stood against it."""
+    """An effect that was accepted, and what stood against it.
+
+    Attributes:
+        finding: as the scan found it.
+        rivals: it and what explains about as much, the likeliest first.
+        shapes: generic shapes of what was missing before it.
+        confirmation: on other motion; None without.
+        model: refitted with it.
+    """
 
     finding: Finding
     rivals: list[Finding]
     shapes: list[Shape]
     confirmation: Confirmation | None
-    rival_gap: dict[str, float] = field(default_factory=dict)
+    model: Model
 
 
 @dataclass
 class Search:
-    """All that was found on the way."""
+    """All that was found on the way.
+
+    Attributes:
+        nominal: fit of the model as it was given, and its evidence.
+        estimate: fit with all that was added, and its evidence.
+        added, refused: effects in the order in which they were tried; the refused with the reason.
+        first_shapes, left: generic shapes of what is missing in the nominal and in the last model.
+        unused: the last scan, of which nothing was added.
+        confirm_evidence: the confirm logs under the last model, None without.
+    """
 
     nominal: Estimate
     nominal_evidence: Evidence
@@ -91,7 +108,7 @@ class Search:
     refused: list[tuple[Finding, str]]
     first_shapes: list[Shape]
     left: list[Shape]
-    left_findings: list[Finding]
+    unused: list[Finding]
     confirm_evidence: Evidence | None
 
 
@@ -113,7 +130,7 @@ def search(
     estimate = nominal
     added: list[Added] = []
     refused: list[tuple[Finding, str]] = []
-    first = nominal_evidence = evidence
+    nominal_evidence = evidence
     first_shapes = shapes(evidence)
     left = first_shapes
     findings: list[Finding] = []
@@ -152,11 +169,11 @@ def search(
         step_rivals, chosen, check = choose(evidence, findings, finding, check, confirm_evidence, barred)
         try:
             progress(f"adding {chosen.name}")
-            estimate = refit(estimate, chosen, logs, evidence)
+            estimate = refit(estimate, chosen, evidence, len(model.effects))
         except (DivergedError, ValueError) as error:
             refused.append((chosen, f"the model with it cannot be fitted: {error}"))
             continue
-        added.append(Added(chosen, step_rivals, left, check))
+        added.append(Added(chosen, step_rivals, left, check, estimate.model))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         if confirm_evidence is not None:
             try:
@@ -165,7 +182,7 @@ def search(
                 confirm_evidence = None
     return Search(
         nominal,
-        nominal_evidence if added else first,
+        nominal_evidence,
         estimate,
         evidence,
         added,
@@ -276,15 +293,21 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
     return best if np.isfinite(best.gain) else Confirmation(0.0, 0.0, 0.0)
 
 
-def refit(estimate: Estimate, finding: Finding, logs: Sequence[Log], evidence: Evidence) -> Estimate:
-    """Fit the model with the effect in it: nuisances, amplitudes, and shapes that are numbers."""
+def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) -> Estimate:
+    """Fit the model with the effect in it: nuisances, amplitudes, and shapes that are numbers.
+
+    Of the effects that the model was `given`, the amplitudes are fitted, as they are without anything added.
+    """
     model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
+    own = {prefix for prefix, _ in effect_paths(model.effects)[:given]}
     paths = [p for p in estimate.paths if not p.startswith("effects.")]
-    paths += effect_parameters(model)
+    paths += [
+        p for p in effect_parameters(model) if p.rpartition(".")[0] not in own or role_of(model, p) == "amplitude"
+    ]
     floors, ceilings = shape_limits(model, evidence)
     floors["axis.coulomb_width"] = 0.2 * evidence.sources[0].rest
     fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
-    for effect in fitted.model.effects[-1 - len(estimate.model.effects) :]:
+    for effect in fitted.model.effects[given:]:
         for name, role in effect.ROLES.items():
             value = getattr(effect, name)
             if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
@@ -371,7 +394,7 @@ def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray,
 
 
 def variance_jumps(evidence: Evidence) -> float:
-    """ln of the chance that a white residual's power jumps as high in any half second."""
+    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s."""
     worst = 0.0
     for block in range(0, int(evidence.block[-1]) + 1, 3):
         rows = (evidence.block >= block) & (evidence.block < block + 3) & (evidence.residual != 0.0)
@@ -381,6 +404,3 @@ def variance_jumps(evidence: Evidence) -> float:
         power = float((evidence.free_residual[rows] ** 2).sum())
         worst = min(worst, log_survival(power, n))
     return worst
-
-
-__all__ = ["EFFECTS", "Search", "search"]

@@ -1,0 +1,116 @@
+"""What was added to a model, as entries of the result: names, alternatives, confidence and intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cogging.diagnose.effect_range import where_of
+from cogging.diagnose.rest import Shape
+from cogging.diagnose.result import NamedEffect, Value
+from cogging.diagnose.search import INFORMATIVE, RIVAL, Added, Search, alike, effect_parameters
+from cogging.intervals import SIGMAS_95
+from cogging.parameters import effect_paths, parameters_of
+
+LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
+
+
+def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
+    """The effect that was added at a place, with its alternatives; `left`: shapes of what no effect explains."""
+    added = found.added[place]
+    best = added.rivals[0]
+    # What explains nearly the same rows is told apart by how well its form is known, not by noise alone.
+    rivals = [r for r in added.rivals[1:] if r.score > best.score - (LOOK_ALIKE if alike(r, best) > 0.85 else RIVAL)]
+    prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
+    odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
+    confidence = _confidence(added, odds, left)
+    known = parameters_of(found.estimate.model)
+    free = set(effect_parameters(found.estimate.model))
+    values: dict[str, Value] = {}
+    for name, (unit, _) in effect.FIELDS.items():
+        if effect.ROLES[name]["role"] == "setting":
+            continue
+        paths = [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
+        halves = [
+            SIGMAS_95 * float(found.estimate.deviation[found.estimate.paths.index(p)])
+            if p in free and p in found.estimate.paths
+            else float("nan")
+            for p in paths
+        ]
+        numbers = [known[p].value for p in paths]
+        if not numbers:
+            continue
+        low = [None if np.isnan(h) else v - h for v, h in zip(numbers, halves, strict=True)]
+        high = [None if np.isnan(h) else v + h for v, h in zip(numbers, halves, strict=True)]
+        if isinstance(getattr(effect, name), list):
+            values[name] = Value(numbers, unit, (low, high))
+        else:
+            values[name] = Value(numbers[0], unit, (low[0], high[0]))
+    return NamedEffect(
+        effect.NAME,
+        tuple(r.name for r in rivals),
+        confidence,
+        values,
+        where_of(effect, found.evidence),
+        added.finding.test.statistic,
+        added.finding.log_chance,
+    )
+
+
+def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
+    """The stated chance that a name is right: odds against the rivals, less what else speaks against it."""
+    chance = 1.0 / (1.0 + odds)
+    check = added.confirmation
+    if check is None:
+        chance *= 0.93
+    elif check.foreseen < INFORMATIVE:
+        chance *= 0.88
+    elif abs(check.ratio - 1.0) > 2.0 * check.deviation:
+        chance *= 0.8
+    # A generic shape that explains more than the named effect does: its form is not quite that.
+    generic = max((shape.score for shape in added.shapes), default=0.0)
+    if generic > added.finding.score + 6.0:
+        chance *= 0.7
+    if left:
+        chance *= 0.75
+    if added.finding.test.statistic < 35.0:
+        chance *= 0.9
+    return round(float(np.clip(0.985 * chance, 0.01, 0.985)), 3)
+
+
+def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
+    """One entry a name: several harmonics are one cause. The strongest speaks; the others stand in `further`."""
+    result: list[NamedEffect] = []
+    for effect in effects:
+        for i, known in enumerate(result):
+            if known.name == effect.name:
+                result[i] = replace(
+                    known,
+                    confidence=max(known.confidence, effect.confidence),
+                    alternatives=known.alternatives if known.statistic > effect.statistic else effect.alternatives,
+                    further=(*known.further, effect.parameters),
+                )
+                break
+        else:
+            result.append(effect)
+    return result
+
+
+def changed(change: tuple[str, float, float, float], left: Sequence[Shape]) -> NamedEffect:
+    """Mass, viscous or Coulomb friction beyond what the model states (search.changes), as an effect."""
+    name, size, deviation, beyond = change
+    confidence = 0.97 if abs(beyond) > 5.0 else 0.91
+    if left:
+        confidence *= 0.8
+    value = Value(size, "1", (size - SIGMAS_95 * deviation, size + SIGMAS_95 * deviation))
+    return NamedEffect(
+        f"{name}_change",
+        (),
+        round(confidence, 3),
+        {"change": value},
+        {"coordinate": {"mass": "acceleration"}.get(name, "velocity"), "range": None},
+        beyond**2,
+        -0.5 * beyond**2,
+    )

@@ -1,0 +1,67 @@
+"""The verdict: named, ambiguous, unlisted or no gap, and what no effect explains."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from cogging.diagnose.location_words import shape_text
+from cogging.diagnose.rest import Shape, shapes
+from cogging.diagnose.result import NamedEffect
+from cogging.diagnose.search import Search, variance_jumps
+
+SURE = 0.9  # confidence from which a name is stated
+VARIANCE = -25.0  # ln of the chance of a burst
+
+
+def unlisted(found: Search, left: Sequence[Shape]) -> dict[str, Any] | None:
+    """A rest that no effect explains: significant on these logs, and in the same coordinate on the others."""
+    reasons = []
+    for shape in left:
+        again = _on_others(found, shape)
+        if again is not False:
+            reasons.append((shape, again))
+    burst = variance_jumps(found.evidence)
+    if not reasons and burst > VARIANCE:
+        return None
+    if reasons:
+        shape, again = reasons[0]
+        return {
+            "coordinate": shape.coordinate,
+            "shape": shape_text(shape),
+            "places": shape.places.tolist(),
+            "force": shape.force.tolist(),
+            "deviation": shape.deviation.tolist(),
+            "share": shape.share,
+            "confirmed": bool(again),
+            "empirical": "a force of any shape in this coordinate; no effect of the vocabulary",
+        }
+    return {
+        "coordinate": "time",
+        "shape": f"bursts: the residual's power jumps (ln chance {burst:.0f})",
+        "share": None,
+        "confirmed": None,
+    }
+
+
+def _on_others(found: Search, shape: Shape) -> bool | None:
+    """Whether the same coordinate is significant on the confirm logs too; None where they cannot tell."""
+    if found.confirm_evidence is None:
+        return None
+    for other in shapes(found.confirm_evidence):
+        if other.coordinate == shape.coordinate:
+            if other.log_chance < -5.0:
+                return True
+            return False if "time" not in shape.coordinate else None
+    return None
+
+
+def verdict(effects: Sequence[NamedEffect], rest: dict[str, Any] | None) -> str:
+    """In one word: the contract's verdicts that need a search."""
+    if not effects:
+        return "unlisted" if rest else "no_gap"
+    if rest is not None and all(e.confidence < SURE for e in effects):
+        return "unlisted"
+    if any(e.alternatives or e.confidence < SURE for e in effects):
+        return "ambiguous"
+    return "unlisted" if rest is not None else "named"
