@@ -79,7 +79,7 @@ class Innovations:
         speed_max = float(speed.max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
         still = np.abs(self.velocity) < self.rest
-        settle = 6.0 / (2.0 * np.pi * bandwidth)
+        self.settle = settle = 6.0 / (2.0 * np.pi * bandwidth)
         broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
         counts = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
         self.counts = counts.astype(float)

@@ -12,10 +12,12 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, Test
-from cogging.diagnose.signatures import Candidate, candidates, quantities, tables
+from cogging.diagnose.signatures import Candidate, candidates, quantities, shape_range, tables
 from cogging.diagnose.waves import is_wave, peaks, refine
 
 FloatArray = npt.NDArray[np.float64]
+
+NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
 
 
 @dataclass(frozen=True)
@@ -71,8 +73,8 @@ def judge(
             largest = max(abs(role["low"]), abs(role["high"])) * sizes[role["quantity"]]
             if abs(value) > largest:
                 return None
-    elif not 0.25 < amplitudes[0] < 2.5:  # the finite size that was tried is not what the log shows
-        return None
+    elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
+        return None  # the finite size that was tried is not what the log shows
     shapes = sum(
         1
         for field, role in EFFECTS[candidate.name].ROLES.items()
@@ -88,6 +90,16 @@ def judge(
     )
 
 
+def size_range(candidate: Candidate) -> tuple[float, float]:
+    """By how much a finite column may be multiplied on the grid: far, where a shape starts from nothing in proportion.
+
+    What is exact then, is judged when the shape is sharpened.
+    """
+    roles = EFFECTS[candidate.name].ROLES
+    proportional = any(roles[f]["role"] == "shape" and roles[f]["neutral"] == 0.0 for f in candidate.shape)
+    return (0.02, 50.0) if proportional else (0.25, 2.5)
+
+
 def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
     """The best shape of each effect, best score first."""
     best: dict[str, Finding] = {}
@@ -99,8 +111,8 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
     if not ranked:
         return []
     top = ranked[0].score
-    sharpened = [sharpen(evidence, f) if f.score > top - 40.0 and f.score > 0.0 else f for f in ranked]
-    return sorted(sharpened, key=lambda f: -f.score)
+    sharpened = [sharpen(evidence, f) if f.score > top - NEAR and f.score > 0.0 else f for f in ranked]
+    return sorted((f for f in sharpened if f is not None), key=lambda f: -f.score)
 
 
 def _of(evidence: Evidence, name: str) -> list[Finding]:
@@ -132,14 +144,17 @@ def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
     """Whether a shape stays where its effect says that it is to be looked for."""
     if role["quantity"] == "position":
         return True
-    size = quantities(evidence)[role["quantity"]]
+    low, high = shape_range(evidence, role)
     if role["logarithmic"] or role["neutral"] == 0.0:
-        return bool(0.0 < value <= 1.01 * role["high"] * size)
-    return bool(0.99 * role["low"] * size <= value <= 1.01 * role["high"] * size)
+        return bool((0.5 * low if role["logarithmic"] else 0.0) < value <= 1.01 * high)
+    return bool(0.99 * low <= value <= 1.01 * high)
 
 
-def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
-    """Move the shape to where it explains most: steps of each shape parameter that shrink."""
+def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding | None:
+    """Move the shape to where it explains most: steps of each shape parameter that shrink.
+
+    None where the finite effect cannot be simulated.
+    """
     roles = EFFECTS[finding.name].ROLES
     fields = [f for f, v in finding.candidate.shape.items() if roles[f]["role"] == "shape" and isinstance(v, float)]
     if not fields:
@@ -154,7 +169,7 @@ def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding:
         ]
         ones = judged(evidence, [finding.candidate, *starts], finding.looked, exact)
         if not ones:
-            return finding
+            return None
         finding = max(ones, key=lambda f: f.score)
         rounds += 3
     ratio = 0.35

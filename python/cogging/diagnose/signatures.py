@@ -19,7 +19,10 @@ FloatArray = npt.NDArray[np.float64]
 
 LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
 NODES = 6  # of an amplitude that is given as a list along the travel
-POINTS = {1: 10, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
+POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
+FREQUENCIES = 40  # of a resonance: it is narrow
+DAMPING = (0.02, 0.15)  # of a resonance
+SMALL = 0.02  # of what is relative and starts from nothing: the columns are nearly proportional to it
 EXPONENTS = (1.0, 2.0)
 
 
@@ -90,24 +93,46 @@ def place(evidence: Evidence) -> tuple[float, float]:
     return low, high
 
 
+def shape_range(evidence: Evidence, role: dict[str, Any]) -> tuple[float, float]:
+    """Between which values a shape is looked for: as its effect says, as far as these logs can show it.
+
+    Nothing shorter than a count of the encoder is seen, nothing slower than what counts as rest; and friction that
+    gives way elastically is not, where it has done so before the axis is fast enough for its rows to count.
+    """
+    size = quantities(evidence)[role["quantity"]]
+    low, high = role["low"] * size, role["high"] * size
+    if role["quantity"] == "distance":
+        low = max(low, evidence.model.encoder.resolution)
+    if role["quantity"] == "velocity":
+        low = max(low, min(source.rest for source in evidence.sources))
+    if role["quantity"] == "stiffness":
+        reach = min(source.rest * source.settle for source in evidence.sources)
+        high = min(high, quantities(evidence)["friction"] / max(reach, 1e-300))
+    return low, high
+
+
 def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: int) -> list[float]:
     """Where to look along one shape parameter."""
     low_end, high_end = place(evidence)
-    size = quantities(evidence)[role["quantity"]]
-    low, high = role["low"] * size, role["high"] * size
+    low, high = shape_range(evidence, role)
     if role["quantity"] == "exponent":
         return list(EXPONENTS)
+    if role["quantity"] == "one" and role["neutral"] is None:
+        return list(DAMPING)
+    if role["quantity"] == "relative" and role["neutral"] == 0.0:
+        return [SMALL]
+    if role["quantity"] == "frequency":
+        count = FREQUENCIES
     if role["quantity"] == "position":
         return [
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
-    if (
-        role["quantity"] == "command" and role["neutral"] == np.inf
-    ):  # a limit: it is felt just below the largest command
-        return [float(v) for v in size * (1.0 - np.geomspace(0.005, 1.0 - role["low"], count))]
+    if role["quantity"] == "command" and role["neutral"] == np.inf:  # a limit: felt just below the largest command
+        return [float(v) for v in high / role["high"] * (1.0 - np.geomspace(0.005, 1.0 - role["low"], count))]
     if role["logarithmic"] or role["neutral"] == 0.0:
-        low = max(low, 2e-3 * high)
-        return [float(v) for v in np.geomspace(low, high, count)]
+        if role["neutral"] != 0.0 or not role["logarithmic"]:
+            low = max(low, 2e-3 * high)
+        return [float(v) for v in np.geomspace(low, high, count)] if low < high else []
     values = np.linspace(low, high, count + 2)[1:-1]
     return [float(v) for v in values]
 
@@ -121,7 +146,8 @@ def candidates(evidence: Evidence, name: str) -> Iterator[Candidate]:
     sizes = quantities(evidence)
     shapes: dict[str, list[Any]] = {}
     scalar_shapes = [f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(neutral, f), list)]
-    count = POINTS.get(len(scalar_shapes), 3)
+    alone = [f for f in scalar_shapes if roles[f]["quantity"] not in ("one", "relative", "exponent")]
+    count = POINTS.get(len(alone), 3)
     for field in scalar_shapes:
         shapes[field] = shape_values(evidence, field, roles[field], count)
     fixed: dict[str, Any] = {}

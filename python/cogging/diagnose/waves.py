@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,7 +17,8 @@ from cogging.residuals import Innovations
 FloatArray = npt.NDArray[np.float64]
 
 BINS = 1 << 14  # of the positions, or times: the shortest period is some bins long
-PEAKS = 6  # that are looked at exactly
+PEAKS = 8  # that are looked at exactly
+STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
 def is_wave(effect: Any) -> bool:
@@ -56,7 +58,7 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
         score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span)
         total = score if total is None else total + score
         norm = power if norm is None else norm + power
-    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
+    statistic = levelled(np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max())))
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
     looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
     found = []
@@ -70,6 +72,19 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
         near = np.abs(wave - wave[best]) < 1.0 / span
         statistic[near] = 0.0
     return found, looked
+
+
+def levelled(statistic: FloatArray) -> FloatArray:
+    """The statistic of a spectrum, divided in each stretch of it by how far its median is above that of chi-square.
+
+    Where a force hardly reaches the reading, what leaks in from elsewhere would outshine a line that is really there.
+    """
+    edges = np.arange(0, len(statistic) + 1, STRETCH)
+    edges[-1] = len(statistic)
+    result = statistic.copy()
+    for first, last in itertools.pairwise(edges):
+        result[first:last] /= max(1.0, float(np.median(statistic[first:last])) / (2.0 * np.log(2.0)))
+    return result
 
 
 def _score(
