@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from statistics import NormalDist
 
 import numpy as np
 import numpy.typing as npt
+
+from cogging.intervals import student
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -141,7 +142,7 @@ class Law:
                 free.append(fit.linear.size + i)
         jacobian = np.concatenate(columns, axis=1)
         half = np.full(values.size, np.inf)
-        half[free] = robust_errors(jacobian, residual) * student(confidence, v.size - jacobian.shape[1])
+        half[free] = robust_errors(jacobian, residual) * student(v.size - jacobian.shape[1], confidence)
         if self.bow and self.exponent is not None:
             half[-1] = 0.0  # given
         parameters = {}
@@ -193,15 +194,3 @@ def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     leverage = np.sum((jacobian / size) * inverse.T, axis=1)
     errors = residual / np.maximum(1.0 - leverage, 1e-9)
     return np.asarray(np.sqrt(np.sum((inverse * errors) ** 2, axis=1)) / size, dtype=np.float64)
-
-
-def student(confidence: float, degrees: int) -> float:
-    """The two-sided quantile of Student's t, by the expansion of Fisher and Cornish in 1/degrees (1960)."""
-    z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
-    terms = (
-        z,
-        (z**3 + z) / 4.0,
-        (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / 96.0,
-        (3.0 * z**7 + 19.0 * z**5 + 17.0 * z**3 - 15.0 * z) / 384.0,
-    )
-    return float(sum(term / degrees**power for power, term in enumerate(terms)))
