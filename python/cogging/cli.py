@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from cogging import _core
+from cogging.columns import read_columns
 from cogging.files import InputError, to_toml, write_files, write_text
-from cogging.logs import Log, read_columns, read_log
+from cogging.logs import Log, read_log
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.simulation import simulate
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging._core import smooth_sign
+from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.intervals import student
 
 FloatArray = npt.NDArray[np.float64]
@@ -69,11 +72,12 @@ class Law:
 
     def design(self, v: FloatArray, shape: FloatArray) -> FloatArray:
         """The columns of the linear parameters at this shape, (n, terms)."""
-        s = np.sign(v)
-        columns = [s, v] + ([np.full_like(v, 0.5), 0.5 * np.abs(v)] if self.direction else [])
+        effects: list[Any] = []
+        if self.direction:
+            effects += [CoulombAsymmetry(difference=1.0), ViscousAsymmetry(difference=1.0)]
         if self.bow:
-            columns.append(s * np.exp(-(np.abs(v / shape[0]) ** shape[1])))
-        return np.stack(columns, axis=1)
+            effects.append(StribeckFriction(static_excess=1.0, velocity=shape[0], exponent=shape[1]))
+        return np.stack([smooth_sign(v, 0.0), v, *(steady_friction(effect, v) for effect in effects)], axis=1)
 
     def predict(self, fit: Fit, v: FloatArray) -> FloatArray:
         """The force at these speeds, V."""
@@ -155,6 +159,16 @@ class Law:
                 low_end, high_end = value / factor, value * factor
             parameters[path] = FrictionParameter(value, float(low_end), float(high_end), UNITS[path])
         return parameters, notes
+
+
+def steady_friction(effect: Any, velocity: FloatArray) -> FloatArray:
+    """What an effect adds to friction at steady speeds, V: its level times sgn(v), less its force."""
+    friction = np.zeros_like(velocity)
+    if "friction_level" in effect.HOOKS:
+        friction += effect.friction_level_at(velocity=velocity) * smooth_sign(velocity, 0.0)
+    if "force" in effect.HOOKS:
+        friction -= effect.force_at(velocity=velocity)
+    return friction
 
 
 def descend(
