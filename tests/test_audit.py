@@ -10,6 +10,7 @@ import pytest
 import cogging
 from cogging.audit import encoder_quantum, find_outliers
 from cogging.cli import main
+from cogging.controller_check import linear_regressors
 from cogging.model import CONTROLLERS
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5])
@@ -144,6 +145,26 @@ def test_a_stated_controller_that_made_the_log(parameters, kind, first):
         assert check.fitted[name] == pytest.approx(stated, rel=1e-4)
     if kind == "pid" and first:
         assert abs(check.start) > 1e-3, "the integral at the cut"
+
+
+@pytest.mark.parametrize("velocity", ["reference", "measured"])
+@pytest.mark.parametrize(("parameters", "kind"), [(FULL, "pid"), (CASCADE, "cascade")])
+def test_regressors_are_what_the_gains_multiply(parameters, kind, velocity):
+    controller = parameters.replace(feedforward_velocity=velocity, coulomb_width=2e-3, command_limit=1e-3)
+    random = np.random.default_rng(4)
+    time = np.arange(2000) / 5000.0
+    motion = cogging.Sampled(time, 0.1 * np.sin(7.0 * time), None, None).samples
+    position = motion["reference"] + 1e-4 * random.normal(size=2000)
+    error, measured = position - motion["reference"], np.diff(position, prepend=position[:1]) * 5000.0
+    v = motion["reference_velocity"] if velocity == "reference" else measured
+    rate = np.diff(error, prepend=error[:1]) * 5000.0
+    loops = {"pid": {"kp": -error, "ki": -np.cumsum(error) / 5000.0, "kd": -rate}, "cascade": {"kp kv": -error}}
+    expected = loops[kind] | ({"kv": -measured} if kind == "cascade" else {})
+    expected |= {"mass": motion["reference_acceleration"], "viscous": v, "coulomb": 2 / np.pi * np.arctan(v / 2e-3)}
+    found = linear_regressors(kind, controller, motion, position)
+    assert list(found) == list(expected)
+    for name, column in expected.items():
+        assert found[name] == pytest.approx(column, rel=1e-12, abs=1e-12 * np.abs(column).max()), name
 
 
 def test_a_command_limit_is_replayed_with_its_anti_windup():

@@ -9,7 +9,8 @@ from scipy.optimize import least_squares
 
 import cogging
 from cogging import fit_friction_curve
-from cogging.friction_law import Law, student
+from cogging.friction_law import Law
+from cogging.intervals import student
 from tests import tro2021
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)
@@ -159,8 +160,8 @@ def test_rows_of_one_speed_are_one_point():
 
 
 @pytest.mark.parametrize("degrees", [2, 5, 25, 200])
-def teststudent(degrees):
-    assert student(0.95, degrees) == pytest.approx(stats.t.ppf(0.975, degrees), rel=0.04 if degrees < 5 else 2e-3)
+def test_student(degrees):
+    assert student(degrees) == pytest.approx(stats.t.ppf(0.975, degrees), rel=0.04 if degrees < 5 else 2e-3)
 
 
 def test_summary():

@@ -544,6 +544,7 @@ def test_command_takes_free_cutoff_and_rows(files, capsys):
         (["--cutoff", "1e9"], "cutoff: must be"),
         (["--scale", "position=1000"], "--scale position="),
         (["--rows", "0:100"], "rows: must be at least 200"),
+        (["--json", "/", "--free", "axis.mass"], "/: cannot be written"),
     ],
 )
 def test_command_answers_wrong_input_in_one_line_and_writes_nothing(files, capsys, changes, message):
@@ -553,3 +554,9 @@ def test_command_answers_wrong_input_in_one_line_and_writes_nothing(files, capsy
     error = capsys.readouterr().err.splitlines()[-1]
     assert message in error
     assert not out.exists()
+
+
+def test_command_refuses_one_file_for_both(files, capsys):
+    out = str(files / "twice")
+    assert main(["identify", "log.csv", "--model", "prior.toml", "--out", out, "--json", out]) == 2
+    assert capsys.readouterr().err == "cogging: --json, --out: must be different files, got one twice\n"

@@ -15,8 +15,8 @@ from scipy.signal import lfilter
 
 import cogging
 from cogging.files import read_toml
-from cogging.map import MapFit, _simplest, fit_map
-from cogging.map_fit import CrossValidation
+from cogging.map import _simplest, fit_map
+from cogging.map_fit import CrossValidation, MapFit
 from cogging.scan import read_scan
 from cogging.spectrum import HarmonicSpectrum
 from cogging.spline_fit import FOLDS, cross_validate, fit_splines, normal_equations

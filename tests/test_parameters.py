@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
-from cogging.determinability import role_of, size_of
-from cogging.parameters import Parameter, Scales, effect_paths, with_values
+from cogging.determinability import size_of
+from cogging.difference_steps import central, one_sided
+from cogging.parameters import Parameter, Scales, effect_at, effect_paths, role_of, with_values
 
 SCALES = Scales(force=2.0, position=0.5, velocity=0.4, acceleration=5.0, time=20.0, sample_time=2e-4)
 
@@ -104,3 +105,47 @@ def test_a_step_is_small_and_above_zero_whatever_the_unit(unit):
     for value in (0.0, 0.01 * SCALES.of(unit), -SCALES.of(unit)):
         step = SCALES.step(Parameter("effects.x.y", value, unit))
         assert 0.0 < step <= 1e-2 * max(abs(value), SCALES.of(unit))
+
+
+def test_the_effect_at_a_path(model):
+    assert effect_at(model, "effects.constant_force.force") is model.effects[0]
+    assert effect_at(model, "effects.cogging_harmonic[1].period") is model.effects[3]
+    assert effect_at(model, "effects.position_dependent_friction.levels[1]") is model.effects[2]
+    for path in ("effects.cable_spring.stiffness", "effects.constant_force.stiffness", "axis.mass"):
+        with pytest.raises(ValueError, match=f"{path}: must be a parameter of an effect"):
+            effect_at(model, path)
+
+
+def test_largest_scales_are_the_largest_and_the_shortest_sample_time():
+    other = Scales(force=1.0, position=0.7, velocity=0.1, acceleration=9.0, time=5.0, sample_time=1e-4)
+    assert Scales.largest(iter([SCALES, other])) == Scales(2.0, 0.7, 0.4, 9.0, 20.0, 1e-4)
+
+
+def test_a_step_of_a_fit_stays_where_the_parameter_may_be():
+    assert Parameter("axis.mass", 2.0, "V/(m/s^2)").clipped(-1.0) == pytest.approx(0.2)
+    assert Parameter("axis.coulomb_width", 1e-3, "m/s").clipped(0.0) == pytest.approx(1e-4)
+    assert Parameter("axis.coulomb", 2.0, "V").clipped(-1.0) == 0.0
+    assert Parameter("axis.coulomb", 2.0, "V").clipped(0.1) == 0.1
+    assert Parameter("effects.constant_force.force", 2.0, "V").clipped(-1.0) == -1.0
+
+
+def test_difference_steps_stay_within_the_rules_of_the_fields(model):
+    coulomb = parameters_of(model)["axis.coulomb"]
+    both = central(model, coulomb, 0.1)
+    assert (both.above.axis.coulomb, both.below.axis.coulomb) == pytest.approx((0.8, 0.6))
+    assert both.span == pytest.approx(0.2)
+    up = central(model, coulomb, 0.9)  # down would be below zero
+    assert (up.above.axis.coulomb, up.below, up.span) == (pytest.approx(1.6), model, pytest.approx(0.9))
+    assert one_sided(model, coulomb, 0.1).span == 0.1
+    travel = parameters_of(model)["effects.end_effect.travel[0]"]  # below travel[1]
+    up = with_values(model, {"effects.end_effect.travel[1]": travel.value + 0.01})
+    down = one_sided(up, travel, 0.02)
+    assert down.span == -0.02
+    assert effect_at(down.above, travel.path).travel[0] == pytest.approx(travel.value - 0.02)
+    assert central(up, travel, 0.02).span == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("step", [central, one_sided])
+def test_a_parameter_that_no_step_may_move_is_named(model, step):
+    with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
+        step(model, parameters_of(model)["axis.mass"], np.nan)

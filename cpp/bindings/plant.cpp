@@ -138,6 +138,9 @@ void validate_effects(const std::vector<E>& effects) {
 }  // namespace
 
 void bind_plant(py::module_& module) {
+  module.def("smooth_sign", py::vectorize([](double velocity, double width) { return smooth_sign(velocity, width); }),
+             py::arg("velocity"), py::arg("width"),
+             "S(v) = (2/pi) atan(v / width), v and width in m/s; width = 0 is sgn(v), with sgn(0) = 0.");
   bind_parameters<AxisParameters<>>(module, "AxisParameters",
                                     "Mass and friction of the axis: M x'' = u - B x' - Fc S(x') - "
                                     "F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2).");

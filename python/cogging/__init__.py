@@ -58,7 +58,8 @@ from cogging.gains import pid_gains, pid_poles
 from cogging.identification import Identification
 from cogging.identify import identify
 from cogging.logs import Log, read_log
-from cogging.map import MapFit, fit_map
+from cogging.map import fit_map
+from cogging.map_fit import MapFit
 from cogging.model import Model
 from cogging.observer_design import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers import compare, reproduce

@@ -6,12 +6,13 @@ import argparse
 import importlib.metadata
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from cogging import _core
-from cogging.files import InputError, write_text
-from cogging.logs import Log, read_columns, read_log
+from cogging.columns import read_columns
+from cogging.files import InputError, to_toml, write_files, write_text
+from cogging.logs import Log, read_log
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.simulation import simulate
 
@@ -121,6 +122,12 @@ def _read_logs(options: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
     return [read_log(path, columns=options.columns, scale=options.scale, rows=options.rows) for path in paths]
 
 
+def _refuse_one_target_twice(named: Mapping[str, str | None]) -> None:
+    targets = [Path(path).resolve() for path in named.values() if path]
+    if len(set(targets)) < len(targets):
+        raise InputError(f"{', '.join(named)}: must be different files, got one twice")
+
+
 def _pairs(text: str) -> dict[str, str]:
     pairs = {}
     for entry in text.split(","):
@@ -215,13 +222,9 @@ def _diagnose(options: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     from cogging.diagnose import diagnose
-    from cogging.files import to_toml, write_files
     from cogging.model import Model
 
-    named = {"--json": options.json, "--report": options.report, "--out": options.out}
-    targets = [Path(path).resolve() for path in named.values() if path]
-    if len(set(targets)) < len(targets):
-        raise InputError("--json, --report, --out: must be different files, got one twice")
+    _refuse_one_target_twice({"--json": options.json, "--report": options.report, "--out": options.out})
     model = Model.read(options.model)
     given, others = _read_logs(options, options.logs), _read_logs(options, options.confirm)
     with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False) as bar:
@@ -270,15 +273,18 @@ def _identify(options: argparse.Namespace) -> None:
     from cogging.identify import identify
     from cogging.model import Model
 
+    _refuse_one_target_twice({"--json": options.json, "--out": options.out})
     model = Model.read(options.model)
     free = None if options.free is None else [path.strip() for path in options.free.split(",")]
     logs = _read_logs(options, options.logs)
     found = identify(logs, model, free=free, cutoff=options.cutoff, names=options.logs, progress=True)
-    print(found.text())
+    content = {}
     if options.json:
-        write_text(options.json, json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
+        content[options.json] = json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n"
     if options.out:
-        found.model.write(options.out)
+        content[options.out] = to_toml(found.model.to_dict())
+    print(found.text())
+    write_files({path: [text.encode()] for path, text in content.items()})
 
 
 def _schema(options: argparse.Namespace) -> None:

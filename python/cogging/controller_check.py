@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import Sampled, replay_controller
 from cogging.logs import Log
-from cogging.model import Model
+from cogging.model import CONTROLLERS, Model
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -151,31 +151,21 @@ def linear_regressors(
 ) -> dict[str, FloatArray]:
     """What the gains of a `pid` or `cascade` multiply, (n,) each, by the gain's name (contract, [controller]).
 
-    A `cascade` has kv and `kp kv`, in which it is linear. An integral adds `start`: a constant, V.
+    Each is what the controller itself commands with this gain at 1 and the others at 0, without a limit. A `cascade`
+    has kv and `kp kv`, in which it is linear.
     """
-    rate = controller.sample_rate
-    error = position - motion["reference"]
-    measured = backward_difference(position, rate)
-    velocity = motion["reference_velocity"] if controller.feedforward_velocity == "reference" else measured
-    columns = {}
-    if kind == "pid":
-        columns = {"kp": -error, "ki": -np.cumsum(error) / rate, "kd": -backward_difference(error, rate)}
-    else:
-        columns = {"kp kv": -error, "kv": -measured}
-    columns["mass"] = motion["reference_acceleration"]
-    columns["viscous"] = velocity
-    columns["coulomb"] = smooth_sign(velocity, controller.coulomb_width)
+    make = CONTROLLERS[kind][1]
+    gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
+    bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
+
+    def command(**gain: float) -> FloatArray:
+        return replay_controller(make(bare.replace(**gain)), **motion, position=position)
+
+    columns = {name: command(**{name: 1.0}) for name in gains if (kind, name) != ("cascade", "kp")}
+    if kind == "cascade":
+        # So small a kv that its own term vanishes beside that of the error; of powers of two the product is exactly 1.
+        columns = {"kp kv": command(kp=2.0**60, kv=2.0**-60), **columns}
     return columns
-
-
-def backward_difference(values: FloatArray, rate: float) -> FloatArray:
-    """(x_k - x_(k-1)) rate, 0 in the first row."""
-    return np.diff(values, prepend=values[:1]) * rate
-
-
-def smooth_sign(velocity: FloatArray, width: float) -> FloatArray:
-    """S(v) = (2/pi) atan(v / width); the sign for width = 0."""
-    return np.sign(velocity) if width == 0.0 else 2.0 / np.pi * np.arctan(velocity / width)
 
 
 def least_squares(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[dict[str, float], float]:
@@ -223,13 +213,11 @@ def _recompute(log: Log, model: Model, motion: Mapping[str, FloatArray], kind: s
     """The command as stated, and whether an unknown start of its integral may be added."""
     controller: Any = model.controller
     limited = controller.command_limit > 0.0 and np.abs(log.command).max() >= controller.command_limit * (1 - 1e-6)
+    arguments = {**motion, "position": log.position}
     if kind in ("pid", "cascade") and not limited:
-        regressors = linear_regressors(kind, controller, motion, log.position)
-        gains = _stated_gains(controller, tuple(regressors))
-        total = sum((gains[name] * column for name, column in regressors.items()), np.zeros(len(log)))
-        return total, kind == "pid" and controller.ki > 0.0
-    columns = {name: motion[name] for name in ("reference", "reference_velocity", "reference_acceleration")}
-    fresh, arguments = model.make_controller(), {"time": log.time, "position": log.position, **columns}
+        unlimited = CONTROLLERS[kind][1](controller.replace(command_limit=0.0))
+        return replay_controller(unlimited, **arguments), kind == "pid" and controller.ki > 0.0
+    fresh = model.make_controller()
     own = replay_controller(fresh, **arguments)
     if kind in ("pid", "cascade"):
         return own, False

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import CascadeParameters, PidParameters, Sampled
-from cogging.controller_check import least_squares, linear_regressors, smooth_sign
+from cogging._core import CascadeParameters, PidParameters, Sampled, smooth_sign
+from cogging.controller_check import least_squares, linear_regressors
 from cogging.logs import Log
 
 FloatArray = npt.NDArray[np.float64]

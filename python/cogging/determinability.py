@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.estimation import columns_of, whitened
 from cogging.force_balance import ForceBalance, Simulator
-from cogging.inverse_dynamics import hooks_of
 from cogging.model import Model
-from cogging.parameters import Parameter, Scales, effect_paths, parameters_of
+from cogging.parameters import Parameter, Scales, effect_at, parameters_of, role_at
 from cogging.residuals import Residuals
 
 FloatArray = npt.NDArray[np.float64]
@@ -105,19 +104,11 @@ def determinability(
     return Determinability(tuple(paths), sigma, tuple(bool(not d) for d in dead), tuple(notes))
 
 
-def role_of(model: Model, path: str) -> str:
-    """What a parameter is to a search (see cogging.effects): "amplitude", "shape" or "setting"."""
-    section, _, rest = path.partition(".")
-    if section != "effects":
-        return "shape" if rest == "coulomb_width" else "amplitude"
-    return str(_role(model, path)["role"])
-
-
 def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
     """Against what an error of the parameter is judged: itself, or what would do as much as the command."""
     value = abs(parameter.value)
     if parameter.path.startswith("effects."):
-        role = _role(model, parameter.path)
+        role = role_at(model, parameter.path)
         if role["logarithmic"] and value > 0.0:
             return value
         if role["quantity"] == "sample_time":
@@ -129,13 +120,6 @@ def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
     elif parameter.positive and value > 0.0:
         return value
     return max(value, scales.of(parameter.unit))
-
-
-def _role(model: Model, path: str) -> dict[str, object]:
-    prefix, _, leaf = path.rpartition(".")
-    effect = dict(effect_paths(model.effects))[prefix]
-    roles: dict[str, dict[str, object]] = EFFECTS[effect.NAME].ROLES
-    return roles[leaf.partition("[")[0]]
 
 
 _Table = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # columns (p, n), residual (n,), block (n,) of a log
@@ -227,6 +211,4 @@ def _by_speed(model: Model, parameter: Parameter) -> bool:
         return True
     if "m/s" in parameter.unit:
         return True
-    effects = dict(effect_paths(model.effects))
-    effect = effects.get(parameter.path.rpartition(".")[0])
-    return effect is not None and "friction_level" in hooks_of(effect)
+    return parameter.path.startswith("effects.") and "friction_level" in effect_at(model, parameter.path).HOOKS

@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError, autoregression, whiten
+from cogging.difference_steps import central
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, parameters_of, with_values
-from cogging.residuals import Innovations, Residuals, moving_average
+from cogging.residuals import Innovations, Residuals
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -45,7 +46,6 @@ class Estimate:
         paths: the free parameters.
         values: (p,).
         covariance: of the values, sandwich over blocks, (p, p).
-        covariance_white: the same if the whitened residual were white, (p, p).
         model: with the values.
         residuals: V, one array (n,) a log.
         whitened: at the values.
@@ -55,7 +55,6 @@ class Estimate:
     paths: tuple[str, ...]
     values: FloatArray
     covariance: FloatArray
-    covariance_white: FloatArray
     model: Model
     residuals: tuple[FloatArray, ...]
     whitened: tuple[Whitened, ...]
@@ -74,13 +73,6 @@ class Estimate:
 
 class NothingCounts(ValueError):
     """No row of a log shows the axis in motion for long enough."""
-
-
-def combined_scales(logs: Sequence[Residuals]) -> Scales:
-    """The largest of each size over several logs."""
-    fields = ("force", "position", "velocity", "acceleration", "time")
-    sizes = {name: max(getattr(log.scales, name) for log in logs) for name in fields}
-    return Scales(**sizes, sample_time=min(log.scales.sample_time for log in logs))
 
 
 def order_for(log: Residuals) -> int:
@@ -118,51 +110,42 @@ def columns_of(
     """Residuals (n,) and their derivatives (p, n), one of each a log.
 
     Derivatives by what the log's own `columns` offers, else by central differences of whole runs.
+
+    Raises:
+        ValueError: a parameter that no step may move.
     """
     if all(isinstance(log, Innovations) for log in logs):
         pairs = [log.columns(model, parameters, scales) for log in logs if isinstance(log, Innovations)]
         return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
-    models = [model]
-    widths = []
-    for parameter in parameters:
-        step = scales.step(parameter)
-        low, high = parameter.value - step, parameter.value + step
-        made = []
-        for value in (high, low):
-            try:
-                made.append((with_values(model, {parameter.path: value}), value))
-            except ValueError:  # beyond the parameter's range: one-sided
-                made.append((model, parameter.value))
-        models.extend(m for m, _ in made)
-        widths.append(made[0][1] - made[1][1])
+    steps = [central(model, parameter, scales.step(parameter)) for parameter in parameters]
+    models = [model, *(side for step in steps for side in (step.above, step.below))]
+    spans = np.array([step.span for step in steps])
     residuals, columns = [], []
     for log in logs:
         table = log.of(models)
         residuals.append(table[0])
-        columns.append((table[1::2] - table[2::2]) / np.array(widths)[:, None])
+        columns.append((table[1::2] - table[2::2]) / spans[:, None])
     return residuals, columns
 
 
-def sandwich(logs: Sequence[Whitened], step: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-    """Covariances of a least-squares step, (p, p): sandwich over blocks, and as if the residual were white.
+def sandwich(logs: Sequence[Whitened]) -> FloatArray:
+    """Covariance of a least-squares step, (p, p): C^-1 (sum_b g_b g_b') C^-1 times blocks / (blocks - p).
 
-    The meat of the sandwich is sum_b g_b g_b', g_b the score of block b. It is not taken below the white one: with few
-    blocks its own scatter would otherwise make an interval shorter than noise alone allows.
+    C is the curvature and g_b the score of block b, so that what whitening leaves correlated within a block counts.
+    Nothing holds it above the covariance that white residuals would have: with few blocks it scatters to either side.
     """
     p = logs[0].columns.shape[0]
     curvature, meat, blocks = np.zeros((p, p)), np.zeros((p, p)), 0
     for log in logs:
-        residual = log.residual if step is None else log.residual + step @ log.columns
         curvature += log.columns @ log.columns.T
         starts = np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1))
-        scores = np.add.reduceat(log.columns * residual, starts, axis=1)
+        scores = np.add.reduceat(log.columns * log.residual, starts, axis=1)
         meat += scores @ scores.T
         blocks += len(starts)
     size = np.sqrt(np.diag(curvature))
     size[size == 0.0] = 1.0
     inverse = np.linalg.pinv(curvature / np.outer(size, size), rcond=1e-13, hermitian=True) / np.outer(size, size)
-    robust = inverse @ meat @ inverse * blocks / max(blocks - p, 1)
-    return robust, inverse
+    return np.asarray(inverse @ meat @ inverse * blocks / max(blocks - p, 1))
 
 
 def fit(
@@ -190,7 +173,7 @@ def fit(
     Raises:
         DivergedError: the model diverges on a log.
     """
-    scales = combined_scales(logs)
+    scales = Scales.largest(log.scales for log in logs)
     done = 0
     while True:
         known = parameters_of(model, together=True)
@@ -213,8 +196,7 @@ def fit(
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more look, at the values themselves
-    robust, white = sandwich(seen)
-    return Estimate(tuple(paths), values, robust, white, model, tuple(residuals), tuple(seen), done)
+    return Estimate(tuple(paths), values, sandwich(seen), model, tuple(residuals), tuple(seen), done)
 
 
 def _move(
@@ -241,9 +223,7 @@ def _move(
     length = 1.0
     while length > 1e-3:
         values = {
-            p.path: min(
-                max(_inside(p, p.value + length * s), floors.get(p.path, -np.inf)), ceilings.get(p.path, np.inf)
-            )
+            p.path: min(max(p.clipped(p.value + length * s), floors.get(p.path, -np.inf)), ceilings.get(p.path, np.inf))
             for p, s in zip(parameters, step, strict=True)
         }
         try:
@@ -255,13 +235,3 @@ def _move(
             pass
         length *= 0.5
     return model, 0.0
-
-
-def _inside(parameter: Parameter, value: float) -> float:
-    if not parameter.positive:
-        return float(value)
-    floor = 0.1 * parameter.value if parameter.path in ("axis.mass", "axis.coulomb_width") else 0.0
-    return float(max(value, floor))
-
-
-__all__ = ["Estimate", "Whitened", "columns_of", "fit", "moving_average", "sandwich", "whitened"]

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.difference_steps import central
 from cogging.inverse_dynamics import InverseDynamics
 from cogging.logs import Log
 from cogging.model import Model
@@ -74,20 +75,15 @@ class ForceBalance:
     def columns(
         self, model: Model, parameters: Sequence[Parameter], scales: Scales, dynamics: InverseDynamics | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Residual (n,) and derivatives (p, n), V, of the rows of this motion or another."""
-        models, widths = [model], []
-        for parameter in parameters:
-            step = scales.step(parameter)
-            ends = []
-            for value in (parameter.value + step, parameter.value - step):
-                try:
-                    ends.append((with_values(model, {parameter.path: value}), value))
-                except ValueError:  # beyond the parameter's range: one-sided
-                    ends.append((model, parameter.value))
-            models.extend(end for end, _ in ends)
-            widths.append((ends[0][1] - ends[1][1]) or 1.0)
+        """Residual (n,) and derivatives (p, n), V, of the rows of this motion or another.
+
+        Raises:
+            ValueError: a parameter that no step may move.
+        """
+        steps = [central(model, parameter, scales.step(parameter)) for parameter in parameters]
+        models = [model, *(side for step in steps for side in (step.above, step.below))]
         table = (self.dynamics if dynamics is None else dynamics).of(models)
-        return table[0], (table[1::2] - table[2::2]) / np.array(widths)[:, None]
+        return table[0], (table[1::2] - table[2::2]) / np.array([step.span for step in steps])[:, None]
 
     def instruments(
         self, model: Model, parameters: Sequence[Parameter], scales: Scales, run: Simulator | None
@@ -212,7 +208,7 @@ def _newton(
         while length > 1e-3:
             try:
                 wanted = zip(paths, values + length * step, strict=True)
-                trial = with_values(model, {path: _valid(known[path], value) for path, value in wanted})
+                trial = with_values(model, {path: known[path].clipped(value) for path, value in wanted})
                 trial_cost = _cost(trial, balances)
             except ValueError:
                 length *= 0.5
@@ -283,9 +279,3 @@ def _cost(model: Model, balances: Sequence[ForceBalance]) -> float:
     rows = [int(balance.counts.sum()) for balance in balances]
     logs = [np.log(max(balance.residual_rms(model), 1e-300)) for balance in balances]
     return float(np.exp(np.dot(rows, logs) / sum(rows)))
-
-
-def _valid(parameter: Parameter, value: float) -> float:
-    if not parameter.positive:
-        return float(value)
-    return float(max(value, 0.1 * parameter.value if parameter.path in ("axis.mass", "axis.coulomb_width") else 0.0))

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import EFFECTS
-from cogging.friction_law import FrictionParameter, Law
+from cogging._core import EFFECTS, smooth_sign
+from cogging.friction_law import FrictionParameter, Law, steady_friction
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -40,14 +40,8 @@ class FrictionModel:
     def force(self, velocity: npt.ArrayLike) -> FloatArray:
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
         v = np.asarray(velocity, dtype=np.float64)
-        value = {path: parameter.value for path, parameter in self.parameters.items()}
-        direction = np.sign(v)
-        level = value["coulomb"] + 0.5 * value.get("coulomb_asymmetry.difference", 0.0) * direction
-        slope = value["viscous"] + 0.5 * value.get("viscous_asymmetry.difference", 0.0) * direction
-        if "stribeck_friction.velocity" in value:
-            bow = np.abs(v / value["stribeck_friction.velocity"]) ** value["stribeck_friction.exponent"]
-            level = level + value["stribeck_friction.static_excess"] * np.exp(-bow)
-        return np.asarray(level * direction + slope * v, dtype=np.float64)
+        line = self.parameters["coulomb"].value * smooth_sign(v, 0.0) + self.parameters["viscous"].value * v
+        return np.asarray(sum((steady_friction(effect, v) for effect in self.effects), line), dtype=np.float64)
 
     @property
     def effects(self) -> tuple[Any, ...]:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from cogging._core import smooth_sign
+from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
+from cogging.intervals import student
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -68,11 +72,12 @@ class Law:
 
     def design(self, v: FloatArray, shape: FloatArray) -> FloatArray:
         """The columns of the linear parameters at this shape, (n, terms)."""
-        s = np.sign(v)
-        columns = [s, v] + ([np.full_like(v, 0.5), 0.5 * np.abs(v)] if self.direction else [])
+        effects: list[Any] = []
+        if self.direction:
+            effects += [CoulombAsymmetry(difference=1.0), ViscousAsymmetry(difference=1.0)]
         if self.bow:
-            columns.append(s * np.exp(-(np.abs(v / shape[0]) ** shape[1])))
-        return np.stack(columns, axis=1)
+            effects.append(StribeckFriction(static_excess=1.0, velocity=shape[0], exponent=shape[1]))
+        return np.stack([smooth_sign(v, 0.0), v, *(steady_friction(effect, v) for effect in effects)], axis=1)
 
     def predict(self, fit: Fit, v: FloatArray) -> FloatArray:
         """The force at these speeds, V."""
@@ -141,7 +146,7 @@ class Law:
                 free.append(fit.linear.size + i)
         jacobian = np.concatenate(columns, axis=1)
         half = np.full(values.size, np.inf)
-        half[free] = robust_errors(jacobian, residual) * student(confidence, v.size - jacobian.shape[1])
+        half[free] = robust_errors(jacobian, residual) * student(v.size - jacobian.shape[1], confidence)
         if self.bow and self.exponent is not None:
             half[-1] = 0.0  # given
         parameters = {}
@@ -154,6 +159,16 @@ class Law:
                 low_end, high_end = value / factor, value * factor
             parameters[path] = FrictionParameter(value, float(low_end), float(high_end), UNITS[path])
         return parameters, notes
+
+
+def steady_friction(effect: Any, velocity: FloatArray) -> FloatArray:
+    """What an effect adds to friction at steady speeds, V: its level times sgn(v), less its force."""
+    friction = np.zeros_like(velocity)
+    if "friction_level" in effect.HOOKS:
+        friction += effect.friction_level_at(velocity=velocity) * smooth_sign(velocity, 0.0)
+    if "force" in effect.HOOKS:
+        friction -= effect.force_at(velocity=velocity)
+    return friction
 
 
 def descend(
@@ -193,15 +208,3 @@ def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     leverage = np.sum((jacobian / size) * inverse.T, axis=1)
     errors = residual / np.maximum(1.0 - leverage, 1e-9)
     return np.asarray(np.sqrt(np.sum((inverse * errors) ** 2, axis=1)) / size, dtype=np.float64)
-
-
-def student(confidence: float, degrees: int) -> float:
-    """The two-sided quantile of Student's t, by the expansion of Fisher and Cornish in 1/degrees (1960)."""
-    z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
-    terms = (
-        z,
-        (z**3 + z) / 4.0,
-        (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / 96.0,
-        (3.0 * z**7 + 19.0 * z**5 + 17.0 * z**3 - 15.0 * z) / 384.0,
-    )
-    return float(sum(term / degrees**power for power, term in enumerate(terms)))

@@ -9,17 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import DivergedError
+from cogging._core import AxisParameters, DivergedError
 from cogging.audit import encoder_quantum
-from cogging.determinability import Determinability, determinability, role_of, size_of
+from cogging.determinability import Determinability, determinability, size_of
 from cogging.estimation import Estimate, fit
 from cogging.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
 from cogging.identification import Identification, LogFit, ParameterEstimate
-from cogging.inverse_dynamics import InverseDynamics, hooks_of
+from cogging.intervals import student
+from cogging.inverse_dynamics import InverseDynamics
 from cogging.logged_run import LoggedRun
 from cogging.logs import Log, read_log
 from cogging.model import Model
-from cogging.parameters import Parameter, Scales, parameters_of, with_values
+from cogging.parameters import Parameter, Scales, parameters_of, role_of, with_values
 from cogging.residuals import Innovations, Residuals
 
 FloatArray = npt.NDArray[np.float64]
@@ -123,7 +124,7 @@ class _Values:
         return float(np.sqrt(self.covariance[i, i]))
 
     def half_width(self, path: str) -> float:
-        return _student(float(self.freedom[self.paths.index(path)])) * self.sigma(path)
+        return student(float(self.freedom[self.paths.index(path)])) * self.sigma(path)
 
 
 class _Fit:
@@ -157,7 +158,7 @@ class _Fit:
                             f"{run.name}: rows: must be at least {4 * len(self.paths) + 50} in motion, away from the "
                             f"ends and from gaps, to fit {len(self.paths)} parameters, got {int(balance.counts.sum())}"
                         )
-                scales = _combined([balance.scales for balance in balances])
+                scales = Scales.largest(balance.scales for balance in balances)
                 told = self._determine(self.model, balances, scales)
                 bar.set_description(STAGES[1])
                 estimate = self._balance(self.model, told, balances, scales)
@@ -362,9 +363,9 @@ def noise_floor(balance: ForceBalance, model: Model) -> float:
     n = len(balance.log)
     noise = quantum * (random.random(n) - 0.5) + model.encoder.noise * random.standard_normal(n)
     log = Log(time=balance.log.time, position=noise, command=np.zeros(n))
-    shaken = InverseDynamics(log, cutoff=balance.dynamics.cutoff)
-    row = model.axis.mass * shaken.motion.acceleration + model.axis.viscous * shaken.motion.middle_velocity
-    return float(np.sqrt(np.mean(shaken.filtered(row[None, :])[0, balance.counts] ** 2)))
+    bare = Model(axis=AxisParameters(mass=model.axis.mass, viscous=model.axis.viscous))
+    shaken = InverseDynamics(log, cutoff=balance.dynamics.cutoff).of([bare])
+    return float(np.sqrt(np.mean(shaken[0, balance.counts] ** 2)))
 
 
 def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:
@@ -395,27 +396,10 @@ def _has_states(model: Model) -> bool:
     """Whether an effect with states of its own is at work, which the force balance does not see."""
     for effect in model.effects:
         neutral = type(effect)().to_dict()
-        if "state" in hooks_of(effect) and effect.to_dict() != neutral:
+        if "state" in effect.HOOKS and effect.to_dict() != neutral:
             return True
     return False
 
 
 def _classes(told: Determinability) -> tuple[tuple[bool, bool], ...]:
     return tuple((told.determined(path), told.seen_by_balance(path)) for path in told.paths)
-
-
-def _combined(scales: Sequence[Scales]) -> Scales:
-    names = ("force", "position", "velocity", "acceleration", "time")
-    return Scales(
-        **{name: max(getattr(s, name) for s in scales) for name in names},
-        sample_time=min(s.sample_time for s in scales),
-    )
-
-
-def _student(freedom: float) -> float:
-    """97.5 % quantile of Student's distribution, by Cornish and Fisher's expansion about the normal one."""
-    z, f = 1.959963985, max(freedom, 2.0)
-    first = (z**3 + z) / 4.0
-    second = (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / 96.0
-    third = (3.0 * z**7 + 19.0 * z**5 + 17.0 * z**3 - 15.0 * z) / 384.0
-    return z + first / f + second / f**2 + third / f**3

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from cogging._core import Predictor
 from cogging.logs import Log
 from cogging.model import Model
-from cogging.residuals import quiet
+from cogging.residuals import quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -66,14 +66,14 @@ class InverseDynamics:
         """Residuals (V) at the even times, (models, n)."""
         groups: dict[str, tuple[Motion, list[int]]] = {}
         for i, model in enumerate(models):
-            falsifying = [effect for effect in model.effects if "reading" in hooks_of(effect)]
+            falsifying = [effect for effect in model.effects if "reading" in effect.HOOKS]
             key = repr([(effect.NAME, effect.to_dict()) for effect in falsifying])
             if key not in groups:
                 groups[key] = (self._behind(falsifying), [])
             groups[key][1].append(i)
         table = np.empty((len(models), len(self.even)))
         for motion, members in groups.values():
-            plants = [quiet(models[i]).plant() for i in members]
+            plants = [quiet_plant(models[i]) for i in members]
             force = self.predictor.net_force(plants, motion.middle_position, motion.middle_velocity)
             mass = np.array([models[i].axis.mass for i in members])
             table[members] = force - mass[:, None] * motion.acceleration
@@ -115,12 +115,6 @@ class InverseDynamics:
         # Over an interval the force is held: what it does is told by the means of velocity and acceleration.
         middle = np.append(0.5 * (smooth[:-1] + smooth[1:]), smooth[-1])
         return Motion(smooth, middle, _slope(smooth, self.sample_time), _slope(velocity, self.sample_time))
-
-
-def hooks_of(effect: Any) -> tuple[str, ...]:
-    """What an effect acts on (see cogging.effects)."""
-    hooks = effect.HOOKS
-    return (hooks,) if isinstance(hooks, str) else tuple(hooks)
 
 
 def fast_length(length: int) -> int:

@@ -17,8 +17,6 @@ from cogging._core import format_rows
 from cogging.columns import read_columns
 from cogging.files import InputError, read_toml, to_toml, write_files
 
-__all__ = ["Log", "read_columns", "read_log"]
-
 FloatArray = npt.NDArray[np.float64]
 
 REQUIRED = ("time", "position", "command")

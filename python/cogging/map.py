@@ -14,8 +14,6 @@ from cogging.scan import Scan, read_scan
 from cogging.spectrum import FLOOR, HarmonicSpectrum, Line
 from cogging.spline_fit import FOLDS, SplineFit, cogging_of, cross_validate, fit_splines, predict, rows_of
 
-__all__ = ["CrossValidation", "HarmonicAmplitude", "MapFit", "fit_map"]
-
 FloatArray = npt.NDArray[np.float64]
 
 ORDERS = (0, 1, 2, 3, 4)  # compared where none is given; 0 = periodic

@@ -13,7 +13,6 @@ import numpy as np
 from cogging._core import AxisParameters, CoggingModel
 from cogging.model import Model
 
-TOGETHER = ("gain", "phas")  # beginnings of the paths that move a harmonic as one
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
@@ -39,6 +38,16 @@ class Parameter:
         """Whether it may not be negative: mass and friction of the axis."""
         return self.path.startswith("axis.")
 
+    def clipped(self, value: float) -> float:
+        """The nearest value to which one step of a fit may take the parameter.
+
+        Mass and the width of friction, whose zero is no small change, fall to a tenth at most; viscous and Coulomb
+        friction stop at zero.
+        """
+        if not self.positive:
+            return float(value)
+        return float(max(value, 0.1 * self.value if self.path in ("axis.mass", "axis.coulomb_width") else 0.0))
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -59,6 +68,16 @@ class Scales:
     acceleration: float
     time: float
     sample_time: float
+
+    @classmethod
+    def largest(cls, several: Iterable[Scales]) -> Scales:
+        """The largest of each size over several logs, and the shortest sample time."""
+        sizes = list(several)
+        names = ("force", "position", "velocity", "acceleration", "time")
+        return cls(
+            **{name: max(getattr(s, name) for s in sizes) for name in names},
+            sample_time=min(s.sample_time for s in sizes),
+        )
 
     def of(self, unit: str) -> float:
         """The size that a parameter of this unit would have if its effect were as large as the command."""
@@ -136,6 +155,37 @@ def effect_paths(effects: Iterable[Any]) -> list[tuple[str, Any]]:
     return paths
 
 
+def effect_at(model: Model, path: str) -> Any:
+    """The effect to which a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]` belongs.
+
+    Raises:
+        ValueError: the model has no effect with a field of this path.
+    """
+    prefix, field = _effect_and_field(path)
+    effect = dict(effect_paths(model.effects)).get(prefix)
+    if effect is None or field not in effect.FIELDS:
+        raise ValueError(f"{path}: must be a parameter of an effect of the model")
+    return effect
+
+
+def role_at(model: Model, path: str) -> dict[str, Any]:
+    """What the core says of a field of an effect: its entry of ROLES (see cogging.effects).
+
+    Raises:
+        ValueError: the model has no effect with a field of this path.
+    """
+    role: dict[str, Any] = effect_at(model, path).ROLES[_effect_and_field(path)[1]]
+    return role
+
+
+def role_of(model: Model, path: str) -> str:
+    """What a parameter is to a search (see cogging.effects): "amplitude", "shape" or "setting"."""
+    section, _, rest = path.partition(".")
+    if section != "effects":
+        return "shape" if rest == "coulomb_width" else "amplitude"
+    return str(role_at(model, path)["role"])
+
+
 def with_values(model: Model, values: Mapping[str, float]) -> Model:
     """A copy of the model with the numbers at these paths changed.
 
@@ -150,7 +200,7 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
         section, _, rest = path.partition(".")
         if section == "axis" and rest in AXIS_FIELDS:
             axis[rest] = float(value)
-        elif section == "cogging" and model.cogging is not None and (rest.endswith("[*]") or rest[:4] in TOGETHER):
+        elif section == "cogging" and model.cogging is not None and _together(rest):
             _move_together(path, rest, value, model.cogging, tables)
         elif section == "cogging" and model.cogging is not None:
             name, row, column = _indexed(path, rest, 2)
@@ -182,6 +232,15 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
             effect.replace(**effects[i]) if i in effects else effect for i, effect in enumerate(model.effects)
         )
     return model.replace(**changed) if changed else model
+
+
+def _effect_and_field(path: str) -> tuple[str, str]:
+    prefix, _, leaf = path.rpartition(".")
+    return prefix, leaf.partition("[")[0]
+
+
+def _together(rest: str) -> bool:
+    return rest.endswith("[*]") or rest.startswith(("gain[", "phase["))
 
 
 def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:

@@ -19,8 +19,8 @@ from cogging._core import (
     Sine,
     SineParameters,
 )
+from cogging.columns import read_columns
 from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys
-from cogging.logs import read_columns
 from cogging.model import parameters_from
 
 #: Motions by the name that a reference file gives them: parameter struct and class.

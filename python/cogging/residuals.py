@@ -9,10 +9,21 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import DivergedError, EncoderParameters, NoiseParameters, Predictor, Sampled, closed_loop
+from cogging._core import (
+    DivergedError,
+    EncoderParameters,
+    NoiseParameters,
+    Plant,
+    Prediction,
+    Predictor,
+    Sampled,
+    closed_loop,
+    friction_slope_max,
+)
+from cogging.difference_steps import central, one_sided
 from cogging.logs import Log
 from cogging.model import Model
-from cogging.parameters import Parameter, Scales, effect_paths, with_values
+from cogging.parameters import Parameter, Scales, effect_at
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -58,7 +69,7 @@ class Innovations:
         self.log, self.bandwidth = log, bandwidth
         steps = np.diff(log.time)
         sample_time = float(np.median(steps))
-        plant = quiet(model).plant()
+        plant = quiet_plant(model)
         if steps_per_sample is None:
             steps_per_sample = steps_needed(model, sample_time)
         self.initial_velocity = initial_velocity(log)
@@ -99,65 +110,62 @@ class Innovations:
         Raises:
             DivergedError: a prediction diverged.
         """
-        return self.scale * self.predictor.innovations([quiet(model).plant() for model in models])
+        return self.scale * self.predictor.innovations([quiet_plant(model) for model in models])
 
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and derivatives (p, n) by the parameters.
 
         Parameters of forces are differentiated along the prediction and passed through the observer's loop; those with
         a memory, of the amplifier or of the encoder by central differences of whole predictions.
+
+        Raises:
+            ValueError: a parameter that no step may move.
         """
-        plant = quiet(model).plant()
+        plant = quiet_plant(model)
         along = self.predictor.predict(plant)
-        linear = [is_force(model, parameter.path) for parameter in parameters]
-        reading = [is_reading(model, parameter.path) for parameter in parameters]
         columns = np.zeros((len(parameters), len(self.log)))
-        plants, widths, places = [plant], [], []
-        for i, parameter in enumerate(parameters):
-            if not linear[i]:
-                continue
-            step = scales.step(parameter)
-            for signed in (step, -step):
-                try:
-                    moved = with_values(model, {parameter.path: parameter.value + signed})
-                except ValueError:
-                    continue
-                plants.append(quiet(moved).plant())
-                widths.append(signed)
-                places.append(i)
-                break
-        if places:
-            force = self.predictor.net_force(plants, along.middle_position, along.middle_velocity)
-            # The same acceleration, as a force on the model's own mass.
-            force *= (plant.axis.mass / np.array([p.axis.mass for p in plants]))[:, None]
-            force = (force[1:] - force[:1]) / np.array(widths)[:, None]
-            columns[places] = self.scale * self.predictor.propagate(along, plant.axis.mass, force)
-        for i, parameter in enumerate(parameters):
-            if reading[i]:
-                step = scales.step(parameter)
-                moved = with_values(model, {parameter.path: parameter.value + step})
-                error = np.zeros(len(self.log))
-                for after, before in zip(moved.effects, model.effects, strict=True):
-                    if "reading" in after.HOOKS:
-                        error += (after.reading_at(along.position) - before.reading_at(along.position)) / step
-                zero = np.zeros((1, len(self.log)))
-                row = self.predictor.propagate(along, plant.axis.mass, zero, error[None, :])
-                columns[i] = self.scale * row[0]
-        others = [i for i in range(len(parameters)) if not linear[i] and not reading[i]]
+        indexes = range(len(parameters))
+        forces = [i for i in indexes if is_force(model, parameters[i].path)]
+        readings = [i for i in indexes if is_reading(model, parameters[i].path)]
+        others = [i for i in indexes if i not in forces and i not in readings]
+        if forces:
+            steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in forces]
+            plants = [quiet_plant(step.above) for step in steps]
+            columns[forces] = self.rows_of_plants(along, plant, plants, [step.span for step in steps])
+        if readings:
+            steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in readings]
+            errors = [reading_difference(step.above, model, along.position) / step.span for step in steps]
+            columns[readings] = self.rows_of_readings(along, np.array(errors), plant.axis.mass)
         if others:
-            models, spans = [], []
-            for i in others:
-                parameter, step, span = parameters[i], scales.step(parameters[i]), 0.0
-                for signed in (step, -step):
-                    try:
-                        models.append(with_values(model, {parameter.path: parameter.value + signed}))
-                        span += step
-                    except ValueError:
-                        models.append(model)
-                spans.append(span)
-            table = self.of(models)
-            columns[others] = (table[0::2] - table[1::2]) / np.array(spans)[:, None]
+            steps = [central(model, parameters[i], scales.step(parameters[i])) for i in others]
+            table = self.of([side for step in steps for side in (step.above, step.below)])
+            columns[others] = (table[0::2] - table[1::2]) / np.array([step.span for step in steps])[:, None]
         return self.scale * along.innovation, columns
+
+    def rows_of_plants(
+        self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
+    ) -> FloatArray:
+        """What the residuals gain, to first order, from a plant to others that differ in forces alone, (p, n).
+
+        Args:
+            along: prediction of `plant` on this log.
+            plant: (without quantiser and noise, as the others: see quiet_plant).
+            others: p of them. One of another mass counts by the acceleration that its forces make.
+            spans: what each row is divided by, (p,): rows are V per unit of it.
+        """
+        force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
+        # The same acceleration, as a force on the plant's own mass.
+        force *= (plant.axis.mass / np.array([p.axis.mass for p in (plant, *others)]))[:, None]
+        force = (force[1:] - force[:1]) / np.asarray(spans)[:, None]
+        return self.rows_of_forces(along, force, plant.axis.mass)
+
+    def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
+        """What small forces (V, one an interval, (p, n)) add to the residuals of a prediction, V, (p, n)."""
+        return np.asarray(self.scale * self.predictor.propagate(along, mass, forces))
+
+    def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
+        """What small errors of the reading (m, one a row, (p, n)) add to the residuals of a prediction, V, (p, n)."""
+        return np.asarray(self.scale * self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
 
 
 class Replay:
@@ -225,8 +233,7 @@ def is_force(model: Model, path: str) -> bool:
     """Whether a parameter acts through a force or the gain of the command alone, without a memory."""
     if not path.startswith("effects."):
         return True
-    effect = dict(effect_paths(model.effects))[path.rpartition(".")[0]]
-    return set(effect.HOOKS) <= {"force", "friction_level", "command_gain"}
+    return set(effect_at(model, path).HOOKS) <= {"force", "friction_level", "command_gain"}
 
 
 def is_reading(model: Model, path: str) -> bool:
@@ -236,13 +243,27 @@ def is_reading(model: Model, path: str) -> bool:
     """
     if not path.startswith("effects."):
         return False
-    effect = dict(effect_paths(model.effects))[path.rpartition(".")[0]]
+    effect = effect_at(model, path)
     return "reading" in effect.HOOKS and "period" in effect.FIELDS
 
 
 def quiet(model: Model) -> Model:
     """The model without quantiser and noise: what is expected of it."""
     return model.replace(encoder=EncoderParameters(), noise=NoiseParameters())
+
+
+def quiet_plant(model: Model) -> Plant:
+    """The plant of a model without quantiser and noise: what predicts."""
+    return quiet(model).plant()
+
+
+def reading_difference(model: Model, other: Model, position: FloatArray) -> FloatArray:
+    """By how much the encoder of one model reads more than that of another with the same effects, m, (n,)."""
+    difference = np.zeros(len(position))
+    for mine, its in zip(model.effects, other.effects, strict=True):
+        if "reading" in mine.HOOKS:
+            difference += mine.reading_at(position) - its.reading_at(position)
+    return difference
 
 
 def initial_velocity(log: Log) -> float:
@@ -257,8 +278,8 @@ def steps_needed(model: Model, sample_time: float) -> int:
     width = model.axis.coulomb_width
     if width == 0.0:
         return 1
-    rate = 2.0 / np.pi * model.axis.coulomb / (width * model.axis.mass)
-    return int(np.clip(np.ceil(rate * sample_time / 1.0), 1, 20))
+    rate = friction_slope_max(width) * model.axis.coulomb / model.axis.mass
+    return int(np.clip(np.ceil(rate * sample_time), 1, 20))
 
 
 def moving_average(values: FloatArray, length: int) -> FloatArray:

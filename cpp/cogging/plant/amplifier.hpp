@@ -1,12 +1,11 @@
 #pragma once
 // The amplifier: what becomes of a command on its way to the motor.
 
-#include <cmath>
-#include <limits>
-#include <type_traits>
+#include <cstddef>
 #include <vector>
 
-#include "cogging/plant/axis.hpp"
+#include "cogging/plant/amplifier_laws.hpp"
+#include "cogging/plant/state.hpp"
 
 namespace cogging {
 
@@ -18,22 +17,9 @@ namespace cogging {
 template <class Scalar = double>
 class Amplifier {
  public:
-  Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time) : sample_time_(sample_time) {
-    double delay = 0.0;
-    for (const Effect<Scalar>& effect : effects)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasShapeCommand<E, Scalar>) shapes_.push_back(effect);
-            if constexpr (HasCommandDelay<E>) delay += law.command_delay();
-            if constexpr (HasLag<E>) {
-              require(!lagging_, E::name, "may stand once among the effects, count", 2);
-              lagging_ = all(law.lag_time_constant() > 0.0);
-              if (lagging_) rate_ = Scalar(1.0) / law.lag_time_constant();
-            }
-          },
-          effect);
-    const double samples = delay / sample_time;
-    require(samples < 1e6, "command_delay.delay", "must be below a million samples", delay);
+  Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time) : laws_(effects) {
+    const double samples = laws_.delay() / sample_time;
+    require(samples < 1e6, "command_delay.delay", "must be below a million samples", laws_.delay());
     whole_ = static_cast<std::size_t>(samples);
     switch_ = (samples - static_cast<double>(whole_)) * sample_time;
     if (switch_ > sample_time * (1.0 - 1e-9)) ++whole_, switch_ = 0.0;
@@ -41,15 +27,9 @@ class Amplifier {
     history_.assign(whole_ + 2, Scalar(0.0));
   }
 
-  void accept(Scalar command) {
-    for (const Effect<Scalar>& effect : shapes_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasShapeCommand<E, Scalar>) command = law.shape_command(command);
-          },
-          effect);
+  void accept(const Scalar& command) {
     head_ = head_ + 1 == history_.size() ? 0 : head_ + 1;
-    history_[head_] = command;
+    history_[head_] = laws_.shaped(command);
   }
 
   /// Within a sample: the offset, s, at which the delayed command changes; 0 where it changes at the sample.
@@ -58,22 +38,21 @@ class Amplifier {
   Drive<Scalar> drive(bool before_switch) const {
     const std::size_t age = whole_ + (before_switch ? 1 : 0);
     const Scalar target = history_[head_ >= age ? head_ - age : head_ + history_.size() - age];
-    return {target, output_ - target, rate_, Scalar(0.0), lagging_};
+    return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
   }
 
   void settle(Drive<Scalar>& drive, double duration) {
-    if (!lagging_) return;
+    if (!laws_.lagging()) return;
     output_ = drive.at(Scalar(duration));
     drive.deviation = output_ - drive.target;
   }
 
  private:
-  double sample_time_, switch_ = 0.0;
+  AmplifierLaws<Scalar> laws_;
+  double switch_ = 0.0;
   std::size_t whole_ = 0, head_ = 0;
   std::vector<Scalar> history_;
-  std::vector<Effect<Scalar>> shapes_;
-  bool lagging_ = false;
-  Scalar rate_ = 0.0, output_ = 0.0;
+  Scalar output_ = 0.0;
 };
 
 }  // namespace cogging

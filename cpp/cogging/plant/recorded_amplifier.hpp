@@ -1,12 +1,14 @@
 #pragma once
 // The amplifier of a log: commands at recorded times, which need not be evenly spaced.
 
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
-#include "cogging/plant/axis.hpp"
+#include "cogging/plant/amplifier_laws.hpp"
+#include "cogging/plant/state.hpp"
 
 namespace cogging {
 
@@ -16,19 +18,8 @@ class RecordedAmplifier {
  public:
   RecordedAmplifier(const std::vector<Effect<double>>& effects, std::span<const double> time,
                     std::span<const double> command)
-      : time_(time), shaped_(command.begin(), command.end()) {
-    for (const Effect<double>& effect : effects)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasShapeCommand<E, double>)
-              for (double& value : shaped_) value = law.shape_command(value);
-            if constexpr (HasCommandDelay<E>) delay_ += law.command_delay();
-            if constexpr (HasLag<E>) {
-              lagging_ = law.lag_time_constant() > 0.0;
-              if (lagging_) rate_ = 1.0 / law.lag_time_constant();
-            }
-          },
-          effect);
+      : laws_(effects), time_(time), shaped_(command.begin(), command.end()) {
+    for (double& value : shaped_) value = laws_.shaped(value);
     output_ = shaped_.front();
   }
 
@@ -36,15 +27,16 @@ class RecordedAmplifier {
   /// must go forward in time.
   template <class Piece>
   void over(double start, double end, const Piece& piece) {
+    const double delay = laws_.delay();
     double now = start;
     while (now < end) {
-      while (acting_ + 1 < shaped_.size() && time_[acting_ + 1] + delay_ <= now + tolerance) ++acting_;
+      while (acting_ + 1 < shaped_.size() && time_[acting_ + 1] + delay <= now + tolerance) ++acting_;
       const double switched =
-          acting_ + 1 < shaped_.size() ? time_[acting_ + 1] + delay_ : std::numeric_limits<double>::infinity();
+          acting_ + 1 < shaped_.size() ? time_[acting_ + 1] + delay : std::numeric_limits<double>::infinity();
       const double next = switched < end - tolerance ? switched : end;
-      Drive<double> drive{shaped_[acting_], output_ - shaped_[acting_], rate_, 0.0, lagging_};
+      Drive<double> drive{shaped_[acting_], output_ - shaped_[acting_], laws_.rate(), 0.0, laws_.lagging()};
       piece(drive, now, next);
-      if (lagging_) output_ = drive.at(next - now);
+      if (laws_.lagging()) output_ = drive.at(next - now);
       now = next;
     }
   }
@@ -63,11 +55,11 @@ class RecordedAmplifier {
  private:
   static constexpr double tolerance = 1e-9;  // s: two times closer than this are one
 
+  AmplifierLaws<double> laws_;
   std::span<const double> time_;
   std::vector<double> shaped_;
-  double delay_ = 0.0, rate_ = 0.0, output_ = 0.0;
+  double output_ = 0.0;
   std::size_t acting_ = 0;
-  bool lagging_ = false;
 };
 
 }  // namespace cogging

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -1797,6 +1797,10 @@ def replay_controller(controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFe
     
     Raises:
         ValueError: fewer than three rows, time not strictly increasing, lengths that differ, a NaN.
+    """
+def smooth_sign(velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    S(v) = (2/pi) atan(v / width), v and width in m/s; width = 0 is sgn(v), with sgn(0) = 0.
     """
 def whiten(rows: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], coefficients: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
     """

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Prediction, whiten
-from cogging.estimation import BLOCK, Estimate, columns_of, combined_scales, whitening_filter
+from cogging.estimation import BLOCK, Estimate, columns_of, whitening_filter
 from cogging.inverse_dynamics import fast_length
 from cogging.model import Model
 from cogging.parameters import Scales, parameters_of
@@ -53,7 +53,7 @@ class Evidence:
     @cached_property
     def scales(self) -> Scales:
         """Sizes over all logs."""
-        return combined_scales(self.sources)
+        return Scales.largest(source.scales for source in self.sources)
 
     @cached_property
     def free_residual(self) -> FloatArray:
@@ -233,7 +233,7 @@ def gather(
     """
     model = estimate.model
     known = parameters_of(model, together=True)
-    scales = combined_scales(sources)
+    scales = Scales.largest(source.scales for source in sources)
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
     rows, bases, blocks, filters, alongs = [], [], [], [], []
     offset = 0

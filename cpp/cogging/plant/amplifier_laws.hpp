@@ -1,0 +1,54 @@
+#pragma once
+// What the effects of a plant say of its amplifier.
+
+#include <vector>
+
+#include "cogging/plant/effects/list.hpp"
+#include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
+
+namespace cogging {
+
+/// The laws of an amplifier, collected from the effects: shapes without memory in their order, delays that add, and
+/// one current loop.
+template <class Scalar = double>
+class AmplifierLaws {
+ public:
+  /// Raises std::invalid_argument where there is more than one current loop.
+  explicit AmplifierLaws(const std::vector<Effect<Scalar>>& effects) {
+    for (const Effect<Scalar>& effect : effects)
+      std::visit(
+          [&]<class E>(const E& law) {
+            if constexpr (HasShapeCommand<E, Scalar>) shapes_.push_back(effect);
+            if constexpr (HasCommandDelay<E>) delay_ += law.command_delay();
+            if constexpr (HasLag<E>) {
+              require(!lagging_, E::name, "may stand once among the effects, count", 2);
+              lagging_ = all(law.lag_time_constant() > 0.0);
+              if (lagging_) rate_ = Scalar(1.0) / law.lag_time_constant();
+            }
+          },
+          effect);
+  }
+
+  Scalar shaped(Scalar command) const {
+    for (const Effect<Scalar>& effect : shapes_)
+      std::visit(
+          [&]<class E>(const E& law) {
+            if constexpr (HasShapeCommand<E, Scalar>) command = law.shape_command(command);
+          },
+          effect);
+    return command;
+  }
+
+  double delay() const { return delay_; }       // s
+  bool lagging() const { return lagging_; }     // whether there is a current loop
+  const Scalar& rate() const { return rate_; }  // 1/s, of the current loop; 0 without one
+
+ private:
+  std::vector<Effect<Scalar>> shapes_;
+  double delay_ = 0.0;
+  bool lagging_ = false;
+  Scalar rate_ = 0.0;
+};
+
+}  // namespace cogging
