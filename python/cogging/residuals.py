@@ -229,11 +229,15 @@ class Replay:
         return np.asarray(self.log.command - commands)
 
 
+#: What acts on the axis through a force or the gain of the command alone, without a memory.
+LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
+
+
 def is_force(model: Model, path: str) -> bool:
     """Whether a parameter acts through a force or the gain of the command alone, without a memory."""
     if not path.startswith("effects."):
         return True
-    return set(effect_at(model, path).HOOKS) <= {"force", "friction_level", "command_gain"}
+    return set(effect_at(model, path).HOOKS) <= LINEAR_HOOKS
 
 
 def is_reading(model: Model, path: str) -> bool:

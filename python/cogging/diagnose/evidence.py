@@ -15,7 +15,7 @@ from cogging.estimation import BLOCK, Estimate, columns_of, whitening_filter
 from cogging.inverse_dynamics import fast_length
 from cogging.model import Model
 from cogging.parameters import Scales, parameters_of
-from cogging.residuals import Innovations
+from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -238,9 +238,9 @@ def gather(
     rows, bases, blocks, filters, alongs = [], [], [], [], []
     offset = 0
     for i, source in enumerate(sources):
-        along = source.predictor.predict(model_plant(model))
+        along = source.predictor.predict(quiet_plant(model))
         alongs.append(along)
-        shapes = source.scale * source.predictor.propagate(along, model.axis.mass, slow_friction(source, model))
+        shapes = source.rows_of_forces(along, slow_friction(source, model), model.axis.mass)
         noise = residuals[i] - (explained[i] if explained is not None else 0.0)
         a = np.zeros(1) if plain else whitening_filter(source, noise)
         table = np.asarray(whiten(np.vstack([noise[None, :], residuals[i][None, :], columns[i], shapes]), list(a)))
@@ -276,10 +276,3 @@ def robust_rms(values: FloatArray) -> float:
     limit = CLIP * 1.4826 * float(np.median(np.abs(values)))
     rms = float(np.sqrt(np.mean(np.clip(values, -limit, limit) ** 2))) if limit > 0 else float(values.std())
     return rms if rms > 0.0 else 1.0
-
-
-def model_plant(model: Model):  # type: ignore[no-untyped-def]
-    """The plant that predicts, without quantiser and noise."""
-    from cogging.residuals import quiet
-
-    return quiet(model).plant()

@@ -11,7 +11,7 @@ from cogging.diagnose.evidence import Evidence, gather
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
 from cogging.model import Model
-from cogging.parameters import parameters_of
+from cogging.parameters import parameters_of, role_of
 from cogging.residuals import Innovations, moving_average
 
 BANDWIDTH = 50.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
@@ -41,7 +41,7 @@ def nuisances(model: Model) -> list[str]:
             continue
         if parameter.value in (float("inf"), -float("inf")):
             continue
-        if path.startswith("effects.") and not _amplitude(model, path):
+        if path.startswith("effects.") and role_of(model, path) != "amplitude":
             continue
         paths.append(path)
     return paths
@@ -50,15 +50,6 @@ def nuisances(model: Model) -> list[str]:
 def stated_exact(model: Model) -> bool:
     """Whether the model says that its friction width is exact."""
     return model.uncertainty.get("coulomb_width", None) == 0.0
-
-
-def _amplitude(model: Model, path: str) -> bool:
-    from cogging.parameters import effect_paths
-
-    prefix, _, leaf = path.rpartition(".")
-    effect = dict(effect_paths(model.effects))[prefix]
-    role = effect.ROLES[leaf.partition("[")[0]]
-    return bool(role["role"] == "amplitude")
 
 
 def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.diagnose.chances import log_survival
-from cogging.diagnose.evidence import Evidence, Test, model_plant
+from cogging.diagnose.evidence import Evidence, Test
 from cogging.model import Model
-from cogging.residuals import Innovations
+from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
     x, v = source.along.middle_position, source.along.middle_velocity
     t = source.log.time - source.log.time[0]
     u = source.log.command
-    a = source.predictor.net_force([model_plant(model)], x, v)[0] / model.axis.mass
+    a = source.predictor.net_force([quiet_plant(model)], x, v)[0] / model.axis.mass
     moving = source.counts > 0
     direction = np.sign(v)
 
@@ -99,7 +99,7 @@ def shapes(evidence: Evidence) -> list[Shape]:
     facts: dict[str, tuple[str, FloatArray]] = {}
     for source, along in zip(evidence.sources, evidence.alongs, strict=True):
         for name, (unit, places, columns, _) in coordinates(source, model).items():
-            table = source.scale * source.predictor.propagate(along, model.axis.mass, columns)
+            table = source.rows_of_forces(along, columns, model.axis.mass)
             tables.setdefault(name, []).append(table)
             facts[name] = (unit, places)
     # Each log has its own places, but equally many unless a direction is missing.

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
-from cogging.determinability import role_of
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
@@ -20,7 +19,7 @@ from cogging.diagnose.waves import is_spatial_wave
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
 from cogging.model import Model
-from cogging.parameters import effect_paths, parameters_of
+from cogging.parameters import effect_paths, parameters_of, role_of
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import EFFECTS
-from cogging.diagnose.evidence import Evidence, model_plant
+from cogging.diagnose.evidence import Evidence
 from cogging.model import Model
-from cogging.residuals import Innovations
+from cogging.residuals import LINEAR_HOOKS, Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
-LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
+
 NODES = 6  # of an amplitude that is given as a list along the travel
 POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
 FREQUENCIES = 40  # of a resonance: it is narrow
@@ -222,21 +222,19 @@ def _tables_of_log(
     out: list[FloatArray] = [np.empty(0)] * len(wanted)
     n = len(source.log)
     if linear:
-        plants, owner = [model_plant(model)], []
+        plants, owner = [], []
         for i in linear:
             for effect, unit in _unit_effects(wanted[i]):
-                plants.append(model_plant(model.replace(effects=(*model.effects, effect))))
+                plants.append(quiet_plant(model.replace(effects=(*model.effects, effect))))
                 owner.append((i, unit))
-        force = source.predictor.net_force(plants, along.middle_position, along.middle_velocity)
-        force = (force[1:] - force[:1]) / np.array([unit for _, unit in owner])[:, None]
-        rows = source.scale * source.predictor.propagate(along, model.axis.mass, force)
+        rows = source.rows_of_plants(along, quiet_plant(model), plants, [unit for _, unit in owner])
         for i in linear:
             out[i] = rows[[k for k, (o, _) in enumerate(owner) if o == i]]
     for i in readings:
         errors = np.array(
             [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
         )
-        out[i] = source.scale * source.predictor.propagate(along, model.axis.mass, np.zeros_like(errors), errors)
+        out[i] = source.rows_of_readings(along, errors, model.axis.mass)
     keys = {i: (number, wanted[i].name, *sorted(wanted[i].shape.items(), key=str)) for i in memory}
     keys = {i: tuple(str(part) for part in key) for i, key in keys.items()}
     for i in memory:
