@@ -19,6 +19,8 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
+LINES = 12  # of a periodogram in a band of its level, at least
+LEVEL_MIN = 1e-3  # of a band: what the first filter left
 CLIP = 6.0  # whitened residuals beyond this many rms are outliers, and are cut there
 
 
@@ -34,8 +36,7 @@ class Evidence:
         basis: orthonormal, spans what the free parameters could explain, (q, n).
         columns: whitened, of the free parameters and of the shapes of slow friction, (p + 6, n).
         block: number of the block of each row, (n,).
-        residuals: not whitened, V, one (n,) a log.
-        alongs: the model's prediction along each log.
+        parts: what was whitened, one a log.
         memory: what effects with a memory do, as predicted under an earlier model of these logs.
     """
 
@@ -46,9 +47,59 @@ class Evidence:
     basis: FloatArray
     columns: FloatArray
     block: npt.NDArray[np.int64]
-    residuals: tuple[FloatArray, ...]
-    alongs: tuple[Prediction, ...]
+    parts: tuple[Unweighted, ...]
     memory: dict[Any, list[FloatArray]]
+
+    @property
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """Not whitened, V, one (n,) a log."""
+        return tuple(part.residual for part in self.parts)
+
+    @property
+    def alongs(self) -> tuple[Prediction, ...]:
+        """The model's prediction along each log."""
+        return tuple(part.along for part in self.parts)
+
+    def cleaned(self, explained: Sequence[FloatArray]) -> Evidence:
+        """The evidence with filters from what an effect leaves: a strong effect would else be taken for noise.
+
+        Args:
+            explained: V, one (n,) a log, taken from the residual before the filters are estimated.
+        """
+        return weighed(self.model, self.sources, self.parts, explained, self.memory)
+
+    @cached_property
+    def freedom(self) -> tuple[tuple[list[slice], FloatArray], ...]:
+        """Of each log, bands of its periodogram and degrees of freedom by which the level of each is known."""
+        result, start = [], 0
+        for source in self.sources:
+            n = len(source.log)
+            length = fast_length(n)
+            parts = bands(np.asarray(np.fft.rfftfreq(length, source.scales.sample_time)))
+            taken = np.zeros(length // 2 + 1)
+            for row in self.basis:
+                taken += 2.0 / length * np.abs(np.fft.rfft(row[start : start + n], length)) ** 2
+            lines = 2.0 * float(source.counts.sum()) / length
+            free = [lines * (part.stop - part.start) - float(taken[part].sum()) for part in parts]
+            result.append((parts, np.maximum(np.array(free), 1.0)))
+            start += n
+        return tuple(result)
+
+    def bounded(self, test: Test) -> float:
+        """T allowed for levels of noise that are known from few lines: sum over bands of d ln(1 + T_band / d).
+
+        It is the likelihood ratio with the level of each band free; d are its degrees of freedom.
+        """
+        total, start = 0.0, 0
+        for source, (parts, freedom) in zip(self.sources, self.freedom, strict=True):
+            n = len(source.log)
+            length = fast_length(n)
+            power = np.abs(np.fft.rfft(test.explained[start : start + n], length)) ** 2 / (length * self.excess)
+            total += float(power[0])
+            for part, d in zip(parts, freedom, strict=True):
+                total += float(d * np.log1p(2.0 * power[part].sum() / d))
+            start += n
+        return total
 
     @cached_property
     def scales(self) -> Scales:
@@ -185,20 +236,25 @@ def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, Flo
     return np.asarray(power), np.asarray(np.fft.rfftfreq(length, source.scales.sample_time))
 
 
-def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
-    """Smoothed power in bands of a third of an octave, at least 12 lines each: medians, since lines are signal."""
-    power, frequency = periodogram(white, source)
-    power, frequency = power[1:], frequency[1:]
-    places, levels = [], []
-    first = 0
-    while first < len(power):
-        last = min(len(power), max(first + 12, int(np.searchsorted(frequency, 1.26 * frequency[first]))))
-        if len(power) - last < 12:
-            last = len(power)
-        places.append(float(np.sqrt(frequency[first] * frequency[last - 1])))
-        levels.append(float(np.median(power[first:last]) / np.log(2.0)))
+def bands(frequency: FloatArray) -> list[slice]:
+    """Lines of a periodogram in bands of a third of an octave, at least LINES each; the constant stands apart."""
+    parts, first = [], 1
+    while first < len(frequency):
+        last = min(len(frequency), max(first + LINES, int(np.searchsorted(frequency, 1.26 * frequency[first]))))
+        if len(frequency) - last < LINES:
+            last = len(frequency)
+        parts.append(slice(first, last))
         first = last
-    return np.array(places), np.maximum(np.array(levels), 0.05)
+    return parts
+
+
+def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and levels of the power in bands: medians, since lines are signal."""
+    power, frequency = periodogram(white, source)
+    parts = bands(frequency)
+    places = [float(np.sqrt(frequency[part.start] * frequency[part.stop - 1])) for part in parts]
+    levels = [float(np.median(power[part]) / np.log(2.0)) for part in parts]
+    return np.array(places), np.maximum(np.array(levels), LEVEL_MIN)
 
 
 def slow_friction(source: Innovations, model: Model) -> FloatArray:
@@ -214,10 +270,24 @@ def slow_friction(source: Innovations, model: Model) -> FloatArray:
     return np.array(shapes) * max(model.axis.coulomb, 1e-12)
 
 
+@dataclass(frozen=True)
+class Unweighted:
+    """What a fit says of one log before anything is whitened.
+
+    Attributes:
+        along: the model's prediction.
+        residual: V, (n,).
+        columns: V per unit, of the free parameters and of the shapes of slow friction, (p + 6, n).
+    """
+
+    along: Prediction
+    residual: FloatArray
+    columns: FloatArray
+
+
 def gather(
     estimate: Estimate,
     sources: Sequence[Innovations],
-    explained: Sequence[FloatArray] | None = None,
     memory: dict[Any, list[FloatArray]] | None = None,
     plain: bool = False,
 ) -> Evidence:
@@ -226,8 +296,6 @@ def gather(
     Args:
         estimate: the fit.
         sources: its logs.
-        explained: V, one (n,) a log, taken from the residual before the filters are estimated: a strong effect would
-            else be taken for noise.
         memory: of earlier evidence of these logs.
         plain: do not whiten: all frequencies weigh as they do in the gap itself.
     """
@@ -235,15 +303,29 @@ def gather(
     known = parameters_of(model, together=True)
     scales = Scales.largest(source.scales for source in sources)
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
-    rows, bases, blocks, filters, alongs = [], [], [], [], []
-    offset = 0
+    parts, memory = [], {} if memory is None else memory
     for i, source in enumerate(sources):
         along = source.predictor.predict(quiet_plant(model))
-        alongs.append(along)
         shapes = source.rows_of_forces(along, slow_friction(source, model), model.axis.mass)
-        noise = residuals[i] - (explained[i] if explained is not None else 0.0)
+        parts.append(Unweighted(along, residuals[i], np.vstack([columns[i], shapes])))
+    return weighed(model, sources, parts, [np.zeros(len(source.log)) for source in sources], memory, plain)
+
+
+def weighed(
+    model: Model,
+    sources: Sequence[Innovations],
+    parts: Sequence[Unweighted],
+    explained: Sequence[FloatArray],
+    memory: dict[Any, list[FloatArray]],
+    plain: bool = False,
+) -> Evidence:
+    """Whiten; the filters come from the residuals less what is `explained` (V, one (n,) a log)."""
+    rows, bases, blocks, filters = [], [], [], []
+    offset = 0
+    for source, part, taken in zip(sources, parts, explained, strict=True):
+        noise = part.residual - taken
         a = np.zeros(1) if plain else whitening_filter(source, noise)
-        table = np.asarray(whiten(np.vstack([noise[None, :], residuals[i][None, :], columns[i], shapes]), list(a)))
+        table = np.asarray(whiten(np.vstack([noise[None, :], part.residual[None, :], part.columns]), list(a)))
         rms = robust_rms(table[0, source.counts > 0])
         table *= source.counts / rms
         table[:2] = np.clip(table[:2], -CLIP, CLIP)
@@ -257,17 +339,17 @@ def gather(
         blocks.append(block + offset)
         offset += int(block[-1]) + 1
         filters.append(filter_)
+    columns = np.concatenate(bases, axis=1)
     return Evidence(
         model,
         tuple(sources),
         tuple(filters),
         np.concatenate(rows),
-        orthonormal(np.concatenate(bases, axis=1)),
-        np.concatenate(bases, axis=1),
+        orthonormal(columns),
+        columns,
         np.concatenate(blocks),
-        tuple(residuals),
-        tuple(alongs),
-        {} if memory is None else memory,
+        tuple(parts),
+        memory,
     )
 
 

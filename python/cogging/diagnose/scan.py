@@ -17,6 +17,8 @@ from cogging.diagnose.waves import is_wave, peaks, refine
 
 FloatArray = npt.NDArray[np.float64]
 
+PROFILED = 8  # findings that are judged against the noise that they leave
+PROMISING = 6.0  # T from which that is worth the time
 NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
 
 
@@ -75,19 +77,55 @@ def judge(
                 return None
     elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
         return None  # the finite size that was tried is not what the log shows
+    return _finding(candidate, test, amplitudes, looked)
+
+
+def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, looked: float) -> Finding:
     shapes = sum(
         1
         for field, role in EFFECTS[candidate.name].ROLES.items()
         if role["role"] == "shape" and not isinstance(candidate.shape.get(field), list)
     )
+    looking = float(np.log(max(looked, 1.0)))
     return Finding(
         candidate,
         test,
         amplitudes,
         looked,
-        min(0.0, log_survival(test.statistic, test.freedom) + float(np.log(max(looked, 1.0)))),
-        test.statistic - 2.0 * test.freedom - 2.0 * float(np.log(max(looked, 1.0))) - shapes,
+        min(0.0, log_survival(test.statistic, test.freedom) + looking),
+        test.statistic - 2.0 * test.freedom - 2.0 * looking - shapes,
     )
+
+
+def bounded(evidence: Evidence, finding: Finding) -> Finding:
+    """The finding with what its statistic is worth when the level of the noise is known from few lines only."""
+    value = min(finding.test.statistic, evidence.bounded(finding.test))
+    return _finding(finding.candidate, replace(finding.test, statistic=value), finding.amplitudes, finding.looked)
+
+
+def cleaned(evidence: Evidence, finding: Finding) -> Evidence:
+    """The evidence with filters estimated from what an effect leaves."""
+    made = tables(evidence, [finding.candidate])[0]
+    weights = finding.amplitudes if finding.candidate.amplitudes else np.ones(1)
+    return evidence.cleaned([-(weights @ table) for table in made])
+
+
+def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
+    """The findings, the likeliest each against the noise that it would leave itself, best score first.
+
+    What is missing makes the residual louder where it acts: measured against that, no effect at low frequencies would
+    ever stand out. Each is given the level of noise that is left once it is taken away, and the level's own freedom.
+    """
+    ranked = sorted(findings, key=lambda f: -f.score)
+    result = []
+    for place, finding in enumerate(ranked):
+        finding = bounded(evidence, finding)
+        if place < PROFILED and finding.test.statistic > PROMISING:
+            quiet = cleaned(evidence, finding)
+            again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.looked, exact=True)]
+            finding = max([finding, *again], key=lambda f: f.score)
+        result.append(finding)
+    return sorted(result, key=lambda f: -f.score)
 
 
 def size_range(candidate: Candidate) -> tuple[float, float]:

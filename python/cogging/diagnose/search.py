@@ -13,7 +13,7 @@ from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import fit_null, nuisances, sources_of
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, in_range, judged, scan
+from cogging.diagnose.scan import Finding, bounded, cleaned, in_range, judged, profiled, scan
 from cogging.diagnose.signatures import quantities, tables
 from cogging.diagnose.waves import is_spatial_wave
 from cogging.estimation import Estimate, fit
@@ -135,13 +135,16 @@ def search(
     findings: list[Finding] = []
     while True:
         progress(f"scanning, effect {len(added) + 1}")
-        findings = scan(evidence)
+        findings = profiled(evidence, scan(evidence))
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
-            evidence = cleaned(estimate, evidence, best)
+            evidence = cleaned(evidence, best)
             again = scan(evidence, [f.name for f in findings if f.log_chance < -1.5])
-            findings = [*again, *(f for f in findings if f.log_chance >= -1.5)]
+            findings = [
+                *(bounded(evidence, f) for f in again),
+                *(f for f in findings if f.log_chance >= -1.5),
+            ]
         left = shapes(evidence)
         names = {one.finding.name for one in added}
         if len(added) == TERMS_MAX:
@@ -255,13 +258,6 @@ def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
     sources = sources_of(logs, model)
     floors = {"axis.coulomb_width": 0.2 * sources[0].rest}
     return gather(fit(model, paths, sources, iterations=4, floors=floors), sources)
-
-
-def cleaned(estimate: Estimate, evidence: Evidence, finding: Finding) -> Evidence:
-    """The evidence with filters estimated from what an effect leaves."""
-    made = tables(evidence, [finding.candidate])[0]
-    weights = finding.amplitudes if finding.candidate.amplitudes else finding.amplitudes[:1]
-    return gather(estimate, evidence.sources, [-(weights @ table) for table in made], evidence.memory)
 
 
 def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:

@@ -20,8 +20,8 @@ FloatArray = npt.NDArray[np.float64]
 
 NODES = 6  # of an amplitude that is given as a list along the travel
 POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
-FREQUENCIES = 40  # of a resonance: it is narrow
-DAMPING = (0.02, 0.15)  # of a resonance
+FREQUENCIES = 32  # of a resonance: it is narrow
+DAMPING = (0.03, 0.12)  # of a resonance
 SMALL = 0.02  # of what is relative and starts from nothing: the columns are nearly proportional to it
 EXPONENTS = (1.0, 2.0)
 
