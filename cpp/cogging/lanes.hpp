@@ -84,6 +84,13 @@ void sin_cos(const Lanes<count>& angle, Lanes<count>& sine, Lanes<count>& cosine
   for (std::size_t i = 0; i < count; ++i) sin_cos(angle.lane[i], sine.lane[i], cosine.lane[i]);
 }
 template <std::size_t count>
+double largest(const Lanes<count>& values) {
+  double result = values.lane[0];
+  for (double value : values.lane) result = value > result ? value : result;
+  return result;
+}
+
+template <std::size_t count>
 bool all(const Pack<bool, count>& condition) {
   for (bool value : condition.lane)
     if (!value) return false;

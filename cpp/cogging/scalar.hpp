@@ -32,6 +32,9 @@ inline double sign(double value) {
 inline bool all_finite(double value) {
   return std::isfinite(value);
 }
+inline double largest(double value) {
+  return value;
+}
 inline bool all(bool condition) {
   return condition;
 }

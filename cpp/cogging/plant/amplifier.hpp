@@ -41,6 +41,9 @@ class Amplifier {
     return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
   }
 
+  /// See AmplifierLaws::followed_until.
+  double followed_until(double now, double changed) const { return laws_.followed_until(now, changed); }
+
   void settle(Drive<Scalar>& drive, double duration) {
     if (!laws_.lagging()) return;
     output_ = drive.at(Scalar(duration));

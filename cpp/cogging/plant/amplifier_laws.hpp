@@ -1,6 +1,7 @@
 #pragma once
 // What the effects of a plant say of its amplifier.
 
+#include <limits>
 #include <vector>
 
 #include "cogging/plant/effects/list.hpp"
@@ -44,7 +45,17 @@ class AmplifierLaws {
   bool lagging() const { return lagging_; }     // whether there is a current loop
   const Scalar& rate() const { return rate_; }  // 1/s, of the current loop; 0 without one
 
+  /// The end, s, of a step from `now` that is short enough to follow the current loop, which began to settle at
+  /// `changed`; infinite where it need not be followed.
+  double followed_until(double now, double changed) const {
+    if (!lagging_) return std::numeric_limits<double>::infinity();
+    const double time_constant = 1.0 / largest(rate_);
+    return now - changed < settled * time_constant ? now + time_constant : std::numeric_limits<double>::infinity();
+  }
+
  private:
+  static constexpr double settled = 7.0;  // time constants, after which a thousandth is left
+
   std::vector<Effect<Scalar>> shapes_;
   double delay_ = 0.0;
   bool lagging_ = false;

@@ -41,6 +41,9 @@ class RecordedAmplifier {
     }
   }
 
+  /// See AmplifierLaws::followed_until.
+  double followed_until(double now, double changed) const { return laws_.followed_until(now, changed); }
+
   /// Mean of what acts over [start, end], V.
   double mean(double start, double end) {
     double sum = 0.0;

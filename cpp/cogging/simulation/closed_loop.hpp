@@ -66,7 +66,8 @@ void require_bounded(const AxisState<Scalar>& state, const Range& travel, double
 
 }  // namespace detail
 
-/// Integrates the plant over one sample in pieces that end where the command switches or a force law jumps.
+/// Integrates the plant over one sample in pieces that end where the command switches or a force law jumps, and that
+/// are short while the current loop settles.
 template <class Scalar>
 void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
                     double time_next, const Scalar& force, int steps) {
@@ -76,7 +77,8 @@ void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, Axis
     const double switch_time = time + amplifier.switch_offset();
     Drive<Scalar> drive = amplifier.drive(now < switch_time);
     drive.force = force;
-    double next = std::min(time_next, axis.next_event(now));
+    const double changed = now < switch_time ? time : std::max(time, switch_time);
+    double next = std::min({time_next, axis.next_event(now), amplifier.followed_until(now, changed)});
     if (now < switch_time && switch_time < next) next = switch_time;
     const bool whole = next == time_next && now == time;
     const int pieces = whole ? steps : std::max(1, int(std::ceil(steps * (next - now) / sample_time)));

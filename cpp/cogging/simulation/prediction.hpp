@@ -79,7 +79,7 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
       double now = from;
       Drive<double> running = drive;
       while (now < to) {
-        const double next = std::min(to, axis.next_event(now));
+        const double next = std::min({to, axis.next_event(now), amplifier.followed_until(now, from)});
         const int pieces = std::max(1, static_cast<int>(std::ceil(options.steps_per_sample * (next - now) / h - 1e-9)));
         const double step = (next - now) / pieces;
         for (int piece = 0; piece < pieces; ++piece) {

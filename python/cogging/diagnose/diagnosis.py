@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from cogging._core import DivergedError
 from cogging.audit import check_against_model
 from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
@@ -14,6 +15,7 @@ from cogging.diagnose.gap import floor_of, gaps
 from cogging.diagnose.given_logs import Logs, read_logs
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import changed, merged, named
+from cogging.diagnose.null import width_floor
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.placebo import placebos
 from cogging.diagnose.result import Diagnosis, Gap, Step
@@ -21,9 +23,10 @@ from cogging.diagnose.search import CHANGED, LEFT_OVER, Added, Search, changes, 
 from cogging.diagnose.separate import separating
 from cogging.diagnose.stand_in import stood_in
 from cogging.diagnose.verdict import unlisted, verdict
-from cogging.estimation import NothingCounts
+from cogging.estimation import NothingCounts, fit
 from cogging.logs import Log
 from cogging.model import Model
+from cogging.parameters import parameters_of, with_values
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
@@ -143,8 +146,10 @@ def _assemble(
     nominal, final = _file_form(found.nominal.model, model), _file_form(found.estimate.model, model)
     final = with_intervals(final, found.estimate)
     notes = [*notes, *stood_in(nominal, final)]
+    beyond = [change for change in changes(found, model) if abs(change[3]) > CHANGED]
+    nominal = _as_stated(found, nominal, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(_file_form(added.model, model) for added in found.added[:-1]), final]
-    models = models if found.added else [nominal, nominal]
+    models = models if found.added else [nominal, final]
     seen = gaps(logs, models, replay=replay)
     loops = replay and all(_obeys(log, found.nominal.model) for log in others)
     confirmed = gaps(others, models, replay=loops) if others else None
@@ -163,7 +168,6 @@ def _assemble(
         seen[-1].position,
     )
     left = [shape for shape in found.left if shape.log_chance < LEFT_OVER]
-    beyond = [change for change in changes(found, model) if abs(change[3]) > CHANGED]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
     effects += [changed(change, left) for change in beyond]
     rest = unlisted(found, left)
@@ -216,6 +220,20 @@ def _assemble(
 def _file_form(fitted: Model, model: Model) -> Model:
     """The fitted model with the sections of the given one."""
     return fitted.replace(uncertainty=dict(model.uncertainty), controller=model.controller)
+
+
+def _as_stated(found: Search, nominal: Model, model: Model, held: Sequence[str]) -> Model:
+    """The nominal model with what was found to have changed as the given model states it, and the rest re-tuned."""
+    if not held:
+        return nominal
+    values = {path: parameters_of(model)[path].value for path in held}
+    paths = [path for path in found.nominal.paths if path not in held]
+    sources = found.nominal_evidence.sources
+    try:
+        estimate = fit(with_values(found.nominal.model, values), paths, sources, floors=width_floor(sources))
+    except (DivergedError, ValueError):
+        return nominal
+    return _file_form(estimate.model, model)
 
 
 def _reason(added: Added) -> str:

@@ -240,10 +240,10 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
             )
         if len(halves) > 1:
             panel.legend(fontsize=8)
-        unit = {"friction over time": "V of friction", "gain over time": "share of the command"}
+        unit = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s"}
         panel.set(
-            xlabel=f"{'time' if 'time' in shape.coordinate else shape.coordinate} ({shape.unit})",
-            ylabel=f"missing ({unit.get(shape.coordinate, 'V')})",
+            xlabel=f"{shape.coordinate.split()[-1]} ({shape.unit})",
+            ylabel=f"missing ({unit.get(shape.coordinate.split()[0], 'V')})",
             title=f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
         )
     for panel in panels[len(shapes) :]:

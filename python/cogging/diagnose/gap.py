@@ -18,6 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 
 FEW = 0.1  # of the rows, which must be in motion for the slow observer
 FAST = 50.0  # Hz
+STEADY = 0.01  # of the sample time: more than what a microsecond of resolution does
 BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are the gap where no controller is known
 
 
@@ -40,8 +41,11 @@ class Seen:
 
 
 def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[Seen]:
-    """The gap of each model, by the replay of the loop where it can be had for every model, else by prediction."""
-    if replay:
+    """The gap of each model, by the replay of the loop where it can be had for every model, else by prediction.
+
+    A controller that is sampled with jitter is not replayed: what the jitter does to its derivative would be the gap.
+    """
+    if replay and not any(jitters(log) for log in logs):
         try:
             return _replayed(logs, models)
         except (DivergedError, ValueError):
@@ -54,6 +58,12 @@ def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[
         for i, row in enumerate(source.of(models)):
             series[i].append(row)
     return [Seen(_rms(rows, counts), "innovations of an observer", tuple(rows), tuple(counts), None) for rows in series]
+
+
+def jitters(log: Log) -> bool:
+    """Whether the steps of the log's time differ by more than STEADY of their median."""
+    steps = np.diff(log.time)
+    return float(np.quantile(np.abs(steps / np.median(steps) - 1.0), 0.9)) > STEADY
 
 
 def source_of(log: Log, model: Model) -> Innovations:

@@ -60,7 +60,7 @@ def _span(shape: Shape, force: FloatArray, deviation: FloatArray, peak: int) -> 
     while last + 1 < len(force) and strong[last + 1]:
         last += 1
     low, high = shape.places[first], shape.places[last]
-    size = f"{force[peak]:+.2g} {'' if shape.coordinate.startswith(('friction', 'gain')) else 'V'}".strip()
+    size = f"{force[peak]:+.2g} {'' if shape.coordinate.startswith(('friction', 'gain', 'drag')) else 'V'}".strip()
     if first == 0 and last == len(force) - 1:
         return f"{size} at most, of one sign over the whole range"
     if first == last:

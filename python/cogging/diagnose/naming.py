@@ -86,12 +86,8 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
     for effect in effects:
         for i, known in enumerate(result):
             if known.name == effect.name:
-                result[i] = replace(
-                    known,
-                    confidence=max(known.confidence, effect.confidence),
-                    alternatives=known.alternatives if known.statistic > effect.statistic else effect.alternatives,
-                    further=(*known.further, effect.parameters),
-                )
+                first, second = (known, effect) if known.statistic >= effect.statistic else (effect, known)
+                result[i] = replace(first, further=(*known.further, second.parameters))
                 break
         else:
             result.append(effect)

@@ -68,8 +68,7 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     for form in forms:
         try:
             sources = sources_of(logs, form, rest=rest)
-            # A width far below the slowest rows that count is an axis that sticks: that form stands beside.
-            estimate = fit(form, nuisances(form), sources, floors={"axis.coulomb_width": 0.2 * rest})
+            estimate = fit(form, nuisances(form), sources, floors=width_floor(sources))
         except (DivergedError, ValueError) as error:
             failure = error
             continue
@@ -78,6 +77,11 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     if best is None:
         raise failure or ValueError("logs: could not be predicted")
     return best[0], gather(best[0], best[1])
+
+
+def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:
+    """A width of friction far below the slowest rows that count is an axis that sticks: that form stands beside."""
+    return {"axis.coulomb_width": 0.2 * min(source.rest for source in sources)}
 
 
 def _speed(log: Log) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,8 @@ from cogging.model import Model
 from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
+
+PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
     forward = hats(x, ends)
     speeds = np.unique(np.concatenate([-one_way(-v[moving]), [0.0], one_way(v[moving])]))
     times = np.linspace(0.0, float(t[-1]), 13)
-    commands, accelerations = spread(u, 9), spread(a, 9)
+    commands, accelerations, paces = spread(u, 9), spread(a, 9), spread(np.abs(v), 6)
     # Each coordinate's shape is free for either direction where that makes a difference.
     both = np.vstack([forward * (direction > 0), forward * (direction < 0)])
     speed_columns = hats(v, speeds)
@@ -79,6 +81,9 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
         "acceleration": ("m/s^2", accelerations, hats(a, accelerations), a),
         "friction over time": ("s", times, hats(t, times) * direction, t),
         "gain over time": ("s", times, hats(t, times) * u, t),
+        "gain over position": ("m", ends, forward * u, x),
+        "gain over speed": ("m/s", paces, hats(np.abs(v), paces) * u, np.abs(v)),
+        "drag over position": ("m", ends, forward * v, x),
     }
 
 
@@ -93,7 +98,7 @@ def one_way(velocity: FloatArray) -> FloatArray:
 
 
 def shapes(evidence: Evidence) -> list[Shape]:
-    """The generic shapes, the likeliest first."""
+    """The generic shapes, the likeliest first, each against the noise that it would leave (see scan.profiled)."""
     model = evidence.model
     tables: dict[str, list[FloatArray]] = {}
     facts: dict[str, tuple[str, FloatArray]] = {}
@@ -108,20 +113,25 @@ def shapes(evidence: Evidence) -> list[Shape]:
     for name, parts in tables.items():
         if len({len(part) for part in parts}) != 1:
             continue
-        columns = evidence.whitened(parts)
-        test = evidence.test(columns)
-        if test.freedom == 0:
+        first = evidence.test(evidence.whitened(parts))
+        if first.freedom == 0:
             continue
+        test, statistic = first, evidence.bounded(first)
+        if statistic > first.freedom + PROMISING:
+            quiet = evidence.cleaned([first.amplitudes @ part for part in parts])
+            again = quiet.test(quiet.whitened(parts))
+            if quiet.bounded(again) > statistic:
+                test, statistic = again, quiet.bounded(again)
         found.append(
             Shape(
                 name,
                 facts[name][0],
-                test,
+                replace(test, statistic=statistic),
                 facts[name][1],
                 -test.amplitudes,
                 test.deviations,
-                min(0.0, log_survival(test.statistic, test.freedom) + float(np.log(len(tables)))),
-                float(min(1.0, max(0.0, test.statistic - test.freedom) / power)),
+                min(0.0, log_survival(statistic, test.freedom) + float(np.log(len(tables)))),
+                float(min(1.0, max(0.0, first.statistic - first.freedom) / power)),
             )
         )
     return sorted(found, key=lambda shape: shape.log_chance)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
-from cogging.diagnose.null import fit_null, nuisances, sources_of
+from cogging.diagnose.null import fit_null, nuisances, sources_of, width_floor
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, bounded, cleaned, in_range, judged, profiled, scan
 from cogging.diagnose.signatures import quantities, tables
@@ -256,8 +256,7 @@ def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
     own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
     paths = [p for p in nuisances(model) if not p.startswith("effects.") or p.rpartition(".")[0] in own]
     sources = sources_of(logs, model)
-    floors = {"axis.coulomb_width": 0.2 * sources[0].rest}
-    return gather(fit(model, paths, sources, iterations=4, floors=floors), sources)
+    return gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
 
 
 def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
@@ -300,7 +299,7 @@ def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) 
         p for p in effect_parameters(model) if p.rpartition(".")[0] not in own or role_of(model, p) == "amplitude"
     ]
     floors, ceilings = shape_limits(model, evidence)
-    floors["axis.coulomb_width"] = 0.2 * evidence.sources[0].rest
+    floors |= width_floor(evidence.sources)
     fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
     for effect in fitted.model.effects[given:]:
         for name, role in effect.ROLES.items():
