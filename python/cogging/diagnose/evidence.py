@@ -324,7 +324,7 @@ def weighed(
     offset = 0
     for source, part, taken in zip(sources, parts, explained, strict=True):
         noise = part.residual - taken
-        a = np.zeros(1) if plain else whitening_filter(source, noise)
+        a = np.zeros(1) if plain else whitening_filter(source, noise - refitted(source, part, noise))
         table = np.asarray(whiten(np.vstack([noise[None, :], part.residual[None, :], part.columns]), list(a)))
         rms = robust_rms(table[0, source.counts > 0])
         table *= source.counts / rms
@@ -351,6 +351,17 @@ def weighed(
         tuple(parts),
         memory,
     )
+
+
+def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatArray:
+    """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
+    a = whitening_filter(source, noise)
+    table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.counts
+    size = np.sqrt(np.einsum("ij,ij->i", table, table))
+    size[size == 0.0] = 1.0
+    scaled = table / size[:, None]
+    weights = np.linalg.pinv(scaled[1:] @ scaled[1:].T, rcond=1e-9, hermitian=True) @ (scaled[1:] @ scaled[0])
+    return np.asarray((weights * size[0] / size[1:]) @ part.columns)
 
 
 def robust_rms(values: FloatArray) -> float:

@@ -13,10 +13,14 @@ from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, Test
 from cogging.diagnose.signatures import Candidate, candidates, quantities, shape_range, tables
-from cogging.diagnose.waves import is_wave, peaks, refine
+from cogging.diagnose.spells import spells
+from cogging.diagnose.waves import is_spatial_wave, is_wave, peaks, refine
 
 FloatArray = npt.NDArray[np.float64]
 
+STANDS_OUT = -3.0  # ln of the chance
+HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
+ROUNDS = {False: 3, True: 6}  # of moving one shape; where the shape alone makes the effect, it is also its size
 PROFILED = 8  # findings that are judged against the noise that they leave
 PROMISING = 6.0  # T from which that is worth the time
 NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
@@ -141,25 +145,28 @@ def size_range(candidate: Candidate) -> tuple[float, float]:
 def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
     """The best shape of each effect, best score first."""
     best: dict[str, Finding] = {}
-    for name in EFFECTS if names is None else names:
-        for finding in _of(evidence, name):
+    wanted = list(EFFECTS if names is None else names)
+    periods: list[float] = []  # of the waves along the travel that stand out: what else has one may have that
+    for name in sorted(wanted, key=lambda one: not is_wave(EFFECTS[one])):
+        for finding in _of(evidence, name, periods):
             if name not in best or finding.score > best[name].score:
                 best[name] = finding
+        if name in best and is_spatial_wave(EFFECTS[name]) and best[name].log_chance < STANDS_OUT:
+            periods.append(float(next(iter(best[name].candidate.shape.values()))))
     ranked = sorted(best.values(), key=lambda f: -f.score)
     if not ranked:
         return []
     top = ranked[0].score
-    sharpened = [sharpen(evidence, f) if f.score > top - NEAR and f.score > 0.0 else f for f in ranked]
+    sharpened = [sharpen(evidence, f) if f.score > top - NEAR and f.score > HOPE else f for f in ranked]
     return sorted((f for f in sharpened if f is not None), key=lambda f: -f.score)
 
 
-def _of(evidence: Evidence, name: str) -> list[Finding]:
+def _of(evidence: Evidence, name: str, periods: Sequence[float]) -> list[Finding]:
     if is_wave(EFFECTS[name]):
         found, looked = peaks(evidence, name)
         found = refine(evidence, found)
     else:
-        found = list(candidates(evidence, name))
-        looked = float(max(1, len(found)))
+        found, looked = spells(evidence, name, list(candidates(evidence, name, periods)))
     return judged(evidence, found, looked)
 
 
@@ -188,7 +195,7 @@ def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
     return bool(0.99 * low <= value <= 1.01 * high)
 
 
-def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding | None:
+def sharpen(evidence: Evidence, finding: Finding) -> Finding | None:
     """Move the shape to where it explains most: steps of each shape parameter that shrink.
 
     None where the finite effect cannot be simulated.
@@ -209,9 +216,8 @@ def sharpen(evidence: Evidence, finding: Finding, rounds: int = 3) -> Finding | 
         if not ones:
             return None
         finding = max(ones, key=lambda f: f.score)
-        rounds += 3
     ratio = 0.35
-    for _ in range(rounds):
+    for _ in range(ROUNDS[exact] + 4 * (len(fields) - 1)):
         tried = []
         for field in fields:
             value = finding.candidate.shape[field]

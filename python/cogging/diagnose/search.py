@@ -26,6 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 #: Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
+UNSHOWN = -20.0  # the same for what the confirm logs cannot show
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
 INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
@@ -162,6 +163,9 @@ def search(
             check = confirmation(confirm_evidence, finding)
             if check is not None and check.refuted:
                 refused.append((finding, f"other motion shows {check.ratio:.2f} of what was foreseen"))
+                continue
+            if check is not None and check.foreseen < INFORMATIVE and finding.log_chance > UNSHOWN:
+                refused.append((finding, f"the other motion cannot show it (lambda {check.foreseen:.1f})"))
                 continue
             step = (finding, check)
             break

@@ -20,8 +20,9 @@ FloatArray = npt.NDArray[np.float64]
 
 NODES = 6  # of an amplitude that is given as a list along the travel
 POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
-FREQUENCIES = 32  # of a resonance: it is narrow
-DAMPING = (0.03, 0.12)  # of a resonance
+MOMENTS = 14  # at which something may begin or end
+FREQUENCIES = 48  # of a resonance: it is narrow
+DAMPING = (0.02, 0.1)  # of a resonance
 SMALL = 0.02  # of what is relative and starts from nothing: the columns are nearly proportional to it
 EXPONENTS = (1.0, 2.0)
 
@@ -123,6 +124,8 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
         return [SMALL]
     if role["quantity"] == "frequency":
         count = FREQUENCIES
+    if role["quantity"] == "time" and role["role"] == "shape" and field in ("start", "stop"):
+        count = MOMENTS
     if role["quantity"] == "position":
         return [
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
@@ -137,8 +140,8 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
     return [float(v) for v in values]
 
 
-def candidates(evidence: Evidence, name: str) -> Iterator[Candidate]:
-    """The grid of an effect that is no wave."""
+def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> Iterator[Candidate]:
+    """The grid of an effect that is no wave; `periods` (m): beside those of the known cogging, for what has one."""
     effect = EFFECTS[name]
     neutral = effect()
     roles = effect.ROLES
@@ -161,7 +164,7 @@ def candidates(evidence: Evidence, name: str) -> Iterator[Candidate]:
         knots = NODES - 1
         fixed |= {"pitch": (high - low) / (knots - 2), "order": 3, "origin": low}
         if "period" in shapes:
-            shapes["period"] = known_periods(evidence.model)
+            shapes["period"] = [*known_periods(evidence.model), *periods]
             if not shapes["period"]:
                 return
         length = knots

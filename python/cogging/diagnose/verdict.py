@@ -11,6 +11,7 @@ from cogging.diagnose.result import NamedEffect
 from cogging.diagnose.search import Search, variance_jumps
 
 SURE = 0.9  # confidence from which a name is stated
+HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
 VARIANCE = -25.0  # ln of the chance of a burst
 
 
@@ -33,6 +34,7 @@ def unlisted(found: Search, left: Sequence[Shape]) -> dict[str, Any] | None:
             "force": shape.force.tolist(),
             "deviation": shape.deviation.tolist(),
             "share": shape.share,
+            "statistic": shape.test.statistic,
             "confirmed": bool(again),
             "empirical": "a force of any shape in this coordinate; no effect of the vocabulary",
         }
@@ -40,6 +42,7 @@ def unlisted(found: Search, left: Sequence[Shape]) -> dict[str, Any] | None:
         "coordinate": "time",
         "shape": f"bursts: the residual's power jumps (ln chance {burst:.0f})",
         "share": None,
+        "statistic": -2.0 * burst,
         "confirmed": None,
     }
 
@@ -60,7 +63,9 @@ def verdict(effects: Sequence[NamedEffect], rest: dict[str, Any] | None) -> str:
     """In one word: the contract's verdicts that need a search."""
     if not effects:
         return "unlisted" if rest else "no_gap"
-    if rest is not None and all(e.confidence < SURE for e in effects):
+    if rest is not None and (
+        all(e.confidence < SURE for e in effects) or rest["statistic"] > HALF * max(e.statistic for e in effects)
+    ):
         return "unlisted"
     if any(e.alternatives or e.confidence < SURE for e in effects):
         return "ambiguous"

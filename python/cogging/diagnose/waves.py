@@ -100,11 +100,9 @@ def _score(
 ) -> tuple[npt.NDArray[np.complex128], FloatArray, FloatArray]:
     """Score and its variance over wavenumbers (1/m) or frequencies (Hz)."""
     model = evidence.model
-    back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
-    back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
-    force, reading = source.predictor.propagate_transposed(along, model.axis.mass, np.ascontiguousarray(back))
+    force, reading = adjoint(source, filter_, along, model.axis.mass, residual)
     on_reading = "reading" in effect.HOOKS
-    adjoint = reading if on_reading else force
+    back = reading if on_reading else force
     gain = source.log.command if "command_gain" in effect.HOOKS else np.ones(len(force))
     place = (
         (along.position if on_reading else along.middle_position) if spatial else source.log.time - source.log.time[0]
@@ -112,7 +110,7 @@ def _score(
     length = 2 * BINS
     width = 2.0 * span / length  # twice the span: wavenumbers finer than independent ones
     bins = np.clip(((place - (origin if spatial else 0.0)) / width).astype(np.int64), 0, length - 1)
-    spectrum = np.fft.rfft(np.bincount(bins, adjoint * gain, length)[:length])
+    spectrum = np.fft.rfft(np.bincount(bins, back * gain, length)[:length])
     wave = np.arange(len(spectrum)) / (width * length)
     frequency, response = _response(source, filter_, model.axis.mass, on_reading)
     weight = source.counts * gain**2
@@ -128,6 +126,19 @@ def _score(
         power = 0.5 * weight.sum() * np.interp(wave, frequency, response, right=0.0)
     # |score|^2 / power is chi-square with 2 degrees of freedom: sine and cosine each have half the weight.
     return spectrum, power, wave
+
+
+def adjoint(
+    source: Innovations, filter_: Filter, along: Prediction, mass: float, residual: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Derivatives of half the squared whitened residual (n,) by a force in each interval and an error of each reading.
+
+    One pass backwards through the filters and the observer's loop: the scores of all effects are sums of these.
+    """
+    back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
+    back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
+    force, reading = source.predictor.propagate_transposed(along, mass, np.ascontiguousarray(back))
+    return np.asarray(force), np.asarray(reading)
 
 
 def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) -> tuple[FloatArray, FloatArray]:
