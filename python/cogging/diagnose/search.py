@@ -33,6 +33,7 @@ INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for the
 CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
 WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
 OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of what they are worth
+AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
 EFFECTS_MAX = 4
 TERMS_MAX = 6
 
@@ -141,10 +142,10 @@ def search(
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
             evidence = cleaned(evidence, best)
-            again = scan(evidence, [f.name for f in findings if f.log_chance < -1.5])
+            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < -1.5}
             findings = [
-                *(bounded(evidence, f) for f in again),
-                *(f for f in findings if f.log_chance >= -1.5),
+                *(bounded(evidence, f) for f in scan(evidence, sorted(near))),
+                *(f for f in findings if f.name not in near),
             ]
         left = shapes(evidence)
         names = {one.finding.name for one in added}

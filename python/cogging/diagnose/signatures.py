@@ -22,7 +22,7 @@ NODES = 6  # of an amplitude that is given as a list along the travel
 POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
 MOMENTS = 14  # at which something may begin or end
 FREQUENCIES = 48  # of a resonance: it is narrow
-DAMPING = (0.02, 0.1)  # of a resonance
+DAMPING = 0.03  # of a resonance, to begin with
 SMALL = 0.02  # of what is relative and starts from nothing: the columns are nearly proportional to it
 EXPONENTS = (1.0, 2.0)
 
@@ -119,7 +119,7 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
     if role["quantity"] == "exponent":
         return list(EXPONENTS)
     if role["quantity"] == "one" and role["neutral"] is None:
-        return list(DAMPING)
+        return [DAMPING]
     if role["quantity"] == "relative" and role["neutral"] == 0.0:
         return [SMALL]
     if role["quantity"] == "frequency":

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import EFFECTS, Prediction, whiten
+from cogging._core import EFFECTS, AxisParameters, Plant, Prediction, Predictor, whiten
 from cogging.diagnose.evidence import Evidence, Filter, coloured
 from cogging.diagnose.signatures import Candidate, quantities
 from cogging.residuals import Innovations
@@ -18,6 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 
 BINS = 1 << 14  # of the positions, or times: the shortest period is some bins long
 PEAKS = 8  # that are looked at exactly
+PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
 STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
@@ -142,16 +143,20 @@ def adjoint(
 
 
 def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) -> tuple[FloatArray, FloatArray]:
-    """Power gain from a force (or an error of the reading) to the whitened residual over frequency, Hz."""
+    """Power gain from a force (or an error of the reading) to the whitened residual over frequency, Hz.
+
+    By what one impulse does to the prediction of a free mass, which is all that the loop of the observer adds.
+    """
     h = source.scales.sample_time
-    frequency = np.linspace(0.0, 0.5 / h, 4096)
-    z = np.exp(2j * np.pi * frequency * h)
-    pole = np.exp(-2.0 * np.pi * source.bandwidth * h)
-    transfer = (z - 1.0) ** 2 / (z - pole) ** 2 if reading else h**2 / mass * 0.5 * (z + 1.0) / (z - pole) ** 2
-    a = filter_.coefficients
-    white = 1.0 - sum(c * z ** -(i + 1.0) for i, c in enumerate(a))
+    time, impulse = h * np.arange(PROBE), np.zeros((1, PROBE))
+    impulse[0, PROBE // 8] = 1.0
+    free = Predictor(time, time, np.zeros(PROBE), bandwidth=source.bandwidth, initial_velocity=1.0)  # at 1 m/s
+    along = free.predict(Plant(axis=AxisParameters(mass=mass)))
+    answer = free.propagate(along, mass, *((np.zeros_like(impulse), impulse) if reading else (impulse,)))
+    white = np.asarray(whiten(np.asarray(answer), list(filter_.coefficients)))[0]
+    frequency = np.asarray(np.fft.rfftfreq(PROBE, h))
     level = np.interp(frequency, filter_.frequency, filter_.level)
-    return frequency, np.abs(source.scale * transfer * white / filter_.rms) ** 2 / level
+    return frequency, np.asarray(np.abs(source.scale * np.fft.rfft(white) / filter_.rms) ** 2 / level)
 
 
 def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
