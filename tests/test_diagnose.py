@@ -229,6 +229,37 @@ def test_the_json_is_as_the_contract_says(found):
     assert told["separating_experiment"] is None
 
 
+def test_the_ledger_has_the_gap_of_each_step(found):
+    accepted = [step for step in found.ledger if step.accepted]
+    assert accepted[0].gap_before == found.gap.before
+    assert accepted[-1].gap_after == found.gap.after
+    assert accepted[0].confirm_before == found.gap.confirm_before
+    assert accepted[-1].confirm_after == found.gap.confirm_after
+    assert all(step.gap_before is None for step in found.ledger if not step.accepted)
+    two = effects.DisturbanceTone(frequency=17.0, sine=0.03), effects.CableSpring(stiffness=0.6, center=0.25)
+    result = cogging.diagnose(run(*two), MODEL)
+    first, second = (step for step in result.ledger if step.accepted)
+    assert result.gap.before == first.gap_before > first.gap_after == second.gap_before > second.gap_after
+
+
+def test_placebo_terms_do_not_help(found):
+    assert found.placebo
+    assert not {p.name for p in found.placebo} & {e.name for e in found.effects}
+    assert all(p.confirm_gain < 4.0 for p in found.placebo)  # a frozen term of no effect: -T on average
+    assert "Placebo terms" in found.html()
+
+
+def test_what_changed_is_measured_against_the_model_as_stated():
+    heavy = MODEL.replace(axis=MODEL.axis.replace(mass=0.16))
+    motion = cogging.Sampled(*(lambda log: (log.time, log.reference, None, None))(run(duration=3.0)))
+    result = cogging.diagnose(cogging.simulate(heavy, motion, duration=3.0, seed=3), MODEL)
+    (effect,) = result.effects
+    assert effect.name == "mass_change"
+    assert effect.parameters["change"].value == pytest.approx(1.0 / 3.0, abs=0.02)
+    assert result.nominal.axis.mass == MODEL.axis.mass
+    assert result.gap.after < 0.5 * result.gap.before
+
+
 def test_what_is_not_finite_is_null():
     result = cogging.diagnose(run(duration=3.0), MODEL)
     gap = result.gap.__class__("V", math.nan, math.inf, 0.0, None, None, "not measured")

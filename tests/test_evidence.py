@@ -7,14 +7,16 @@ from scipy import stats
 import cogging
 from cogging import EFFECTS, Model
 from cogging._core import Predictor
+from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import orthonormal, spectrum
 from cogging.diagnose.null import fit_null, nuisances
 from cogging.diagnose.rest import shapes
-from cogging.diagnose.scan import scan
+from cogging.diagnose.scan import profiled, scan
 from cogging.diagnose.search import search
 from cogging.diagnose.signatures import candidates, tables
 from cogging.diagnose.waves import is_wave
+from cogging.inverse_dynamics import fast_length
 
 RATE = 1000.0
 
@@ -117,6 +119,43 @@ def test_amplitude_of_a_column_that_is_there(quiet_evidence):
 
 def vars_of(evidence):
     return {name: getattr(evidence, name) for name in evidence.__dataclass_fields__}
+
+
+def test_a_level_known_from_few_lines_bounds_what_a_column_is_worth(quiet_evidence):
+    """All of a column's power in one narrow band: d ln(1 + T / d) there, and T where it is spread over all."""
+    source = quiet_evidence.sources[0]
+    ((parts, freedom),) = quiet_evidence.freedom
+    assert freedom.sum() == pytest.approx(source.counts.sum() - len(quiet_evidence.basis), rel=0.01)
+    n = len(source.log)
+    frequency = np.fft.rfftfreq(fast_length(n), source.scales.sample_time)
+    band = parts[6]
+    middle = float(np.mean(frequency[band]))
+    narrow = np.sin(2.0 * np.pi * middle * np.arange(n) * source.scales.sample_time)
+    narrow *= np.sqrt(400.0 / np.sum(narrow**2))
+    made = evidence_module.Test
+    test = made(400.0, 1, np.ones(1), narrow, np.ones(1))
+    expected = freedom[6] * np.log1p(400.0 / quiet_evidence.excess / freedom[6])
+    assert quiet_evidence.bounded(test) == pytest.approx(expected, rel=0.1)
+    wide = np.random.default_rng(8).normal(size=n)
+    wide *= np.sqrt(400.0 / np.sum(wide**2))
+    assert quiet_evidence.bounded(made(400.0, 1, np.ones(1), wide, np.ones(1))) > 0.9 * 400.0 / quiet_evidence.excess
+
+
+def test_a_slow_effect_is_judged_against_the_noise_that_it_leaves():
+    truth, nominal = machine([EFFECTS["cable_spring"](stiffness=1.5)]), machine()
+    evidence = fit_null([record(truth, 11)], nominal)[1]
+    found = scan(evidence, ["cable_spring"])
+    (again,) = profiled(evidence, found)
+    assert again.test.statistic > 1.5 * found[0].test.statistic  # seen: 2.7 times
+
+
+def test_a_spell_is_found_at_its_edges():
+    step = EFFECTS["disturbance_step"](force=0.06, start=3.217, stop=4.391)
+    evidence = fit_null([record(machine([step]), 13)], machine())[1]
+    (found,) = scan(evidence, ["disturbance_step"])
+    assert found.candidate.shape["start"] == pytest.approx(3.217, abs=0.02)
+    assert found.candidate.shape["stop"] == pytest.approx(4.391, abs=0.02)
+    assert found.amplitudes[0] == pytest.approx(0.06, rel=0.2)
 
 
 def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):

@@ -503,6 +503,21 @@ def test_delay_and_lag_are_exact(samples, time_constant):
     np.testing.assert_allclose(log["true_velocity"], expected[:, 1], rtol=0, atol=tolerance[1])
 
 
+@pytest.mark.parametrize("samples", [0.03, 0.2, 0.7, 2.0])
+def test_a_current_loop_faster_than_the_sample_is_followed(samples):
+    """One step a sample answers as 64 do: the impulse of the lag is the command times its time constant."""
+    rate = 1000.0
+    commands = np.random.default_rng(14).normal(size=60)
+    effects = [effect("actuator_lag", time_constant=samples / rate)]
+    plant = cogging.Plant(cogging.AxisParameters(mass=0.2, viscous=0.7), effects=effects)
+    expected = linear_axis(commands, 1 / rate, 0.2, 0.7, 0.0, samples / rate)
+    without = linear_axis(commands, 1 / rate, 0.2, 0.7, 0.0, 0.0)
+    size = np.abs(expected - without).max(axis=0)
+    log = driven(plant, commands, rate, steps_per_sample=1)
+    np.testing.assert_allclose(log["true_position"], expected[:, 0], rtol=0, atol=3e-3 * size[0])
+    np.testing.assert_allclose(log["true_velocity"], expected[:, 1], rtol=0, atol=3e-3 * size[1])
+
+
 def test_delays_add_and_the_order_of_effects_is_free():
     commands = np.random.default_rng(5).normal(size=60)
     axis = cogging.AxisParameters(mass=0.2, viscous=0.7)
@@ -513,7 +528,7 @@ def test_delays_add_and_the_order_of_effects_is_free():
     def run(*effects):
         return driven(cogging.Plant(axis, effects=list(effects)), commands, 1000.0)["true_position"]
 
-        np.testing.assert_allclose(run(delay(0.0013), delay(0.0021)), run(delay(0.0034)), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(run(delay(0.0013), delay(0.0021)), run(delay(0.0034)), rtol=0, atol=1e-15)
 
     lag, cut = effect("actuator_lag", time_constant=0.003), effect("command_saturation", limit=0.8)
     forward = run(delay(0.0013), lag, cut)

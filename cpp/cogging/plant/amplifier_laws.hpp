@@ -54,7 +54,7 @@ class AmplifierLaws {
   }
 
  private:
-  static constexpr double settled = 7.0;  // time constants, after which a thousandth is left
+  static constexpr double settled = 12.0;  // time constants, after which 6e-6 is left
 
   std::vector<Effect<Scalar>> shapes_;
   double delay_ = 0.0;

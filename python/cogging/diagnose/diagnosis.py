@@ -30,6 +30,7 @@ from cogging.parameters import parameters_of, with_values
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
+FOLLOWED = 3.0  # floors of noise: a replay that is farther off than that measures something else
 WHERE = -7.0  # ln of the chance from which a coordinate is told
 
 
@@ -151,6 +152,10 @@ def _assemble(
     models = [nominal, *(_file_form(added.model, model) for added in found.added[:-1]), final]
     models = models if found.added else [nominal, final]
     seen = gaps(logs, models, replay=replay)
+    if replay and seen[-1].rms > FOLLOWED * floor_of(seen[-1], logs, final):
+        replay = False  # what the loop makes of friction at each reversal would be the gap
+        seen = gaps(logs, models, replay=False)
+        notes.append("the replayed loop does not follow the log closely enough to measure with: friction at reversals")
     loops = replay and all(_obeys(log, found.nominal.model) for log in others)
     confirmed = gaps(others, models, replay=loops) if others else None
     if confirmed and loops is not replay:

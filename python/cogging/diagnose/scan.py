@@ -13,7 +13,7 @@ from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, Test
 from cogging.diagnose.signatures import Candidate, candidates, quantities, shape_range, tables
-from cogging.diagnose.spells import spells
+from cogging.diagnose.spells import long_enough, spells
 from cogging.diagnose.waves import is_spatial_wave, is_wave, peaks, refine
 
 FloatArray = npt.NDArray[np.float64]
@@ -234,7 +234,8 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding | None:
                     moved = value + sign * 0.25 * ratio * sizes[role["quantity"]] * (role["high"] - role["low"])
                 if in_range(evidence, role, moved):
                     shape = {**finding.candidate.shape, field: moved}
-                    tried.append(replace(finding.candidate, shape=shape))
+                    if long_enough(shape):
+                        tried.append(replace(finding.candidate, shape=shape))
         better = [f for f in judged(evidence, tried, finding.looked, exact) if f.score > finding.score]
         if better:
             finding = max(better, key=lambda f: f.score)

@@ -15,7 +15,8 @@ from cogging.diagnose.null import fit_null, nuisances, sources_of, width_floor
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, bounded, cleaned, in_range, judged, profiled, scan
 from cogging.diagnose.signatures import quantities, tables
-from cogging.diagnose.waves import is_spatial_wave
+from cogging.diagnose.spells import is_spell
+from cogging.diagnose.waves import is_wave
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
 from cogging.model import Model
@@ -26,6 +27,8 @@ FloatArray = npt.NDArray[np.float64]
 #: Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
+SUSPECTED = -6.0  # the same for what the confirm logs show by themselves
+GAIN = 6.0  # of 2 ln likelihood with frozen amplitudes, from which they do
 UNSHOWN = -20.0  # the same for what the confirm logs cannot show
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
@@ -62,6 +65,11 @@ class Confirmation:
         """Whether the other motion speaks against it: it shows far less than was foreseen, or far more."""
         far = 3.0 * self.deviation if self.ratio < 1.0 else 5.0 * self.deviation
         return self.foreseen >= INFORMATIVE and abs(self.ratio - 1.0) > far
+
+    @property
+    def sure(self) -> bool:
+        """Whether the other motion alone would be evidence: by chance, 1 of 300 effects gains as much there."""
+        return self.confirmed and self.gain > GAIN
 
     @property
     def confirmed(self) -> bool:
@@ -157,11 +165,11 @@ def search(
         step = None
         power = low_power(evidence)
         for finding in by_worth(estimate, evidence, findings):
-            if finding.log_chance > DETECTED or finding.name in barred:
-                continue
-            if finding.test.statistic < WORTH * power:
+            if finding.log_chance > SUSPECTED or finding.name in barred or finding.test.statistic < WORTH * power:
                 continue
             check = confirmation(confirm_evidence, finding)
+            if finding.log_chance > DETECTED and not (check is not None and check.sure):
+                continue
             if check is not None and check.refuted:
                 refused.append((finding, f"other motion shows {check.ratio:.2f} of what was foreseen"))
                 continue
@@ -273,8 +281,8 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
     except (DivergedError, ValueError):
         return None
     columns = evidence.project(evidence.whitened(made))
-    # Two logs need not share the encoder's zero: a wave along the travel may come back with another phase.
-    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if is_spatial_wave(EFFECTS[finding.name]) else [0.0]
+    # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
+    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if is_wave(EFFECTS[finding.name]) else [0.0]
     best = Confirmation(0.0, 0.0, -np.inf)
     for turn in turns:
         amplitudes = finding.amplitudes
@@ -289,7 +297,9 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
         if gain > best.gain:
             best = Confirmation(size, score / size, gain)
-    return best if np.isfinite(best.gain) else Confirmation(0.0, 0.0, 0.0)
+    if not np.isfinite(best.gain) or (best.refuted and is_spell(EFFECTS[finding.name])):
+        return Confirmation(0.0, 0.0, 0.0)  # what happened once need not happen again
+    return best
 
 
 def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) -> Estimate:

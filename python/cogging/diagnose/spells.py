@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +17,7 @@ from cogging.diagnose.waves import adjoint
 FloatArray = npt.NDArray[np.float64]
 
 LENGTHS = 40  # of spells, from SHORTEST to the whole log
-SHORTEST = 0.05  # s
+SHORTEST = 0.2  # s: what is shorter may be a single blow
 SPELLS = 8  # that are looked at exactly
 MEDIAN = 0.4549  # of chi-square with one degree of freedom
 
@@ -25,6 +26,11 @@ def is_spell(effect: Any) -> bool:
     """Whether an effect is a force between two moments."""
     moments = [f for f, role in effect.ROLES.items() if role["role"] == "shape" and role["quantity"] == "time"]
     return set(moments) == {"start", "stop"} and "force" in effect.HOOKS
+
+
+def long_enough(shape: Mapping[str, Any]) -> bool:
+    """Whether a shape that begins and ends lasts."""
+    return not {"start", "stop"} <= set(shape) or bool(shape["stop"] - shape["start"] >= SHORTEST)
 
 
 def spells(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[list[Candidate], float]:
