@@ -68,6 +68,10 @@ struct Trait {
 constexpr Trait amplitude(Quantity quantity, double high = 1.0) {
   return {Role::amplitude, quantity, -high, high, false, true};
 }
+/// An amplitude that the effect's name gives a sign.
+constexpr Trait positive_amplitude(Quantity quantity, double high = 1.0) {
+  return {Role::amplitude, quantity, 0.0, high, false, true};
+}
 constexpr Trait linear_shape(Quantity quantity, double low, double high) {
   return {Role::shape, quantity, low, high, false, false};
 }

@@ -27,6 +27,7 @@ from cogging.parameters import Parameter, Scales, effect_at
 
 FloatArray = npt.NDArray[np.float64]
 
+WIDE = 0.03  # of a parameter: the step of a difference quotient through contacts
 START = 0.06  # s, left out at the start and after a gap: what acted before the first row is not known
 
 
@@ -137,7 +138,7 @@ class Innovations:
             errors = [reading_difference(step.above, model, along.position) / step.span for step in steps]
             columns[readings] = self.rows_of_readings(along, np.array(errors), plant.axis.mass)
         if others:
-            steps = [central(model, parameters[i], scales.step(parameters[i])) for i in others]
+            steps = [central(model, parameters[i], step_through(model, parameters[i], scales)) for i in others]
             table = self.of([side for step in steps for side in (step.above, step.below)])
             columns[others] = (table[0::2] - table[1::2]) / np.array([step.span for step in steps])[:, None]
         return self.scale * along.innovation, columns
@@ -238,6 +239,14 @@ def is_force(model: Model, path: str) -> bool:
     if not path.startswith("effects."):
         return True
     return set(effect_at(model, path).HOOKS) <= LINEAR_HOOKS
+
+
+def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
+    """The step of a difference quotient; wide for what has states: contacts make the residual jump in the small."""
+    step = scales.step(parameter)
+    if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
+        return max(step, WIDE * abs(parameter.value))
+    return step
 
 
 def is_reading(model: Model, path: str) -> bool:

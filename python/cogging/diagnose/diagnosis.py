@@ -7,15 +7,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cogging._core import DivergedError
 from cogging.audit import check_against_model
 from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
-from cogging.diagnose.gap import floor_of, gaps
+from cogging.diagnose.gap import floor_of, gaps, source_of
 from cogging.diagnose.given_logs import Logs, read_logs
+from cogging.diagnose.levels import with_levels
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import changed, merged, named
-from cogging.diagnose.null import width_floor
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.placebo import placebos
 from cogging.diagnose.result import Diagnosis, Gap, Step
@@ -23,7 +22,7 @@ from cogging.diagnose.search import CHANGED, LEFT_OVER, Added, Search, changes, 
 from cogging.diagnose.separate import separating
 from cogging.diagnose.stand_in import stood_in
 from cogging.diagnose.verdict import unlisted, verdict
-from cogging.estimation import NothingCounts, fit
+from cogging.estimation import NothingCounts
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.parameters import parameters_of, with_values
@@ -144,13 +143,13 @@ def _mismatch(logs: Sequence[Log], model: Model, text: str, notes: list[str]) ->
 def _assemble(
     found: Search, logs: Sequence[Log], others: Sequence[Log], model: Model, replay: bool, notes: list[str]
 ) -> Diagnosis:
-    nominal, final = _file_form(found.nominal.model, model), _file_form(found.estimate.model, model)
+    beyond = [change for change in changes(found, model) if abs(change[3]) > CHANGED]
+    last = found.added[-1].model if found.added else found.tuned
+    nominal, final = _file_form(found.tuned, model), _file_form(last, model)
     final = with_intervals(final, found.estimate)
     notes = [*notes, *stood_in(nominal, final)]
-    beyond = [change for change in changes(found, model) if abs(change[3]) > CHANGED]
     nominal = _as_stated(found, nominal, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(_file_form(added.model, model) for added in found.added[:-1]), final]
-    models = models if found.added else [nominal, final]
     seen = gaps(logs, models, replay=replay)
     if replay and seen[-1].rms > FOLLOWED * floor_of(seen[-1], logs, final):
         replay = False  # what the loop makes of friction at each reversal would be the gap
@@ -175,7 +174,7 @@ def _assemble(
     left = [shape for shape in found.left if shape.log_chance < LEFT_OVER]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
     effects += [changed(change, left) for change in beyond]
-    rest = unlisted(found, left)
+    rest = unlisted(found, effects, left)
     alternatives = sorted({name for effect in effects for name in (effect.name, *effect.alternatives)})
     ambiguous = any(effect.alternatives for effect in effects)
     where = tuple(found.first_shapes)
@@ -233,12 +232,8 @@ def _as_stated(found: Search, nominal: Model, model: Model, held: Sequence[str])
         return nominal
     values = {path: parameters_of(model)[path].value for path in held}
     paths = [path for path in found.nominal.paths if path not in held]
-    sources = found.nominal_evidence.sources
-    try:
-        estimate = fit(with_values(found.nominal.model, values), paths, sources, floors=width_floor(sources))
-    except (DivergedError, ValueError):
-        return nominal
-    return _file_form(estimate.model, model)
+    sources = [source_of(source.log, nominal) for source in found.nominal_evidence.sources]
+    return _file_form(with_levels(with_values(nominal, values), paths, sources), model)
 
 
 def _reason(added: Added) -> str:

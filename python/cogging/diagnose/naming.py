@@ -14,6 +14,7 @@ from cogging.diagnose.search import INFORMATIVE, RIVAL, Added, Search, alike, ef
 from cogging.intervals import SIGMAS_95
 from cogging.parameters import effect_paths, parameters_of
 
+FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
 LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 
 
@@ -71,7 +72,7 @@ def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
         chance *= 0.8
     # A generic shape that explains more than the named effect does: its form is not quite that.
     generic = max((shape.score for shape in added.shapes), default=0.0)
-    if generic > added.finding.score + 6.0:
+    if generic > added.finding.score + FORMLESS:
         chance *= 0.7
     if left:
         chance *= 0.75

@@ -76,8 +76,7 @@ def judge(
         sizes = quantities(evidence)
         for (field, _), value in zip(candidate.amplitudes, amplitudes, strict=True):
             role = EFFECTS[candidate.name].ROLES[field]
-            largest = max(abs(role["low"]), abs(role["high"])) * sizes[role["quantity"]]
-            if abs(value) > largest:
+            if not role["low"] <= value / sizes[role["quantity"]] <= role["high"]:
                 return None
     elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
         return None  # the finite size that was tried is not what the log shows

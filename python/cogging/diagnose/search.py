@@ -11,12 +11,15 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
+from cogging.diagnose.gap import gaps
+from cogging.diagnose.gap import source_of as gap_source
+from cogging.diagnose.levels import with_levels
 from cogging.diagnose.null import fit_null, nuisances, sources_of, width_floor
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, bounded, cleaned, in_range, judged, profiled, scan
 from cogging.diagnose.signatures import quantities, tables
 from cogging.diagnose.spells import is_spell
-from cogging.diagnose.waves import is_wave
+from cogging.diagnose.waves import is_spatial_wave, is_wave
 from cogging.estimation import Estimate, fit
 from cogging.logs import Log
 from cogging.model import Model
@@ -28,6 +31,7 @@ FloatArray = npt.NDArray[np.float64]
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
 SUSPECTED = -6.0  # the same for what the confirm logs show by themselves
+PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
 GAIN = 6.0  # of 2 ln likelihood with frozen amplitudes, from which they do
 UNSHOWN = -20.0  # the same for what the confirm logs cannot show
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
@@ -36,6 +40,9 @@ INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for the
 CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
 WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
 OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of what they are worth
+VANISHING = 1e-3  # of the command: a force below it is as good as none
+SAME = 0.01  # of a period
+MOSTLY = 0.7  # of T
 AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
 EFFECTS_MAX = 4
 TERMS_MAX = 6
@@ -49,11 +56,13 @@ class Confirmation:
         foreseen: lambda that this motion can show.
         ratio: of what it shows over what was foreseen, 1 where the effect is right.
         gain: of 2 ln likelihood.
+        turn: rad, by which a wave had to be turned: the logs' zeros of position or time differ.
     """
 
     foreseen: float
     ratio: float
     gain: float
+    turn: float = 0.0
 
     @property
     def deviation(self) -> float:
@@ -62,9 +71,9 @@ class Confirmation:
 
     @property
     def refuted(self) -> bool:
-        """Whether the other motion speaks against it: it shows far less than was foreseen, or far more."""
+        """Whether the other motion speaks against it: it shows far less or more than foreseen, or is worse off."""
         far = 3.0 * self.deviation if self.ratio < 1.0 else 5.0 * self.deviation
-        return self.foreseen >= INFORMATIVE and abs(self.ratio - 1.0) > far
+        return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
 
     @property
     def sure(self) -> bool:
@@ -74,7 +83,7 @@ class Confirmation:
     @property
     def confirmed(self) -> bool:
         """Whether the other motion shows it."""
-        return self.foreseen >= INFORMATIVE and not self.refuted and self.gain > 0.0
+        return self.foreseen >= INFORMATIVE and not self.refuted
 
 
 @dataclass
@@ -86,7 +95,7 @@ class Added:
         rivals: it and what explains about as much, the likeliest first.
         shapes: generic shapes of what was missing before it.
         confirmation: on other motion; None without.
-        model: refitted with it.
+        model: refitted with it, with levels tuned to its gap.
     """
 
     finding: Finding
@@ -102,6 +111,7 @@ class Search:
 
     Attributes:
         nominal: fit of the model as it was given, and its evidence.
+        tuned: the nominal model with levels tuned to its gap (with_levels).
         estimate: fit with all that was added, and its evidence.
         added, refused: effects in the order in which they were tried; the refused with the reason.
         first_shapes, left: generic shapes of what is missing in the nominal and in the last model.
@@ -111,6 +121,7 @@ class Search:
 
     nominal: Estimate
     nominal_evidence: Evidence
+    tuned: Model
     estimate: Estimate
     evidence: Evidence
     added: list[Added]
@@ -137,6 +148,8 @@ def search(
         except (DivergedError, ValueError):
             confirm_evidence = None
     estimate = nominal
+    levels = [gap_source(log, nominal.model) for log in logs]
+    tuned_nominal = tuned_before = with_levels(nominal.model, nominal.paths, levels)
     added: list[Added] = []
     refused: list[tuple[Finding, str]] = []
     nominal_evidence = evidence
@@ -184,11 +197,19 @@ def search(
         step_rivals, chosen, check = choose(evidence, findings, finding, check, confirm_evidence, barred)
         try:
             progress(f"adding {chosen.name}")
-            estimate = refit(estimate, chosen, evidence, len(model.effects))
+            fitted = refit(estimate, chosen, evidence, len(model.effects))
         except (DivergedError, ValueError) as error:
             refused.append((chosen, f"the model with it cannot be fitted: {error}"))
             continue
-        added.append(Added(chosen, step_rivals, left, check, estimate.model))
+        tuned = with_levels(fitted.model, nominal.paths, levels)
+        if confirm and (check is None or check.turn == 0.0):
+            worse = gaps(confirm, [tuned_before, tuned], replay=False)
+            if worse[1].rms > PAYS * worse[0].rms:
+                reason = f"the gap on the other motion grows from {worse[0].rms:.4g} to {worse[1].rms:.4g} V with it"
+                refused.append((chosen, reason))
+                continue
+        estimate, tuned_before = fitted, tuned
+        added.append(Added(chosen, step_rivals, left, check, tuned))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         if confirm_evidence is not None:
             try:
@@ -198,6 +219,7 @@ def search(
     return Search(
         nominal,
         nominal_evidence,
+        tuned_nominal,
         estimate,
         evidence,
         added,
@@ -249,9 +271,27 @@ def choose(
 
     standing = [f for f in near if f is best or not (checks[f.name] is not None and checks[f.name].refuted)]  # type: ignore[union-attr]
     ranked = sorted(standing, key=total, reverse=True)
-    chosen = ranked[0]
-    rivals = [replace(f, score=total(f)) for f in ranked]
+    chosen = plainer(ranked)
+    top = total(ranked[0])
+    rivals = [replace(chosen, score=top), *(replace(f, score=total(f)) for f in ranked if f is not chosen)]
     return rivals, chosen, checks[chosen.name]
+
+
+def plainer(ranked: Sequence[Finding]) -> Finding:
+    """The likeliest finding; the wave in it where it is one of changing amplitude that is mostly a plain wave.
+
+    Many amplitudes along the travel always explain more; of a period that the model has not, the wave comes first.
+    """
+    first = ranked[0]
+    periods = [first.candidate.shape[f] for f in first.candidate.shape if f == "period"]
+    if not periods or is_wave(EFFECTS[first.name]) or len(first.candidate.amplitudes) <= 2:
+        return first
+    for other in ranked[1:]:
+        if is_spatial_wave(EFFECTS[other.name]) and EFFECTS[other.name].HOOKS == EFFECTS[first.name].HOOKS:
+            (period,) = other.candidate.shape.values()
+            if abs(period / periods[0] - 1.0) < SAME and other.test.statistic > MOSTLY * first.test.statistic:
+                return other
+    return first
 
 
 def alike(one: Finding, other: Finding) -> float:
@@ -296,7 +336,7 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         score = -float(foreseen @ evidence.free_residual) / evidence.excess
         gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
         if gain > best.gain:
-            best = Confirmation(size, score / size, gain)
+            best = Confirmation(size, score / size, gain, float(turn))
     if not np.isfinite(best.gain) or (best.refuted and is_spell(EFFECTS[finding.name])):
         return Confirmation(0.0, 0.0, 0.0)  # what happened once need not happen again
     return best
@@ -329,6 +369,8 @@ def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) 
 def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], dict[str, float]]:
     """Values that shapes keep between while a fit moves them: twice the range in which their effect is looked for.
 
+    An amplitude that has a sign keeps it.
+
     Beyond it a log holds them no more, and what is stiff (a contact, a mode) would be simulated in ever finer steps.
     """
     floors, ceilings = {}, {}
@@ -339,6 +381,8 @@ def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], di
                 size = sizes[role["quantity"]]
                 floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
                 ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
+            elif role["role"] == "amplitude" and role["low"] == 0.0:
+                floors[f"{prefix}.{name}"] = 0.0
     return floors, ceilings
 
 
@@ -373,14 +417,15 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
     Shapes of friction close to rest are nuisances here too: what they take up is no change of the level.
     """
     values, covariance = level_estimates(search_.evidence, search_.estimate)
+    known = parameters_of(model)
     found = []
     for i, path in enumerate(search_.estimate.paths):
         name = path.removeprefix("axis.")
         if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
             continue
         prior = getattr(model.axis, name)
-        if prior <= 0.0:
-            continue
+        if prior <= VANISHING * search_.evidence.scales.of(known[path].unit):
+            continue  # a deviation relative to nothing says nothing
         stated = model.uncertainty[name] * prior
         deviation = float(np.sqrt(covariance[i, i] + stated**2))
         beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0

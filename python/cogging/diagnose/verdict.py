@@ -6,44 +6,54 @@ from collections.abc import Sequence
 from typing import Any
 
 from cogging.diagnose.location_words import shape_text
+from cogging.diagnose.naming import FORMLESS
 from cogging.diagnose.rest import Shape, shapes
 from cogging.diagnose.result import NamedEffect
 from cogging.diagnose.search import Search, variance_jumps
 
 SURE = 0.9  # confidence from which a name is stated
+DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
 VARIANCE = -25.0  # ln of the chance of a burst
 
 
-def unlisted(found: Search, left: Sequence[Shape]) -> dict[str, Any] | None:
-    """A rest that no effect explains: significant on these logs, and in the same coordinate on the others."""
-    reasons = []
+def unlisted(found: Search, effects: Sequence[NamedEffect], left: Sequence[Shape]) -> dict[str, Any] | None:
+    """What no effect explains: a rest that is significant on these logs, and in the same coordinate on the others.
+
+    Or what an effect was taken for that hardly anybody would bet on, where a force of any shape explains more.
+    """
     for shape in left:
         again = _on_others(found, shape)
         if again is not False:
-            reasons.append((shape, again))
+            return _entry(shape, bool(again))
+    confidence = {effect.name: effect.confidence for effect in effects}
+    for added in found.added:
+        shape = max(added.shapes, key=lambda one: one.score)
+        if confidence[added.finding.name] < DOUBTED and shape.score > added.finding.score + FORMLESS:
+            return _entry(shape, None)
     burst = variance_jumps(found.evidence)
-    if not reasons and burst > VARIANCE:
+    if burst > VARIANCE:
         return None
-    if reasons:
-        shape, again = reasons[0]
-        return {
-            "coordinate": shape.coordinate,
-            "shape": shape_text(shape),
-            "places": shape.places.tolist(),
-            "force": shape.force.tolist(),
-            "deviation": shape.deviation.tolist(),
-            "share": shape.share,
-            "statistic": shape.test.statistic,
-            "confirmed": bool(again),
-            "empirical": "a force of any shape in this coordinate; no effect of the vocabulary",
-        }
     return {
         "coordinate": "time",
         "shape": f"bursts: the residual's power jumps (ln chance {burst:.0f})",
         "share": None,
         "statistic": -2.0 * burst,
         "confirmed": None,
+    }
+
+
+def _entry(shape: Shape, confirmed: bool | None) -> dict[str, Any]:
+    return {
+        "coordinate": shape.coordinate,
+        "shape": shape_text(shape),
+        "places": shape.places.tolist(),
+        "force": shape.force.tolist(),
+        "deviation": shape.deviation.tolist(),
+        "share": shape.share,
+        "statistic": shape.test.statistic,
+        "confirmed": confirmed,
+        "empirical": "a force of any shape in this coordinate; no effect of the vocabulary",
     }
 
 

@@ -17,7 +17,7 @@ from cogging.residuals import Innovations
 FloatArray = npt.NDArray[np.float64]
 
 BINS = 1 << 14  # of the positions, or times: the shortest period is some bins long
-PEAKS = 8  # that are looked at exactly
+PEAKS = 5  # of each view of the spectrum, that are looked at exactly
 PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
 STRETCH = 128  # bins of a spectrum, over which its level is taken
 
@@ -59,19 +59,21 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
         score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span)
         total = score if total is None else total + score
         norm = power if norm is None else norm + power
-    statistic = levelled(np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max())))
+    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
+    even = levelled(statistic)
     looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
+    unit = 0.02 * abs(effect.ROLES["sine"]["high"]) * sizes[effect.ROLES["sine"]["quantity"]]
     found = []
-    for _ in range(PEAKS):
-        best = int(np.argmax(statistic))
-        if statistic[best] <= 2.0:
-            break
+    # Both views, for a few broad peaks may lift the level of their stretch, and loud stretches hide quiet ones.
+    for view in (even, statistic) * PEAKS:
+        best = int(np.argmax(view))
+        if view[best] <= 2.0:
+            continue
         value = 1.0 / float(wave[best]) if spatial else float(wave[best])
-        unit = 0.02 * abs(effect.ROLES["sine"]["high"]) * sizes[effect.ROLES["sine"]["quantity"]]
         found.append(Candidate(name, {field: value}, (("sine", None), ("cosine", None)), (unit, unit)))
         near = np.abs(wave - wave[best]) < 1.0 / span
-        statistic[near] = 0.0
+        even[near] = statistic[near] = 0.0
     return found, looked
 
 

@@ -21,7 +21,7 @@ struct StribeckFriction {
   static constexpr auto fields() {
     using E = StribeckFriction;
     return std::tuple{Field<E, Scalar>{"static_excess", &E::static_excess, "V", "static level above the Coulomb level",
-                                       amplitude(Quantity::friction, 2.0)},
+                                       positive_amplitude(Quantity::friction, 2.0)},
                       Field<E, Scalar>{"velocity", &E::velocity, "m/s", "speed at which the excess has fallen to 1/e",
                                        logarithmic_shape(Quantity::velocity, 0.001, 0.5)},
                       Field<E, Scalar>{"exponent", &E::exponent, "1", "shape of the fall: 1 exponential, 2 Gaussian",
