@@ -21,6 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 
 LINES = 12  # of a periodogram in a band of its level, at least
 LEVEL_MIN = 1e-3  # of a band: what the first filter left
+GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect
 CLIP = 6.0  # whitened residuals beyond this many rms are outliers, and are cut there
 
 
@@ -88,18 +89,21 @@ class Evidence:
     def bounded(self, test: Test) -> float:
         """T allowed for levels of noise that are known from few lines: sum over bands of d ln(1 + T_band / d).
 
-        It is the likelihood ratio with the level of each band free; d are its degrees of freedom.
+        It is the likelihood ratio with the level of each band free; d are its degrees of freedom, less those that the
+        columns take there.
         """
-        total, start = 0.0, 0
+        powers, freedoms, start = [], [], 0
         for source, (parts, freedom) in zip(self.sources, self.freedom, strict=True):
             n = len(source.log)
             length = fast_length(n)
             power = np.abs(np.fft.rfft(test.explained[start : start + n], length)) ** 2 / (length * self.excess)
-            total += float(power[0])
-            for part, d in zip(parts, freedom, strict=True):
-                total += float(d * np.log1p(2.0 * power[part].sum() / d))
+            powers += [float(power[0]) + 2.0 * float(power[parts[0]].sum())]
+            powers += [2.0 * float(power[part].sum()) for part in parts[1:]]
+            freedoms += list(freedom)
             start += n
-        return total
+        each, total = np.array(powers), max(float(np.sum(powers)), 1e-300)
+        d = np.maximum(np.array(freedoms) - test.freedom * each / total, 1.0)
+        return float(np.sum(d * np.log1p(each / d)))
 
     @cached_property
     def scales(self) -> Scales:
@@ -328,7 +332,8 @@ def weighed(
         table = np.asarray(whiten(np.vstack([noise[None, :], part.residual[None, :], part.columns]), list(a)))
         rms = robust_rms(table[0, source.counts > 0])
         table *= source.counts / rms
-        table[:2] = np.clip(table[:2], -CLIP, CLIP)
+        table[0] = np.clip(table[0], -CLIP, CLIP)
+        table[1] = np.clip(table[1], -GLITCH, GLITCH)
         basis = orthonormal(table[2:])
         level = spectrum(table[0] - (basis @ table[0]) @ basis, source)
         filter_ = Filter(a, rms, level[0], np.ones_like(level[1]) if plain else level[1])

@@ -197,7 +197,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
                     best = finding
         if best is None or best.log_chance > SIGNIFICANT:
             break
-        best = sharpen(evidence, best) or best
+        best = sharpen(evidence, best)
         field, value = next(iter(best.candidate.shape.items()))
         if found and best.test.statistic / power < WAVE_MIN * found[0].share:
             break

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -145,28 +145,43 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
     """The best shape of each effect, best score first."""
     best: dict[str, Finding] = {}
     wanted = list(EFFECTS if names is None else names)
-    periods: list[float] = []  # of the waves along the travel that stand out: what else has one may have that
+    periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
     for name in sorted(wanted, key=lambda one: not is_wave(EFFECTS[one])):
         for finding in _of(evidence, name, periods):
             if name not in best or finding.score > best[name].score:
                 best[name] = finding
         if name in best and is_spatial_wave(EFFECTS[name]) and best[name].log_chance < STANDS_OUT:
-            periods.append(float(next(iter(best[name].candidate.shape.values()))))
+            periods[float(next(iter(best[name].candidate.shape.values())))] = best[name].looked
     ranked = sorted(best.values(), key=lambda f: -f.score)
     if not ranked:
         return []
     top = ranked[0].score
     sharpened = [sharpen(evidence, f) if f.score > top - NEAR and f.score > HOPE else f for f in ranked]
-    return sorted((f for f in sharpened if f is not None), key=lambda f: -f.score)
+    return sorted(sharpened, key=lambda f: -f.score)
 
 
-def _of(evidence: Evidence, name: str, periods: Sequence[float]) -> list[Finding]:
+def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
     if is_wave(EFFECTS[name]):
         found, looked = peaks(evidence, name)
-        found = refine(evidence, found)
-    else:
-        found, looked = spells(evidence, name, list(candidates(evidence, name, periods)))
-    return judged(evidence, found, looked)
+        return judged(evidence, refine(evidence, found), looked)
+    grid = list(candidates(evidence, name, list(periods)))
+    chosen = [one for one in grid if one.shape.get("period") in periods]  # by the waves, which looked at many
+    others, looked = spells(evidence, name, [one for one in grid if one.shape.get("period") not in periods])
+    looked = max(looked, float(len(grid)))
+    results = judged(evidence, others, looked) + judged(evidence, chosen, looked + max(periods.values(), default=0.0))
+    if not grid or grid[0].amplitudes:
+        return results
+    # The sizes that the grid left free are where to begin: of a large delay a tenth is no small delay.
+    return judged(evidence, [begun(one) for one in results], looked, exact=True)
+
+
+def begun(finding: Finding) -> Candidate:
+    """The candidate with its free size put into the first shape that starts from nothing, if one does."""
+    roles, shape = EFFECTS[finding.name].ROLES, finding.candidate.shape
+    for field, value in shape.items():
+        if roles[field]["role"] == "shape" and roles[field]["neutral"] == 0.0:
+            return replace(finding.candidate, shape={**shape, field: value * float(finding.amplitudes[0])})
+    return finding.candidate
 
 
 def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact: bool = False) -> list[Finding]:
@@ -194,27 +209,14 @@ def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
     return bool(0.99 * low <= value <= 1.01 * high)
 
 
-def sharpen(evidence: Evidence, finding: Finding) -> Finding | None:
-    """Move the shape to where it explains most: steps of each shape parameter that shrink.
-
-    None where the finite effect cannot be simulated.
-    """
+def sharpen(evidence: Evidence, finding: Finding) -> Finding:
+    """Move the shape to where it explains most: steps of each shape parameter that shrink."""
     roles = EFFECTS[finding.name].ROLES
     fields = [f for f, v in finding.candidate.shape.items() if roles[f]["role"] == "shape" and isinstance(v, float)]
     if not fields:
         return finding
     wave = is_wave(EFFECTS[finding.name])
     exact = not finding.candidate.amplitudes
-    if exact:  # the size that the grid left free goes into the first shape that starts from nothing
-        field = next((f for f in fields if roles[f]["neutral"] == 0.0), fields[0])
-        value = finding.candidate.shape[field]
-        starts = [
-            replace(finding.candidate, shape={**finding.candidate.shape, field: value * float(finding.amplitudes[0])})
-        ]
-        ones = judged(evidence, [finding.candidate, *starts], finding.looked, exact)
-        if not ones:
-            return None
-        finding = max(ones, key=lambda f: f.score)
     ratio = 0.35
     for _ in range(ROUNDS[exact] + 4 * (len(fields) - 1)):
         tried = []

@@ -16,7 +16,7 @@ from cogging.diagnose.gap import source_of as gap_source
 from cogging.diagnose.levels import with_levels
 from cogging.diagnose.null import fit_null, nuisances, sources_of, width_floor
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, bounded, cleaned, in_range, judged, profiled, scan
+from cogging.diagnose.scan import Finding, cleaned, in_range, judged, profiled, scan
 from cogging.diagnose.signatures import quantities, tables
 from cogging.diagnose.spells import is_spell
 from cogging.diagnose.waves import is_spatial_wave, is_wave
@@ -153,22 +153,21 @@ def search(
     added: list[Added] = []
     refused: list[tuple[Finding, str]] = []
     nominal_evidence = evidence
-    first_shapes = shapes(evidence)
-    left = first_shapes
+    left: list[Shape] = []
+    first_shapes: list[Shape] | None = None
     findings: list[Finding] = []
     while True:
         progress(f"scanning, effect {len(added) + 1}")
         findings = profiled(evidence, scan(evidence))
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
+        left = shapes(evidence)
+        first_shapes = left if first_shapes is None else first_shapes
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
-            evidence = cleaned(evidence, best)
+            raw, evidence = evidence, cleaned(evidence, best)
             near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < -1.5}
-            findings = [
-                *(bounded(evidence, f) for f in scan(evidence, sorted(near))),
-                *(f for f in findings if f.name not in near),
-            ]
-        left = shapes(evidence)
+            sharper = profiled(raw, scan(evidence, sorted(near)))
+            findings = [*sharper, *(f for f in findings if f.name not in near)]
         names = {one.finding.name for one in added}
         if len(added) == TERMS_MAX:
             break
@@ -189,8 +188,10 @@ def search(
             if check is not None and check.foreseen < INFORMATIVE and finding.log_chance > UNSHOWN:
                 refused.append((finding, f"the other motion cannot show it (lambda {check.foreseen:.1f})"))
                 continue
-            step = (finding, check)
-            break
+            if check is None or check.confirmed:
+                step = (finding, check)
+                break
+            step = step or (finding, check)  # what other motion cannot show waits for what it does
         if step is None:
             break
         finding, check = step
@@ -224,7 +225,7 @@ def search(
         evidence,
         added,
         refused,
-        first_shapes,
+        first_shapes or left,
         left,
         findings,
         confirm_evidence,
@@ -337,8 +338,10 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
         if gain > best.gain:
             best = Confirmation(size, score / size, gain, float(turn))
-    if not np.isfinite(best.gain) or (best.refuted and is_spell(EFFECTS[finding.name])):
-        return Confirmation(0.0, 0.0, 0.0)  # what happened once need not happen again
+    if not np.isfinite(best.gain):
+        return Confirmation(0.0, 0.0, 0.0)
+    if best.refuted and is_spell(EFFECTS[finding.name]):  # what happened once need not happen again
+        return Confirmation(0.0, 0.0, min(best.gain, 0.0))
     return best
 
 
@@ -356,9 +359,12 @@ def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) 
     floors, ceilings = shape_limits(model, evidence)
     floors |= width_floor(evidence.sources)
     fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
+    sizes = quantities(evidence)
     for effect in fitted.model.effects[given:]:
         for name, role in effect.ROLES.items():
             value = getattr(effect, name)
+            if role["role"] == "amplitude" and np.max(np.abs(value)) > 1.01 * role["high"] * sizes[role["quantity"]]:
+                raise ValueError(f"its {name} runs to {np.max(np.abs(value)):.3g}")
             if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
                 # The shape runs off where the log does not hold it: shapes stay where the scan found them.
                 held = [p for p in paths if p not in shape_paths(model)]
