@@ -21,6 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 STANDS_OUT = -3.0  # ln of the chance
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
 ROUNDS = {False: 3, True: 6}  # of moving one shape; where the shape alone makes the effect, it is also its size
+COUNTS = 0.1  # of the encoder, that a wave in its reading must have
 PROFILED = 8  # findings that are judged against the noise that they leave
 PROMISING = 6.0  # T from which that is worth the time
 NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
@@ -78,6 +79,10 @@ def judge(
             role = EFFECTS[candidate.name].ROLES[field]
             if not role["low"] <= value / sizes[role["quantity"]] <= role["high"]:
                 return None
+        # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
+        count = evidence.model.encoder.resolution if "reading" in EFFECTS[candidate.name].HOOKS else 0.0
+        if len(amplitudes) > 1 and np.linalg.norm(amplitudes) < COUNTS * count:
+            return None
     elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
         return None  # the finite size that was tried is not what the log shows
     return _finding(candidate, test, amplitudes, looked)
