@@ -9,11 +9,12 @@ from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import FORMLESS
 from cogging.diagnose.rest import Shape, shapes
 from cogging.diagnose.result import NamedEffect
-from cogging.diagnose.search import UNSHOWN, Search, variance_jumps
+from cogging.diagnose.search import Search, variance_jumps
 
 SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
+LONELY = -40.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
 
 
@@ -24,7 +25,7 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], left: Sequence[Shape
     """
     for shape in left:
         again = _on_others(found, shape)
-        if again or (again is None and (found.confirm_evidence is None or shape.log_chance < UNSHOWN)):
+        if again or (again is None and (found.confirm_evidence is None or shape.log_chance < LONELY)):
             return _entry(shape, bool(again))
     confidence = {effect.name: effect.confidence for effect in effects}
     for added in found.added:
