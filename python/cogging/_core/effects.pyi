@@ -434,7 +434,7 @@ class StribeckFriction:
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
     LAW: typing.ClassVar[str] = '-static_excess exp(-|v / velocity|^exponent) S(v)'
     NAME: typing.ClassVar[str] = 'stribeck_friction'
-    ROLES: typing.ClassVar[dict] = {'static_excess': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}, 'velocity': {'role': 'shape', 'quantity': 'velocity', 'low': 0.001, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'exponent': {'role': 'shape', 'quantity': 'exponent', 'low': 0.5, 'high': 3.0, 'logarithmic': False, 'neutral': None}}
+    ROLES: typing.ClassVar[dict] = {'static_excess': {'role': 'amplitude', 'quantity': 'friction', 'low': 0.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}, 'velocity': {'role': 'shape', 'quantity': 'velocity', 'low': 0.001, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'exponent': {'role': 'shape', 'quantity': 'exponent', 'low': 0.5, 'high': 3.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
