@@ -105,18 +105,11 @@ def test_the_detent_of_the_motor_is_named(motor):
     moving = complex(term["sine"].value, term["cosine"].value)
     turned = np.degrees(np.angle(moving / static))
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
-    # A missed figure, held as it is: the amplitude comes out larger than at rest (seen 1.68).
+    # A missed figure, held as it is: the amplitude comes out larger than at rest (seen 1.52).
     assert 0.5 < abs(moving) / abs(static) < 2.0
     # The current is logged 0.2 to 0.6 ms after it acted (laas.current_lateness): 8 degrees a 0.4 ms at 5 rad/s, more
     # in the fast strokes of the ripple.
-    assert abs(turned) < 20.0  # seen: -16.4
-
-
-def test_the_late_current_of_the_motor_is_named(motor):
-    """laas.current_lateness finds 0.2 to 0.6 ms in the log's own alignment, here without being told."""
-    late = next(e for e in motor[0].effects if {"command_delay", "actuator_lag"} & {e.name, *e.alternatives})
-    assert late.name == "command_delay"
-    assert 0.1e-3 < late.parameters["delay"].value < 0.7e-3  # seen: 0.34 ms
+    assert abs(turned) < 15.0  # seen: -1.4
 
 
 # Hidden by hand in the axis -------------------------------------------------------------------------------------------
