@@ -99,7 +99,7 @@ def test_the_asymmetry_is_named_and_confirmed(found):
     assert low < 0.12 < high
     assert effect.confidence >= 0.9
     assert found.gap.confirm_after < found.gap.confirm_before
-    assert found.model.intervals["effects.viscous_asymmetry.difference"] == pytest.approx((low, high), rel=1e-2)
+    assert found.model.intervals["effects.viscous_asymmetry.difference"] == pytest.approx((low, high), rel=1e-12)
     assert found.model.controller == MODEL.controller
 
 

@@ -9,7 +9,8 @@ from cogging import EFFECTS, Model
 from cogging._core import Predictor
 from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose.chances import log_survival
-from cogging.diagnose.evidence import orthonormal, spectrum
+from cogging.diagnose.evidence import orthonormal
+from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances
 from cogging.diagnose.rest import shapes
 from cogging.diagnose.scan import judged, profiled, scan

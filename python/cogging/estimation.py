@@ -148,6 +148,14 @@ def sandwich(logs: Sequence[Whitened]) -> FloatArray:
     return np.asarray(inverse @ meat @ inverse * blocks / max(blocks - p, 1))
 
 
+def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-10) -> FloatArray:
+    """Weights (p,) of columns (p, n) that make a row (n,), scaled so that units do not matter."""
+    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
+    size[size == 0.0] = 1.0
+    scaled = columns / size[:, None]
+    return np.asarray(np.linalg.pinv(scaled @ scaled.T, rcond=rcond, hermitian=True) @ (scaled @ row) / size)
+
+
 def fit(
     model: Model,
     paths: Sequence[str],

@@ -12,13 +12,14 @@ from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
 from cogging.diagnose.gap import floor_of, gaps, source_of
 from cogging.diagnose.given_logs import Logs, read_logs
+from cogging.diagnose.level_changes import CHANGED, changes
 from cogging.diagnose.levels import with_levels
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import changed, merged, named
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.placebo import placebos
 from cogging.diagnose.result import Diagnosis, Gap, Step
-from cogging.diagnose.search import CHANGED, LEFT_OVER, Added, Search, changes, search
+from cogging.diagnose.search import LEFT_OVER, Added, Search, search
 from cogging.diagnose.separate import separating
 from cogging.diagnose.stand_in import stood_in
 from cogging.diagnose.verdict import unlisted, verdict

@@ -8,7 +8,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnose.null import width_floor
-from cogging.estimation import columns_of
+from cogging.estimation import columns_of, least_squares
 from cogging.model import Model
 from cogging.parameters import Scales, parameters_of, with_values
 from cogging.residuals import Innovations
@@ -39,10 +39,7 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
         residuals, columns = columns_of(model, parameters, sources, scales)
         right = np.concatenate([r[rows] for r, rows in zip(residuals, counts, strict=True)])
         table = np.concatenate([c[:, rows] for c, rows in zip(columns, counts, strict=True)], axis=1)
-        size = np.sqrt(np.einsum("ij,ij->i", table, table))
-        size[size == 0.0] = 1.0
-        table /= size[:, None]
-        step = -(np.linalg.pinv(table @ table.T, rcond=1e-10, hermitian=True) @ (table @ right)) / size
+        step = -least_squares(table, right)
         for halving in range(HALVINGS):
             values = {
                 p.path: max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf))

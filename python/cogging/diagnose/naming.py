@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from cogging.diagnose.confirmation import INFORMATIVE
 from cogging.diagnose.effect_range import where_of
+from cogging.diagnose.refit import effect_parameters
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import NamedEffect, Value
-from cogging.diagnose.search import INFORMATIVE, RIVAL, Added, Search, alike, effect_parameters
+from cogging.diagnose.search import RIVAL, Added, Search, alike
 from cogging.intervals import SIGMAS_95
 from cogging.parameters import effect_paths, parameters_of
 

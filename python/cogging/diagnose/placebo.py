@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from cogging.diagnose.confirmation import confirmation
 from cogging.diagnose.result import Placebo
 from cogging.diagnose.scan import Finding
-from cogging.diagnose.search import Search, alike, confirmation
+from cogging.diagnose.search import SUSPECTED, Search, alike
 
 PLACEBOS = 5
 DISTINCT = 0.3  # cosine with another placebo, above which it would say the same again
@@ -18,7 +19,9 @@ def placebos(found: Search) -> tuple[Placebo, ...]:
     named = {added.finding.name for added in found.added}
     chosen: list[Finding] = []
     for finding in sorted(found.unused, key=lambda one: -one.test.statistic):
-        if finding.name in named or any(alike(finding, other) > DISTINCT for other in chosen):
+        if finding.name in named or finding.log_chance < SUSPECTED:  # what is significant and was refused is no placebo
+            continue
+        if any(alike(finding, other) > DISTINCT for other in chosen):
             continue
         chosen.append(finding)
         if len(chosen) == PLACEBOS:

@@ -148,3 +148,16 @@ def low_power(evidence: Evidence) -> float:
         frequency = np.fft.rfftfreq(n, source.scales.sample_time)
         total += 2.0 * float(spectrum[frequency < 60.0].sum()) / n
     return max(total, 1.0)
+
+
+def variance_jumps(evidence: Evidence) -> float:
+    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s."""
+    worst = 0.0
+    for block in range(0, int(evidence.block[-1]) + 1, 3):
+        rows = (evidence.block >= block) & (evidence.block < block + 3) & (evidence.residual != 0.0)
+        n = int(rows.sum())
+        if n < 100:
+            continue
+        power = float((evidence.free_residual[rows] ** 2).sum())
+        worst = min(worst, log_survival(power, n))
+    return worst

@@ -139,7 +139,7 @@ def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
 def size_range(candidate: Candidate) -> tuple[float, float]:
     """By how much a finite column may be multiplied on the grid: far, where a shape starts from nothing in proportion.
 
-    What is exact then, is judged when the shape is sharpened.
+    From there the search begins, with the effect as its shape says (see begun).
     """
     roles = EFFECTS[candidate.name].ROLES
     proportional = any(roles[f]["role"] == "shape" and roles[f]["neutral"] == 0.0 for f in candidate.shape)

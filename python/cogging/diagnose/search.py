@@ -6,84 +6,37 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
-from cogging.diagnose.chances import log_survival
+from cogging.diagnose.confirmation import INFORMATIVE, Confirmation, confirmation, retuned
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.gap import gaps
 from cogging.diagnose.gap import source_of as gap_source
 from cogging.diagnose.levels import with_levels
-from cogging.diagnose.null import fit_null, nuisances, sources_of, width_floor
+from cogging.diagnose.null import fit_null
+from cogging.diagnose.refit import refit
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.scan import Finding, cleaned, in_range, judged, profiled, scan
-from cogging.diagnose.signatures import quantities, tables
-from cogging.diagnose.spells import is_spell
+from cogging.diagnose.scan import Finding, cleaned, judged, profiled, scan
 from cogging.diagnose.waves import is_spatial_wave, is_wave
-from cogging.estimation import Estimate, fit
+from cogging.estimation import Estimate
 from cogging.logs import Log
 from cogging.model import Model
-from cogging.parameters import effect_paths, parameters_of, role_of
 
-FloatArray = npt.NDArray[np.float64]
-
-#: Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
+# Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
 SUSPECTED = -6.0  # the same for what the confirm logs show by themselves
-PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
-GAIN = 6.0  # of 2 ln likelihood with frozen amplitudes, from which they do
 UNSHOWN = -20.0  # the same for what the confirm logs cannot show
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
-INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
-CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
+PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
 WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
 OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of what they are worth
-VANISHING = 1e-3  # of the command: a force below it is as good as none
 SAME = 0.01  # of a period
 MOSTLY = 0.7  # of T
 AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
 EFFECTS_MAX = 4
 TERMS_MAX = 6
-
-
-@dataclass(frozen=True)
-class Confirmation:
-    """An effect with frozen amplitudes on motion that had no part in the choice.
-
-    Attributes:
-        foreseen: lambda that this motion can show.
-        ratio: of what it shows over what was foreseen, 1 where the effect is right.
-        gain: of 2 ln likelihood.
-        turn: rad, by which a wave had to be turned: the logs' zeros of position or time differ.
-    """
-
-    foreseen: float
-    ratio: float
-    gain: float
-    turn: float = 0.0
-
-    @property
-    def deviation(self) -> float:
-        """1-sigma of the ratio, 0.15 at least for amplitudes that are estimates themselves."""
-        return float(np.hypot(1.0 / np.sqrt(max(self.foreseen, 1e-9)), 0.15))
-
-    @property
-    def refuted(self) -> bool:
-        """Whether the other motion speaks against it: it shows far less or more than foreseen, or is worse off."""
-        far = 3.0 * self.deviation if self.ratio < 1.0 else 5.0 * self.deviation
-        return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
-
-    @property
-    def sure(self) -> bool:
-        """Whether the other motion alone would be evidence: by chance, 1 of 300 effects gains as much there."""
-        return self.confirmed and self.gain > GAIN
-
-    @property
-    def confirmed(self) -> bool:
-        """Whether the other motion shows it."""
-        return self.foreseen >= INFORMATIVE and not self.refuted
 
 
 @dataclass
@@ -154,14 +107,13 @@ def search(
     refused: list[tuple[Finding, str]] = []
     nominal_evidence = evidence
     left: list[Shape] = []
-    first_shapes: list[Shape] | None = None
-    findings: list[Finding] = []
+    first_shapes: list[Shape] = []
     while True:
         progress(f"scanning, effect {len(added) + 1}")
         findings = profiled(evidence, scan(evidence))
-        # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
         left = shapes(evidence)
-        first_shapes = left if first_shapes is None else first_shapes
+        first_shapes = first_shapes or left
+        # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
             raw, evidence = evidence, cleaned(evidence, best)
@@ -225,7 +177,7 @@ def search(
         evidence,
         added,
         refused,
-        first_shapes or left,
+        first_shapes,
         left,
         findings,
         confirm_evidence,
@@ -300,167 +252,3 @@ def alike(one: Finding, other: Finding) -> float:
     a, b = one.test.explained, other.test.explained
     size = float(np.sqrt((a @ a) * (b @ b)))
     return abs(float(a @ b)) / size if size > 0.0 else 0.0
-
-
-def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
-    """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
-
-    Effects that the given model has are re-tuned too: they may have stood in for what was added.
-    """
-    own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
-    paths = [p for p in nuisances(model) if not p.startswith("effects.") or p.rpartition(".")[0] in own]
-    sources = sources_of(logs, model)
-    return gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
-
-
-def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
-    """What other motion says to an effect with frozen amplitudes; None without other motion."""
-    if evidence is None:
-        return None
-    try:
-        made = tables(evidence, [finding.candidate])[0]
-    except (DivergedError, ValueError):
-        return None
-    columns = evidence.project(evidence.whitened(made))
-    # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
-    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if is_wave(EFFECTS[finding.name]) else [0.0]
-    best = Confirmation(0.0, 0.0, -np.inf)
-    for turn in turns:
-        amplitudes = finding.amplitudes
-        if turn:
-            turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-            amplitudes = turned @ amplitudes
-        foreseen = amplitudes @ columns
-        size = float(foreseen @ foreseen) / evidence.excess
-        if size <= 0.0:
-            continue
-        score = -float(foreseen @ evidence.free_residual) / evidence.excess
-        gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
-        if gain > best.gain:
-            best = Confirmation(size, score / size, gain, float(turn))
-    if not np.isfinite(best.gain):
-        return Confirmation(0.0, 0.0, 0.0)
-    if best.refuted and is_spell(EFFECTS[finding.name]):  # what happened once need not happen again
-        return Confirmation(0.0, 0.0, min(best.gain, 0.0))
-    return best
-
-
-def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) -> Estimate:
-    """Fit the model with the effect in it: nuisances, amplitudes, and shapes that are numbers.
-
-    Of the effects that the model was `given`, the amplitudes are fitted, as they are without anything added.
-    """
-    model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
-    own = {prefix for prefix, _ in effect_paths(model.effects)[:given]}
-    paths = [p for p in estimate.paths if not p.startswith("effects.")]
-    paths += [
-        p for p in effect_parameters(model) if p.rpartition(".")[0] not in own or role_of(model, p) == "amplitude"
-    ]
-    floors, ceilings = shape_limits(model, evidence)
-    floors |= width_floor(evidence.sources)
-    fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
-    sizes = quantities(evidence)
-    for effect in fitted.model.effects[given:]:
-        for name, role in effect.ROLES.items():
-            value = getattr(effect, name)
-            if role["role"] == "amplitude" and np.max(np.abs(value)) > 1.01 * role["high"] * sizes[role["quantity"]]:
-                raise ValueError(f"its {name} runs to {np.max(np.abs(value)):.3g}")
-            if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
-                # The shape runs off where the log does not hold it: shapes stay where the scan found them.
-                held = [p for p in paths if p not in shape_paths(model)]
-                return fit(model, held, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
-    return fitted
-
-
-def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], dict[str, float]]:
-    """Values that shapes keep between while a fit moves them: twice the range in which their effect is looked for.
-
-    An amplitude that has a sign keeps it.
-
-    Beyond it a log holds them no more, and what is stiff (a contact, a mode) would be simulated in ever finer steps.
-    """
-    floors, ceilings = {}, {}
-    sizes = quantities(evidence)
-    for prefix, effect in effect_paths(model.effects):
-        for name, role in effect.ROLES.items():
-            if role["role"] == "shape" and role["quantity"] not in ("position", "time", "exponent"):
-                size = sizes[role["quantity"]]
-                floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
-                ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
-            elif role["role"] == "amplitude" and role["low"] == 0.0:
-                floors[f"{prefix}.{name}"] = 0.0
-    return floors, ceilings
-
-
-def shape_paths(model: Model) -> set[str]:
-    """Paths of the effects' shapes."""
-    return {
-        f"{prefix}.{name}"
-        for prefix, effect in effect_paths(model.effects)
-        for name, role in effect.ROLES.items()
-        if role["role"] == "shape"
-    }
-
-
-def effect_parameters(model: Model) -> list[str]:
-    """Paths of the effects' amplitudes and shapes that a fit can move."""
-    known = parameters_of(model)
-    paths = []
-    for prefix, effect in effect_paths(model.effects):
-        for name, role in effect.ROLES.items():
-            value = getattr(effect, name)
-            if role["role"] == "setting" or (role["role"] == "shape" and isinstance(value, list)):
-                continue
-            if role["quantity"] in ("time", "exponent") or (role["quantity"] == "position"):
-                continue  # edges and places: where the scan found them
-            paths += [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
-    return [p for p in paths if np.isfinite(known[p].value)]
-
-
-def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
-    """Mass, viscous and Coulomb friction beyond what the model states: (name, change, deviation, how many deviations).
-
-    Shapes of friction close to rest are nuisances here too: what they take up is no change of the level.
-    """
-    values, covariance = level_estimates(search_.evidence, search_.estimate)
-    known = parameters_of(model)
-    found = []
-    for i, path in enumerate(search_.estimate.paths):
-        name = path.removeprefix("axis.")
-        if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
-            continue
-        prior = getattr(model.axis, name)
-        if prior <= VANISHING * search_.evidence.scales.of(known[path].unit):
-            continue  # a deviation relative to nothing says nothing
-        stated = model.uncertainty[name] * prior
-        deviation = float(np.sqrt(covariance[i, i] + stated**2))
-        beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
-        found.append((name, values[i] / prior - 1.0, float(np.sqrt(covariance[i, i])) / prior, float(beyond)))
-    return found
-
-
-def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray]:
-    """Values and covariance of the free parameters with the shapes of slow friction free beside them."""
-    columns = evidence.columns
-    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
-    size[size == 0.0] = 1.0
-    scaled = columns / size[:, None]
-    gram = scaled @ scaled.T
-    inverse = np.linalg.pinv(gram, rcond=1e-9, hermitian=True)
-    step = -(inverse @ (scaled @ evidence.residual)) / size
-    p = len(estimate.paths)
-    covariance = (inverse / np.outer(size, size) * evidence.excess)[:p, :p]
-    return estimate.values + step[:p], covariance
-
-
-def variance_jumps(evidence: Evidence) -> float:
-    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s."""
-    worst = 0.0
-    for block in range(0, int(evidence.block[-1]) + 1, 3):
-        rows = (evidence.block >= block) & (evidence.block < block + 3) & (evidence.residual != 0.0)
-        n = int(rows.sum())
-        if n < 100:
-            continue
-        power = float((evidence.free_residual[rows] ** 2).sum())
-        worst = min(worst, log_survival(power, n))
-    return worst

@@ -7,13 +7,14 @@ from typing import Any
 
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import FORMLESS
-from cogging.diagnose.rest import Shape, shapes
+from cogging.diagnose.rest import Shape, shapes, variance_jumps
 from cogging.diagnose.result import NamedEffect
-from cogging.diagnose.search import Search, variance_jumps
+from cogging.diagnose.search import Search
 
 SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
+AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
 LONELY = -40.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
 
@@ -23,8 +24,9 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], left: Sequence[Shape
 
     Or what an effect was taken for that hardly anybody would bet on, where a force of any shape explains more.
     """
+    others = shapes(found.confirm_evidence) if left and found.confirm_evidence is not None else []
     for shape in left:
-        again = _on_others(found, shape)
+        again = _on_others(others, shape)
         if again or (again is None and (found.confirm_evidence is None or shape.log_chance < LONELY)):
             return _entry(shape, bool(again))
     confidence = {effect.name: effect.confidence for effect in effects}
@@ -58,13 +60,11 @@ def _entry(shape: Shape, confirmed: bool | None) -> dict[str, Any]:
     }
 
 
-def _on_others(found: Search, shape: Shape) -> bool | None:
+def _on_others(others: Sequence[Shape], shape: Shape) -> bool | None:
     """Whether the same coordinate is significant on the confirm logs too; None where they cannot tell."""
-    if found.confirm_evidence is None:
-        return None
-    for other in shapes(found.confirm_evidence):
+    for other in others:
         if other.coordinate == shape.coordinate:
-            if other.log_chance < -5.0:
+            if other.log_chance < AGAIN:
                 return True
             return False if "time" not in shape.coordinate else None
     return None

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import EFFECTS, AxisParameters, Plant, Prediction, Predictor, whiten
-from cogging.diagnose.evidence import Evidence, Filter, coloured
+from cogging.diagnose.evidence import Evidence
+from cogging.diagnose.noise_filter import Filter, coloured
 from cogging.diagnose.signatures import Candidate, quantities
 from cogging.residuals import Innovations
 

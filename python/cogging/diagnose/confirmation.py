@@ -1,0 +1,104 @@
+"""What motion that had no part in the choice says to an effect with frozen amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging._core import EFFECTS, DivergedError
+from cogging.diagnose.evidence import Evidence, gather
+from cogging.diagnose.null import nuisances, sources_of, width_floor
+from cogging.diagnose.scan import Finding
+from cogging.diagnose.signatures import tables
+from cogging.diagnose.spells import is_spell
+from cogging.diagnose.waves import is_wave
+from cogging.estimation import fit
+from cogging.logs import Log
+from cogging.model import Model
+from cogging.parameters import effect_paths
+
+INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
+GAIN = 6.0  # of 2 ln likelihood with frozen amplitudes, from which the confirm logs alone are evidence
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """An effect with frozen amplitudes on motion that had no part in the choice.
+
+    Attributes:
+        foreseen: lambda that this motion can show.
+        ratio: of what it shows over what was foreseen, 1 where the effect is right.
+        gain: of 2 ln likelihood.
+        turn: rad, by which a wave had to be turned: the logs' zeros of position or time differ.
+    """
+
+    foreseen: float
+    ratio: float
+    gain: float
+    turn: float = 0.0
+
+    @property
+    def deviation(self) -> float:
+        """1-sigma of the ratio, 0.15 at least for amplitudes that are estimates themselves."""
+        return float(np.hypot(1.0 / np.sqrt(max(self.foreseen, 1e-9)), 0.15))
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the other motion speaks against it: it shows far less or more than foreseen, or is worse off."""
+        far = 3.0 * self.deviation if self.ratio < 1.0 else 5.0 * self.deviation
+        return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
+
+    @property
+    def sure(self) -> bool:
+        """Whether the other motion alone would be evidence: by chance, 1 in 300 gains as much at lambda 15."""
+        return self.confirmed and self.gain > GAIN
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the other motion shows it."""
+        return self.foreseen >= INFORMATIVE and not self.refuted
+
+
+def retuned(logs: Sequence[Log], model: Model, given: Model) -> Evidence:
+    """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
+
+    Effects that the given model has are re-tuned too: they may have stood in for what was added.
+    """
+    own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
+    paths = [p for p in nuisances(model) if not p.startswith("effects.") or p.rpartition(".")[0] in own]
+    sources = sources_of(logs, model)
+    return gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
+
+
+def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
+    """What other motion says to an effect with frozen amplitudes; None without other motion."""
+    if evidence is None:
+        return None
+    try:
+        made = tables(evidence, [finding.candidate])[0]
+    except (DivergedError, ValueError):
+        return None
+    columns = evidence.project(evidence.whitened(made))
+    # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
+    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if is_wave(EFFECTS[finding.name]) else [0.0]
+    best = Confirmation(0.0, 0.0, -np.inf)
+    for turn in turns:
+        amplitudes = finding.amplitudes
+        if turn:
+            turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            amplitudes = turned @ amplitudes
+        foreseen = amplitudes @ columns
+        size = float(foreseen @ foreseen) / evidence.excess
+        if size <= 0.0:
+            continue
+        score = -float(foreseen @ evidence.free_residual) / evidence.excess
+        gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
+        if gain > best.gain:
+            best = Confirmation(size, score / size, gain, float(turn))
+    if not np.isfinite(best.gain):
+        return Confirmation(0.0, 0.0, 0.0)
+    if best.refuted and is_spell(EFFECTS[finding.name]):  # what happened once need not happen again
+        return Confirmation(0.0, 0.0, min(best.gain, 0.0))
+    return best

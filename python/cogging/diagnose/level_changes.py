@@ -1,0 +1,53 @@
+"""Mass and friction that differ from what the model states by more than it states to know."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging.diagnose.evidence import Evidence
+from cogging.diagnose.search import Search
+from cogging.estimation import Estimate
+from cogging.model import Model
+from cogging.parameters import parameters_of
+
+FloatArray = npt.NDArray[np.float64]
+
+CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
+VANISHING = 1e-3  # of the command: a force below it is as good as none
+
+
+def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
+    """Mass, viscous and Coulomb friction beyond what the model states: (name, change, deviation, how many deviations).
+
+    Shapes of friction close to rest are nuisances here too: what they take up is no change of the level.
+    """
+    values, covariance = level_estimates(search_.evidence, search_.estimate)
+    known = parameters_of(model)
+    found = []
+    for i, path in enumerate(search_.estimate.paths):
+        name = path.removeprefix("axis.")
+        if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
+            continue
+        prior = getattr(model.axis, name)
+        if prior <= VANISHING * search_.evidence.scales.of(known[path].unit):
+            continue  # a deviation relative to nothing says nothing
+        stated = model.uncertainty[name] * prior
+        deviation = float(np.sqrt(covariance[i, i] + stated**2))
+        beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
+        found.append((name, values[i] / prior - 1.0, float(np.sqrt(covariance[i, i])) / prior, float(beyond)))
+    return found
+
+
+def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray]:
+    """Values and covariance of the free parameters with the shapes of slow friction free beside them."""
+    columns = evidence.columns
+    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
+    size[size == 0.0] = 1.0
+    scaled = columns / size[:, None]
+    gram = scaled @ scaled.T
+    inverse = np.linalg.pinv(gram, rcond=1e-9, hermitian=True)
+    step = -(inverse @ (scaled @ evidence.residual)) / size
+    p = len(estimate.paths)
+    covariance = (inverse / np.outer(size, size) * evidence.excess)[:p, :p]
+    return estimate.values + step[:p], covariance
