@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor, autoregression, whiten
+from cogging.residuals import Innovations
 
 BANDWIDTH = 25.0
 
@@ -25,7 +26,15 @@ def columns():
 
 
 def observer(time, position, advance, initial_velocity=0.0, gap=np.inf):
-    """Innovations (m) of an observer with both poles at exp(-2 pi bandwidth h) around `advance`(k, x, v)."""
+    """Innovations (m) of an observer around `advance`(k, x, v).
+
+    With even steps both its poles stand at exp(-2 pi bandwidth h); a constant force shows alike whatever the steps.
+    """
+    steps = np.diff(time)
+    h = sorted(steps)[len(steps) // 2]
+    pole = np.exp(-2 * np.pi * BANDWIDTH * h)
+    c = ((1 - pole) / h) ** 2
+    d = (1 - pole**2) / h - 0.5 * c * h
     x, v = position[0], initial_velocity
     innovations, velocities = [0.0], [v]
     for k in range(len(time) - 1):
@@ -36,8 +45,8 @@ def observer(time, position, advance, initial_velocity=0.0, gap=np.inf):
             x, v = position[k + 1], (position[k + 1] - position[k]) / h
             innovation = 0.0
         else:
-            pole = np.exp(-2 * np.pi * BANDWIDTH * h)
-            x, v = x + (1 - pole**2) * innovation, v + (1 - pole) ** 2 / h * innovation
+            after = steps[min(k + 1, len(steps) - 1)]
+            x, v = x + (d * after + 0.5 * c * after**2) * innovation, v + c * h * innovation
         innovations.append(innovation)
         velocities.append(v)
     return np.array(innovations), np.array(velocities)
@@ -59,6 +68,34 @@ def test_linear_plant_against_its_exact_solution(columns):
     assert found.innovation == pytest.approx(expected, abs=1e-13)
     assert found.velocity == pytest.approx(velocity, abs=1e-10)
     assert predictor.innovations([plant, plant])[1] == pytest.approx(expected, abs=1e-13)
+
+
+def test_a_constant_force_shows_alike_in_rows_that_jitter():
+    """Else what is slow would show at high frequencies, where encoders are quiet."""
+    random = np.random.default_rng(4)
+    time = np.cumsum(1e-3 * (1.0 + 0.3 * random.uniform(-1.0, 1.0, 3000)))
+    force, mass = 0.2, 0.7
+    position = 0.5 * force / mass * (time - time[0]) ** 2
+    plant = Model(axis=AxisParameters(mass=mass)).plant()
+    found = Predictor(time, position, np.zeros(3000), bandwidth=BANDWIDTH).predict(plant).innovation[500:]
+    pole = np.exp(-2 * np.pi * BANDWIDTH * np.median(np.diff(time)))
+    assert found == pytest.approx(force / mass * (np.median(np.diff(time)) / (1 - pole)) ** 2, rel=1e-8)
+
+
+def test_rows_about_a_turn_between_two_samples_do_not_count():
+    """The speed of a fast turn passes from one side of rest to the other within one step."""
+    time = 1e-3 * np.arange(2000)
+    position = 0.01 * np.sin(2 * np.pi * 4.0 * time + 0.3)
+    model = Model(axis=AxisParameters(mass=0.7))
+    command = 0.7 * np.gradient(np.gradient(position, time), time)
+    source = Innovations(cogging.Log(time, position, command), model)
+    velocity = source.velocity
+    turns = np.flatnonzero(velocity[1:] * velocity[:-1] < 0.0) + 1
+    assert len(turns) > 10
+    assert (np.abs(velocity[turns]) > source.rest).any()
+    for turn in turns:
+        assert not source.counts[turn : turn + round(source.settle / 1e-3)].any()
+    assert source.counts.any()
 
 
 def test_smooth_friction_spring_and_drag_against_scipy(columns):

@@ -90,7 +90,8 @@ class Innovations:
         speed = np.abs(moving_average(self.velocity, smooth))
         speed_max = float(speed.max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
-        still = np.abs(self.velocity) < self.rest
+        turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
+        still = (np.abs(self.velocity) < self.rest) | turned
         self.settle = settle = 6.0 / (2.0 * np.pi * bandwidth)
         broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
         counts = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))

@@ -39,15 +39,46 @@ struct Prediction {
   std::vector<double> moving;           // 1, or 0 where the axis stuck to the end of the interval
 };
 
-/// Correction of the observer over an interval of length h: both poles at exp(-2 pi bandwidth h).
-struct ObserverGain {
-  double position, velocity;  // 1, 1/s
-
-  static ObserverGain of(double bandwidth, double h) {
-    const double pole = std::exp(-2.0 * std::numbers::pi * bandwidth * h);
-    return {1.0 - pole * pole, (1.0 - pole) * (1.0 - pole) / h};
+/// Correction of the observer, both its poles at exp(-2 pi bandwidth h) where the steps h are even.
+///
+/// Where they jitter, gains that go with each step alone would let the jitter through: a force that the model lacks
+/// would then show at high frequencies, where encoders are quiet, and be taken for what it is not. With
+///   velocity gain c h_before,  position gain d h_after + c h_after^2 / 2
+/// a constant force leaves the same innovation, force / (M c), in every row, whatever the steps.
+class ObserverGain {
+ public:
+  ObserverGain(double bandwidth, double sample_time) {
+    const double pole = std::exp(-2.0 * std::numbers::pi * bandwidth * sample_time);
+    curvature_ = (1.0 - pole) * (1.0 - pole) / (sample_time * sample_time);
+    slope_ = (1.0 - pole * pole) / sample_time - 0.5 * curvature_ * sample_time;
+    longest_ = 4.0 * sample_time;
   }
+
+  /// Position gain in a row that is followed by a step of length `after`, s.
+  double position(double after) const {
+    const double h = std::min(after, longest_);
+    return std::min(1.0, slope_ * h + 0.5 * curvature_ * h * h);
+  }
+  /// Velocity gain, 1/s, in a row that follows a step of length `before`, s.
+  double velocity(double before) const { return curvature_ * std::min(before, longest_); }
+
+ private:
+  double curvature_, slope_, longest_;  // c, 1/s^2; d, 1/s; s
 };
+
+/// The median step of a log, s.
+inline double median_step(std::span<const double> time) {
+  std::vector<double> steps(time.size() - 1);
+  for (std::size_t k = 0; k + 1 < time.size(); ++k) steps[k] = time[k + 1] - time[k];
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+/// The step that follows a row, s; behind the last row, the one before it.
+inline double step_after(std::span<const double> time, std::size_t row) {
+  return row + 1 < time.size() ? time[row + 1] - time[row] : time[row] - time[row - 1];
+}
 
 inline Prediction predict(const Plant<double>& plant, const Recording& log, const PredictionOptions& options,
                           bool with_slopes) {
@@ -55,6 +86,7 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
   const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
+  const ObserverGain gain(options.bandwidth, median_step(log.time));
 
   Prediction result;
   for (auto* column : {&result.innovation, &result.position, &result.velocity}) column->assign(rows, 0.0);
@@ -111,10 +143,9 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
       state = {behind(log.position[k + 1]), (log.position[k + 1] - log.position[k]) / h};
       continue;
     }
-    const ObserverGain gain = ObserverGain::of(options.bandwidth, h);
     result.innovation[k + 1] = innovation;
-    state.position += gain.position * innovation;
-    state.velocity += gain.velocity * innovation;
+    state.position += gain.position(step_after(log.time, k + 1)) * innovation;
+    state.velocity += gain.velocity(h) * innovation;
   }
   return result;
 }
@@ -144,6 +175,7 @@ inline std::vector<double> propagate(const Prediction& along, const Recording& l
                                      std::span<const double> reading_error) {
   const std::size_t rows = log.time.size();
   std::vector<double> innovation(rows, 0.0);
+  const ObserverGain gain(options.bandwidth, median_step(log.time));
   double x = 0.0, v = 0.0;
   if (!reading_error.empty()) x = -reading_error[0];
   for (std::size_t k = 0; k + 1 < rows; ++k) {
@@ -165,10 +197,9 @@ inline std::vector<double> propagate(const Prediction& along, const Recording& l
       x += 0.5 * h * (v + v_next);
       v = v_next;
     }
-    const ObserverGain gain = ObserverGain::of(options.bandwidth, h);
     innovation[k + 1] = -error - x;
-    x += gain.position * innovation[k + 1];
-    v += gain.velocity * innovation[k + 1];
+    x += gain.position(step_after(log.time, k + 1)) * innovation[k + 1];
+    v += gain.velocity(h) * innovation[k + 1];
   }
   return innovation;
 }
@@ -184,6 +215,7 @@ inline Adjoint propagate_transposed(const Prediction& along, const Recording& lo
                                     double mass, std::span<const double> weight) {
   const std::size_t rows = log.time.size();
   Adjoint result{std::vector<double>(rows, 0.0), std::vector<double>(rows, 0.0)};
+  const ObserverGain gain(options.bandwidth, median_step(log.time));
   double x = 0.0, v = 0.0;  // sensitivities of the sum to the state after the correction
   for (std::size_t k = rows - 1; k-- > 0;) {
     const double h = log.time[k + 1] - log.time[k];
@@ -192,8 +224,7 @@ inline Adjoint propagate_transposed(const Prediction& along, const Recording& lo
       x = v = 0.0;
       continue;
     }
-    const ObserverGain gain = ObserverGain::of(options.bandwidth, h);
-    const double seen = weight[k + 1] + gain.position * x + gain.velocity * v;
+    const double seen = weight[k + 1] + gain.position(step_after(log.time, k + 1)) * x + gain.velocity(h) * v;
     result.reading[k + 1] = -seen;
     x -= seen;
     if (along.moving[k] == 0.0) {

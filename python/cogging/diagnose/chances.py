@@ -18,6 +18,11 @@ def log_survival(statistic: float, freedom: int) -> float:
     return min(0.0, _log_sum([start, *terms]))
 
 
+def log_choices(pool: float, count: int) -> float:
+    """ln of the number of ways to choose `count` among `pool`, which need not be whole."""
+    return math.lgamma(pool + 1.0) - math.lgamma(count + 1.0) - math.lgamma(max(pool - count, 0.0) + 1.0)
+
+
 def _log_erfc(x: float) -> float:
     if x < 20.0:
         return math.log(math.erfc(x))

@@ -10,6 +10,7 @@ import numpy as np
 from cogging.audit import check_against_model
 from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
+from cogging.diagnose.events import SPELLS
 from cogging.diagnose.gap import floor_of, gaps, source_of
 from cogging.diagnose.given_logs import Logs, read_logs
 from cogging.diagnose.level_changes import CHANGED, changes
@@ -172,10 +173,10 @@ def _assemble(
         seen[0].position,
         seen[-1].position,
     )
-    left = [shape for shape in found.left if shape.log_chance < LEFT_OVER]
+    left = [shape for shape in found.left if shape.log_chance < LEFT_OVER and shape.coordinate != SPELLS]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
     effects += [changed(change, left) for change in beyond]
-    rest = unlisted(found, effects, left)
+    rest = unlisted(found, effects)
     alternatives = sorted({name for effect in effects for name in (effect.name, *effect.alternatives)})
     ambiguous = any(effect.alternatives for effect in effects)
     where = tuple(found.first_shapes)

@@ -240,7 +240,7 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
             )
         if len(halves) > 1:
             panel.legend(fontsize=8)
-        unit = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s"}
+        unit = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s", "jumps": "m"}
         panel.set(
             xlabel=f"{shape.coordinate.split()[-1]} ({shape.unit})",
             ylabel=f"missing ({unit.get(shape.coordinate.split()[0], 'V')})",

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.audit import check_against_model
+from cogging.diagnose.events import with_events
 from cogging.diagnose.evidence import Evidence, orthonormal
 from cogging.diagnose.given_logs import Logs, read_logs
 from cogging.diagnose.location_words import length_text, ranges, shape_text, share_text
@@ -155,7 +156,7 @@ def location_of(evidence: Evidence, model: Model, found: Sequence[Shape] | None 
     counts = np.concatenate([source.counts > 0 for source in evidence.sources])
     left = np.concatenate(evidence.residuals)[counts]
     return Location(
-        tuple(shapes(evidence) if found is None else found),
+        tuple(with_events(evidence, shapes(evidence)) if found is None else found),
         tuple(waves_of(evidence)),
         float(np.sqrt(np.mean(left**2))),
         model,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from cogging.diagnose.events import JUMPS, SPELLS
 from cogging.diagnose.rest import Shape
 
 FloatArray = npt.NDArray[np.float64]
@@ -14,11 +15,15 @@ STRONG = 3.0  # deviations from which a place counts
 
 def shape_text(shape: Shape) -> str:
     """One line: coordinate, share of the gap, and the ranges in which the force differs from zero."""
+    if shape.coordinate in (JUMPS, SPELLS):
+        return f"{shape.coordinate}: {ranges(shape)}"
     return f"{shape.coordinate} explains {share_text(shape.share)} of the gap: {ranges(shape)}"
 
 
 def ranges(shape: Shape) -> str:
     """In which ranges of a coordinate its force differs from zero, in words."""
+    if shape.coordinate in (JUMPS, SPELLS):
+        return _moments(shape)
     m = len(shape.places)
     sides = [("", shape.force, shape.deviation)]
     if len(shape.force) == 2 * m:
@@ -34,6 +39,15 @@ def ranges(shape: Shape) -> str:
         if spans:
             told.append(((side + " ") if side else "") + ", ".join(spans))
     return "; ".join(told) or "spread over its whole range, strong nowhere"
+
+
+def _moments(shape: Shape) -> str:
+    """The largest of what happened, each with its moment."""
+    order = sorted(range(len(shape.places)), key=lambda i: -abs(shape.force[i]))[:4]
+    size = length_text if shape.coordinate == JUMPS else (lambda value: f"{value:.2g} V")
+    told = [f"{'+-'[int(shape.force[i] < 0.0)]}{size(abs(shape.force[i]))} at {shape.places[i]:.4g} s" for i in order]
+    more = len(shape.places) - len(order)
+    return ", ".join(told) + (f", and {more} more" if more > 0 else "")
 
 
 def _peaks(force: FloatArray, deviation: FloatArray) -> list[int]:

@@ -14,6 +14,7 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
+PHASES = 8  # places in a pitch
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
 
@@ -84,6 +85,25 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
         "gain over position": ("m", ends, forward * u, x),
         "gain over speed": ("m/s", paces, hats(np.abs(v), paces) * u, np.abs(v)),
         "drag over position": ("m", ends, forward * v, x),
+        **over_pitch(x, v, u, model),
+    }
+
+
+def over_pitch(
+    position: FloatArray, velocity: FloatArray, command: FloatArray, model: Model
+) -> dict[str, tuple[str, FloatArray, FloatArray, FloatArray]]:
+    """Drag, friction and gain of any shape over the longest period of the known cogging, as `coordinates` has them."""
+    if model.cogging is None or len(model.cogging.basis.wavenumbers) == 0:
+        return {}
+    pitch = float(2.0 * np.pi / np.min(model.cogging.basis.wavenumbers))
+    places = np.linspace(0.0, pitch, PHASES + 1)
+    phase = np.mod(position, pitch)
+    wave = hats(phase, places)
+    wave = np.vstack([wave[0] + wave[-1], wave[1:-1]])  # the last place is the first
+    return {
+        "drag over the pitch": ("m", places[:-1], wave * velocity, phase),
+        "friction over the pitch": ("m", places[:-1], wave * np.sign(velocity), phase),
+        "gain over the pitch": ("m", places[:-1], wave * command, phase),
     }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.confirmation import INFORMATIVE, Confirmation, confirmation, retuned
+from cogging.diagnose.events import with_events
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.gap import gaps
 from cogging.diagnose.gap import source_of as gap_source
@@ -112,7 +113,7 @@ def search(
         progress(f"scanning, effect {len(added) + 1}")
         findings = profiled(evidence, scan(evidence))
         left = shapes(evidence)
-        first_shapes = first_shapes or left
+        first_shapes = first_shapes or with_events(evidence, left)
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
@@ -169,6 +170,7 @@ def search(
                 confirm_evidence = retuned(confirm, estimate.model, model)
             except (DivergedError, ValueError):
                 confirm_evidence = None
+    left = with_events(evidence, left)
     return Search(
         nominal,
         nominal_evidence,

@@ -5,30 +5,39 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from cogging.diagnose.events import JUMPS, SPELLS, with_events
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import FORMLESS
 from cogging.diagnose.rest import Shape, shapes, variance_jumps
 from cogging.diagnose.result import NamedEffect
-from cogging.diagnose.search import Search
+from cogging.diagnose.search import LEFT_OVER, Search
 
 SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
 AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
+TOGETHER = -18.0  # the same of both at once, where each is below AGAIN; what counts for one log ends at LONELY
+JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
+SPELL, SPELLS_TOGETHER = -8.0, -36.0  # the same of spells of friction: what friction laws differ by comes in spells too
 LONELY = -40.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
 
 
-def unlisted(found: Search, effects: Sequence[NamedEffect], left: Sequence[Shape]) -> dict[str, Any] | None:
+def unlisted(found: Search, effects: Sequence[NamedEffect]) -> dict[str, Any] | None:
     """What no effect explains: a rest that is significant on these logs, and in the same coordinate on the others.
 
     Or what an effect was taken for that hardly anybody would bet on, where a force of any shape explains more.
     """
-    others = shapes(found.confirm_evidence) if left and found.confirm_evidence is not None else []
-    for shape in left:
-        again = _on_others(others, shape)
-        if again or (again is None and (found.confirm_evidence is None or shape.log_chance < LONELY)):
-            return _entry(shape, bool(again))
+    others: dict[str, Shape] = {}
+    if found.confirm_evidence is not None:
+        again = with_events(found.confirm_evidence, shapes(found.confirm_evidence))
+        others = {shape.coordinate: shape for shape in again}
+    for shape in found.left:
+        confirmed = standing(shape, others.get(shape.coordinate), found.confirm_evidence is not None)
+        if confirmed is not None:
+            return _entry(shape, confirmed)
+    if JUMPS in others and others[JUMPS].log_chance < JUMP:
+        return _entry(others[JUMPS], True) | {"shape": f"on the other motion, {shape_text(others[JUMPS])}"}
     confidence = {effect.name: effect.confidence for effect in effects}
     for added in found.added:
         shape = max(added.shapes, key=lambda one: one.score)
@@ -56,18 +65,30 @@ def _entry(shape: Shape, confirmed: bool | None) -> dict[str, Any]:
         "share": shape.share,
         "statistic": shape.test.statistic,
         "confirmed": confirmed,
-        "empirical": "a force of any shape in this coordinate; no effect of the vocabulary",
+        "empirical": (
+            "readings that jump, by the encoder or the clock; no effect of the vocabulary"
+            if shape.coordinate == JUMPS
+            else "a force of any shape in this coordinate; no effect of the vocabulary"
+        ),
     }
 
 
-def _on_others(others: Sequence[Shape], shape: Shape) -> bool | None:
-    """Whether the same coordinate is significant on the confirm logs too; None where they cannot tell."""
-    for other in others:
-        if other.coordinate == shape.coordinate:
-            if other.log_chance < AGAIN:
-                return True
-            return False if "time" not in shape.coordinate else None
-    return None
+def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
+    """Whether the confirm logs (if any were `checked`) show what is left in the same coordinate too.
+
+    None where both together do not show enough of it.
+    """
+    mine = shape.log_chance
+    its = 0.0 if other is None else other.log_chance
+    if shape.coordinate == JUMPS:
+        return its < AGAIN if mine < JUMP else None
+    if shape.coordinate == SPELLS:
+        both = max(mine, its) < SPELL and mine + max(its, LONELY) < SPELLS_TOGETHER
+        return True if both or (not checked and mine < LONELY) else None
+    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or max(mine, LONELY) + max(its, LONELY) < TOGETHER):
+        return True
+    once = not checked or "time" in shape.coordinate  # what depends on time need not come again
+    return False if once and mine < (LONELY if checked else LEFT_OVER) else None
 
 
 def verdict(effects: Sequence[NamedEffect], rest: dict[str, Any] | None) -> str:
