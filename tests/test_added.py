@@ -135,12 +135,19 @@ def test_without_friction_a_load_adds_it_exactly_but_for_the_sampling(log, frequ
 
 
 @pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3])
-@pytest.mark.parametrize("mass_ratio", [0.05, 0.2, 0.5])
-def test_a_loose_load_adds_what_whole_predictions_say(log, gap, mass_ratio):
-    correlation, ratio, error = compared(log, machine(), EFFECTS["backlash"](gap=gap, mass_ratio=mass_ratio))
+@pytest.mark.parametrize(("mass_ratio", "coulomb"), [(0.02, 1.0), (0.1, 1.0), (0.2, 0.0), (0.5, 0.0)])
+def test_a_loose_load_adds_what_whole_predictions_say(log, gap, mass_ratio, coulomb):
+    load = EFFECTS["backlash"](gap=gap, mass_ratio=mass_ratio)
+    correlation, ratio, error = compared(log, machine(coulomb=coulomb), load)
     assert correlation > 0.9999
     assert ratio == pytest.approx(1.0, abs=0.002)
     assert error < 0.008
+
+
+def test_a_heavy_loose_load_under_friction_is_predicted_as_a_whole():
+    load = EFFECTS["backlash"](gap=1e-4, mass_ratio=0.3)
+    assert not Predictor.is_addable(machine().plant(), load)
+    assert Predictor.is_addable(machine(coulomb=0.0).plant(), load)
 
 
 def test_after_a_gap_and_at_uneven_steps_a_load_starts_anew(log):

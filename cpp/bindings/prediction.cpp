@@ -150,9 +150,11 @@ Raises:
           py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
           py::arg("threads") = 0,
           R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)")
-      .def_static("is_addable", &is_addable, py::arg("plant"), py::arg("effect"),
-                  "Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, "
-                  "no memory of its own beside a bristle or a load, no vibration that outlasts many reversals.")
+      .def_static(
+          "is_addable", &is_addable, py::arg("plant"), py::arg("effect"),
+          "Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no "
+          "memory "
+          "of its own beside a bristle or a load, and under friction no heavy load that rings long or has play.")
       .def(
           "added",
           [](const Predictor& self, const Prediction& along, const Plant<>& plant, const std::vector<Effect<>>& effects,

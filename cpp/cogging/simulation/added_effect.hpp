@@ -15,11 +15,12 @@
 
 namespace cogging {
 
-/// Whether a load rings from one reversal of the axis to the next: friction then holds and frees the motor at moments
-/// that the ringing decides, which no linear solution foresees (wrong by more than 2 %).
-inline bool outlasts_reversals(const CouplingParameters& coupling, const AxisParameters<double>& axis) {
+/// Whether friction and a heavy load decide each other's moments, which no solution along the prediction foresees
+/// (wrong by up to 10 %): a load that rings from one reversal of the axis to the next, or strikes with play.
+inline bool friction_decides(const CouplingParameters& coupling, const AxisParameters<double>& axis) {
   constexpr double slow = 6.0, light = 0.1;  // 1/s; load over total, below which the motor hardly feels it
-  return axis.coulomb > 0.0 && coupling.gap == 0.0 && coupling.mass_ratio > light && decay_rate(coupling, axis) < slow;
+  const bool strikes = coupling.gap > 0.0 || coupling.pushes_only;
+  return axis.coulomb > 0.0 && coupling.mass_ratio > light && (strikes || decay_rate(coupling, axis) < slow);
 }
 
 /// Whether what an effect adds to a plant can be told along the plant's prediction: forces, a command and a load of
@@ -31,7 +32,7 @@ inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect)
   return std::visit(
       [&]<class E>(const E& law) {
         if constexpr (HasCoupling<E>)
-          if (outlasts_reversals(law.coupling(), plant.axis)) return false;
+          if (friction_decides(law.coupling(), plant.axis)) return false;
         if constexpr (HasBristle<E> || HasReading<E, double>)
           return false;
         else

@@ -1672,7 +1672,7 @@ class Predictor:
     @staticmethod
     def is_addable(plant: Plant, effect: effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone) -> bool:
         """
-        Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no memory of its own beside a bristle or a load, no vibration that outlasts many reversals.
+        Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no memory of its own beside a bristle or a load, and under friction no heavy load that rings long or has play.
         """
     def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, bandwidth: typing.SupportsFloat | typing.SupportsIndex = 30.0, gap: typing.SupportsFloat | typing.SupportsIndex = 1e+300, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         ...
