@@ -1,7 +1,9 @@
 #include "cogging/simulation/prediction.hpp"
 
 #include "bindings.hpp"
+#include "cogging/simulation/added_effect.hpp"
 #include "cogging/simulation/batch.hpp"
+#include "cogging/simulation/observer_loop.hpp"
 
 using namespace cogging;
 
@@ -136,14 +138,62 @@ Raises:
             require_positive("mass", mass);
             const double* force = forces.data();
             const double* error = reading_errors ? reading_errors->data() : nullptr;
-            return table(std::size_t(forces.shape(0)), rows, threads, [&, force, error](std::size_t i) {
-              return propagate(along, self.log(), self.options(), mass, {force + i * rows, rows},
-                               error ? std::span<const double>(error + i * rows, rows) : std::span<const double>());
-            });
+            const py::ssize_t count = forces.shape(0);
+            std::vector<double> innovation;
+            {
+              py::gil_scoped_release release;
+              const ObserverLoop loop(along, self.log(), self.options());
+              innovation = pass_all(loop, mass, std::size_t(count), force, error, threads);
+            }
+            return to_array(std::move(innovation), {count, py::ssize_t(rows)});
           },
           py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
           py::arg("threads") = 0,
           R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)")
+      .def_static(
+          "is_addable", &is_addable, py::arg("plant"), py::arg("effect"),
+          "Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no "
+          "memory "
+          "of its own beside a bristle or a load, and under friction no heavy load that rings long or has play.")
+      .def(
+          "added",
+          [](const Predictor& self, const Prediction& along, const Plant<>& plant, const std::vector<Effect<>>& effects,
+             const std::vector<double>& sizes, unsigned threads) {
+            const py::ssize_t rows = py::ssize_t(self.log().time.size()), count = py::ssize_t(effects.size());
+            require(sizes.size() == effects.size(), "sizes", "must be as many as effects", double(sizes.size()));
+            for (const double size : sizes) require_positive("sizes", size);
+            for (const Effect<>& effect : effects) {
+              std::visit(
+                  [&]<class E>(const E& law) {
+                    law.validate();
+                    require(is_addable(plant, effect), E::name, "must be predicted as a whole in this plant, added", 1);
+                  },
+                  effect);
+            }
+            std::vector<double> innovation;
+            {
+              py::gil_scoped_release release;
+              const ObserverLoop loop(along, self.log(), self.options());
+              innovation = added_by(effects, sizes, plant, along, self.log(), loop, threads);
+            }
+            return to_array(std::move(innovation), {count, rows});
+          },
+          py::arg("along"), py::arg("plant"), py::arg("effects"), py::arg("sizes"), py::kw_only(),
+          py::arg("threads") = 0,
+          R"(What each effect would add to the innovations of a plant (m, (p, n)) per size of it, to first order.
+
+Its own law is evaluated along the prediction of the plant and passed through the observer's loop: forces, friction
+levels and gains; the difference that a shape, a delay or a lag makes to the command that acts, with where in each
+interval it does; a load of its own by the deflection that the plant's net force causes.
+
+Args:
+    along: prediction of `plant` on this log.
+    plant: what the effects join, one at a time.
+    effects: p of them.
+    sizes: what each row is divided by, (p,), above 0.
+
+Raises:
+    ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.)")
       .def(
           "propagate_transposed",
           [](const Predictor& self, const Prediction& along, double mass, const Array& weight) {
@@ -153,7 +203,7 @@ Raises:
             Adjoint adjoint;
             {
               py::gil_scoped_release release;
-              adjoint = propagate_transposed(along, self.log(), self.options(), mass, view(weight));
+              adjoint = pass_transposed(ObserverLoop(along, self.log(), self.options()), mass, view(weight));
             }
             return std::pair(to_array(std::move(adjoint.force)), to_array(std::move(adjoint.reading)));
           },

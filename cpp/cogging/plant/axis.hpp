@@ -121,6 +121,30 @@ class Axis {
     return (push - friction_level * direction) * inverse_mass_;
   }
 
+  /// Coulomb level with all that the effects add to it, V, before it is kept from pushing.
+  Scalar summed_friction_level(const Motion<Scalar>& motion) const {
+    Scalar level = parameters_.coulomb;
+    for (const Effect<Scalar>& effect : laws_)
+      std::visit(
+          [&]<class E>(const E& law) {
+            if constexpr (HasFrictionLevel<E, Scalar>) level += law.friction_level(motion);
+          },
+          effect);
+    return level;
+  }
+
+  /// What the effects add to the gain 1 of the command.
+  Scalar command_gain(const Scalar& position, double time) const {
+    Scalar gain = 0.0;
+    for (const Effect<Scalar>& effect : gains_)
+      std::visit(
+          [&]<class E>(const E& law) {
+            if constexpr (HasCommandGain<E, Scalar>) gain += law.command_gain(position, time);
+          },
+          effect);
+    return gain;
+  }
+
   /// One step of length h from `time` with the drive held: classical Runge-Kutta of fourth order. With
   /// coulomb_width = 0 the step is cut where the axis stops or breaks away, so that it sticks and slips
   /// exactly.
@@ -167,14 +191,7 @@ class Axis {
 
   // The force constant's effects multiply what the amplifier puts out, `drive - held`.
   COGGING_NOINLINE Scalar amplify(const Scalar& drive, const Scalar& held, const Scalar& position, double time) const {
-    Scalar gain = 0.0;
-    for (const Effect<Scalar>& effect : gains_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasCommandGain<E, Scalar>) gain += law.command_gain(position, time);
-          },
-          effect);
-    return drive + gain * (drive - held);
+    return drive + command_gain(position, time) * (drive - held);
   }
 
   template <class State>

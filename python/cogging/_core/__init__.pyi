@@ -1669,8 +1669,30 @@ class Predictor:
     Raises:
         ValueError: columns of different lengths, time that does not increase, a bandwidth that is not positive.
     """
+    @staticmethod
+    def is_addable(plant: Plant, effect: effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone) -> bool:
+        """
+        Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no memory of its own beside a bristle or a load, and under friction no heavy load that rings long or has play.
+        """
     def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, bandwidth: typing.SupportsFloat | typing.SupportsIndex = 30.0, gap: typing.SupportsFloat | typing.SupportsIndex = 1e+300, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         ...
+    def added(self, along: Prediction, plant: Plant, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone], sizes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What each effect would add to the innovations of a plant (m, (p, n)) per size of it, to first order.
+        
+        Its own law is evaluated along the prediction of the plant and passed through the observer's loop: forces, friction
+        levels and gains; the difference that a shape, a delay or a lag makes to the command that acts, with where in each
+        interval it does; a load of its own by the deflection that the plant's net force causes.
+        
+        Args:
+            along: prediction of `plant` on this log.
+            plant: what the effects join, one at a time.
+            effects: p of them.
+            sizes: what each row is divided by, (p,), above 0.
+        
+        Raises:
+            ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.
+        """
     def innovations(self, plants: collections.abc.Sequence[Plant], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
         """
         Innovations (m) of many plants, (plants, n), on `threads` threads (0 = all cores).

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -147,21 +149,35 @@ def size_range(candidate: Candidate) -> tuple[float, float]:
 
 
 def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
-    """The best shape of each effect, best score first."""
+    """The best shape of each effect, best score first.
+
+    Effects are tried on as many threads as there are cores (core, FFT and BLAS let others go on); what is found does
+    not depend on how many.
+    """
     best: dict[str, Finding] = {}
     wanted = list(EFFECTS if names is None else names)
     periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
-    for name in sorted(wanted, key=lambda one: not is_wave(EFFECTS[one])):
-        for finding in _of(evidence, name, periods):
-            if name not in best or finding.score > best[name].score:
-                best[name] = finding
-        if name in best and is_spatial_wave(EFFECTS[name]) and best[name].log_chance < STANDS_OUT:
-            periods[float(next(iter(best[name].candidate.shape.values())))] = best[name].looked
-    ranked = sorted(best.values(), key=lambda f: -f.score)
-    if not ranked:
-        return []
-    top = ranked[0].score
-    sharpened = [sharpen(evidence, f) if f.score > top - NEAR and f.score > HOPE else f for f in ranked]
+    _ = evidence.scales, evidence.excess  # made here once, not by every thread
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        for waves in (True, False):  # the waves first: the others look at their periods too
+            tried = [name for name in wanted if is_wave(EFFECTS[name]) == waves]
+            for name, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
+                for finding in found:
+                    if name not in best or finding.score > best[name].score:
+                        best[name] = finding
+            for name in tried if waves else ():
+                if name in best and is_spatial_wave(EFFECTS[name]) and best[name].log_chance < STANDS_OUT:
+                    periods[float(next(iter(best[name].candidate.shape.values())))] = best[name].looked
+        ranked = sorted(best.values(), key=lambda f: -f.score)
+        if not ranked:
+            return []
+        top = ranked[0].score
+        sharpened = list(
+            threads.map(
+                lambda f: sharpen(evidence, f) if f.score > top - NEAR and f.score > HOPE else f,
+                ranked,
+            )
+        )
     return sorted(sharpened, key=lambda f: -f.score)
 
 

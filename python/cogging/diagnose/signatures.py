@@ -199,8 +199,8 @@ def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatAr
     """What each candidate's columns do to the residuals of each log, V per unit of amplitude: [candidate][log] (p, n).
 
     Laws that are linear along the prediction (forces, friction levels, gains, errors of the reading) are evaluated
-    along it and passed through the observer's loop; what acts through memory is predicted anew, and the difference
-    taken at the finite size that the shape says.
+    along it and passed through the observer's loop, and so is what a changed command or a load of its own does there,
+    of the finite size that the shape says; what remains, such as friction with a memory, is predicted anew.
     """
     result: list[list[FloatArray]] = [[] for _ in wanted]
     for number, source in enumerate(evidence.sources):
@@ -213,6 +213,7 @@ def _tables_of_log(
     evidence: Evidence, number: int, source: Innovations, wanted: Sequence[Candidate]
 ) -> list[FloatArray]:
     model, along = evidence.model, evidence.alongs[number]
+    plant = quiet_plant(model)
     linear, memory, readings = [], [], []
     for i, candidate in enumerate(wanted):
         hooks = set(EFFECTS[candidate.name].HOOKS)
@@ -225,14 +226,13 @@ def _tables_of_log(
     out: list[FloatArray] = [np.empty(0)] * len(wanted)
     n = len(source.log)
     if linear:
-        plants, owner = [], []
+        made = [(i, effect, unit) for i in linear for effect, unit in _unit_effects(wanted[i])]
+        rows = source.rows_of_effects(along, plant, [e for _, e, _ in made], [unit for _, _, unit in made])
+        start = 0
         for i in linear:
-            for effect, unit in _unit_effects(wanted[i]):
-                plants.append(quiet_plant(model.replace(effects=(*model.effects, effect))))
-                owner.append((i, unit))
-        rows = source.rows_of_plants(along, quiet_plant(model), plants, [unit for _, unit in owner])
-        for i in linear:
-            out[i] = rows[[k for k, (o, _) in enumerate(owner) if o == i]]
+            columns = max(1, len(wanted[i].amplitudes))
+            out[i] = rows[start : start + columns]
+            start += columns
     for i in readings:
         errors = np.array(
             [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
@@ -244,14 +244,19 @@ def _tables_of_log(
         if keys[i] in evidence.memory:
             out[i] = evidence.memory[keys[i]][0]
     memory = [i for i in memory if keys[i] not in evidence.memory]
-    if memory:
-        models = [model]
-        for i in memory:
-            models.append(model.replace(effects=(*model.effects, *(e for e, _ in _unit_effects(wanted[i])))))
-        rows = source.of(models)
-        for k, i in enumerate(memory):
-            out[i] = ((rows[k + 1] - rows[0]) / (wanted[i].unit[0] if wanted[i].unit else 1.0)).reshape(1, n)
-            evidence.memory[keys[i]] = [out[i]]
+    shown = {i: _unit_effects(wanted[i])[0] for i in memory}
+    added = [i for i in memory if source.predictor.is_addable(plant, shown[i][0])]
+    if added:
+        rows = source.rows_of_effects(along, plant, [shown[i][0] for i in added], [shown[i][1] for i in added])
+        for k, i in enumerate(added):
+            out[i] = rows[k : k + 1]
+    whole = [i for i in memory if i not in added]
+    if whole:
+        rows = source.of([model, *(model.replace(effects=(*model.effects, shown[i][0])) for i in whole)])
+        for k, i in enumerate(whole):
+            out[i] = ((rows[k + 1] - rows[0]) / shown[i][1]).reshape(1, n)
+    for i in memory:
+        evidence.memory[keys[i]] = [out[i]]
     return out
 
 

@@ -1,0 +1,91 @@
+#pragma once
+// What one more effect adds to the innovations of a plant, to first order along its prediction.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "cogging/simulation/added_force.hpp"
+#include "cogging/simulation/added_load.hpp"
+#include "cogging/simulation/batch.hpp"
+#include "cogging/simulation/observer_loop.hpp"
+
+namespace cogging {
+
+/// Whether friction and a heavy load decide each other's moments, which no solution along the prediction foresees
+/// (wrong by up to 10 %): a load that rings from one reversal of the axis to the next, or strikes with play.
+inline bool friction_decides(const CouplingParameters& coupling, const AxisParameters<double>& axis) {
+  constexpr double slow = 6.0, light = 0.1;  // 1/s; load over total, below which the motor hardly feels it
+  const bool strikes = coupling.gap > 0.0 || coupling.pushes_only;
+  return axis.coulomb > 0.0 && coupling.mass_ratio > light && (strikes || decay_rate(coupling, axis) < slow);
+}
+
+/// Whether what an effect adds to a plant can be told along the plant's prediction: forces, a command and a load of
+/// its own can, a bristle and errors of the reading cannot, nor what has a memory beside a bristle or a load.
+inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect) {
+  bool has_states = false;
+  for (const Effect<double>& other : plant.effects)
+    std::visit([&]<class E>(const E&) { has_states = has_states || HasBristle<E> || HasCoupling<E>; }, other);
+  return std::visit(
+      [&]<class E>(const E& law) {
+        if constexpr (HasCoupling<E>)
+          if (friction_decides(law.coupling(), plant.axis)) return false;
+        if constexpr (HasBristle<E> || HasReading<E, double>)
+          return false;
+        else
+          return !(has_states && (alters_command<E> || HasCoupling<E>));
+      },
+      effect);
+}
+
+/// What each effect adds to the innovations of a plant, m, per size of it: one row of the log's length an effect.
+inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
+                                    const Plant<double>& plant, const Prediction& along, const Recording& log,
+                                    const ObserverLoop& loop, unsigned threads) {
+  const std::size_t rows = loop.rows(), count = effects.size();
+  std::vector<double> innovation(count * rows);
+  std::vector<std::size_t> forces, loads;
+  for (std::size_t i = 0; i < count; ++i)
+    std::visit([&]<class E>(const E&) { (HasCoupling<E> ? loads : forces).push_back(i); }, effects[i]);
+  if (!forces.empty()) {
+    const AddedForce law(plant, log, along.middle_position, along.middle_velocity);
+    const auto pass = [&]<std::size_t width>(std::integral_constant<std::size_t, width>, std::size_t first) {
+      std::vector<double> force(width * rows, 0.0), excess(width * rows, 0.0);
+      std::array<double*, width> out;
+      for (std::size_t i = 0; i < width; ++i) {
+        const std::size_t effect = forces[first + i];
+        law.add(effects[effect], sizes[effect], {force.data() + i * rows, rows}, {excess.data() + i * rows, rows});
+        out[i] = innovation.data() + effect * rows;
+      }
+      const double *force_of = force.data(), *excess_of = excess.data();
+      const bool steady = std::all_of(excess.begin(), excess.end(), [](double one) { return one == 0.0; });
+      loop.pass<width>(plant.axis.mass, rows_from<width>(force_of, 0, rows),
+                       rows_from<width, const double*>(steady ? nullptr : excess_of, 0, rows), {}, out);
+    };
+    in_blocks(
+        forces.size(), threads, [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
+        [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
+  }
+  if (!loads.empty()) {
+    const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity);
+    run_batch(loads.size(), threads, [&](std::size_t job) {
+      const std::size_t effect = loads[job];
+      std::visit(
+          [&]<class E>(const E& law) {
+            if constexpr (HasCoupling<E>) {
+              const CouplingParameters coupling = law.coupling();
+              double* out = innovation.data() + effect * rows;
+              if (!coupling.rigid()) pass_load(coupling, plant.axis, loop, along.slope_velocity, force, out);
+              for (std::size_t k = 0; k < rows; ++k) out[k] /= sizes[effect];
+            }
+          },
+          effects[effect]);
+    });
+  }
+  return innovation;
+}
+
+}  // namespace cogging

@@ -1,0 +1,90 @@
+#pragma once
+// What one more effect adds to the forces along a given motion: its own law alone is evaluated, and the plant that it
+// joins once for all of them.
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "cogging/plant/plant.hpp"
+#include "cogging/plant/recorded_amplifier.hpp"
+#include "cogging/simulation/prediction.hpp"
+
+namespace cogging {
+
+/// Whether an effect changes what reaches the motor: by shape, delay or lag.
+template <class E>
+inline constexpr bool alters_command = HasShapeCommand<E, double> || HasCommandDelay<E> || HasLag<E>;
+
+class AddedForce {
+ public:
+  /// Position and velocity are those half-way between row k and row k + 1, as in net_force.
+  AddedForce(const Plant<double>& plant, const Recording& log, std::span<const double> middle_position,
+             std::span<const double> middle_velocity)
+      : plant_(plant), log_(log), context_(context_of(plant.axis, plant.cogging)) {
+    const std::size_t rows = log.time.size();
+    const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
+    RecordedAmplifier amplifier(plant.effects, log.time, log.command);
+    rows_.reserve(rows - 1);
+    for (std::size_t k = 0; k + 1 < rows; ++k) {
+      const double start = log.time[k], end = log.time[k + 1];
+      const double v = middle_velocity[k];
+      const Motion<double> motion{middle_position[k], v, smooth_sign(v, plant.axis.coulomb_width), 0.5 * (start + end)};
+      rows_.push_back({motion, amplifier.moments(start, end), axis.summed_friction_level(motion),
+                       1.0 + axis.command_gain(motion.position, motion.time)});
+    }
+  }
+
+  /// Adds to `force` (V, one entry a row) what the effect pushes with, friction taken off, and to `excess` (V s^2, see
+  /// ObserverLoop::pass) how early in each interval it does; both per `size` of it.
+  void add(Effect<double> effect, double size, std::span<double> force, std::span<double> excess) const {
+    const double share = 1.0 / size;
+    std::visit(
+        [&]<class E>(E& law) {
+          if constexpr (HasBind<E>) law.bind(context_);
+          for (std::size_t k = 0; k < rows_.size(); ++k) {
+            [[maybe_unused]] const Row& row = rows_[k];
+            double sum = 0.0;
+            if constexpr (HasForce<E, double>) sum += law.force(row.motion);
+            if constexpr (HasFrictionLevel<E, double>)  // friction never pushes
+              sum -= (std::max(row.friction_level + law.friction_level(row.motion), 0.0) -
+                      std::max(row.friction_level, 0.0)) *
+                     row.motion.direction;
+            if constexpr (HasCommandGain<E, double>)
+              sum += law.command_gain(row.motion.position, row.motion.time) * row.acting.mean;
+            force[k] += sum * share;
+          }
+          if constexpr (alters_command<E>) add_command(effect, share, force, excess);
+        },
+        effect);
+    force.back() = force[force.size() - 2];
+  }
+
+ private:
+  struct Row {
+    Motion<double> motion;
+    CommandMoments acting;
+    double friction_level, gain;  // V, before it is kept from pushing; 1, of the command
+  };
+
+  void add_command(const Effect<double>& effect, double share, std::span<double> force,
+                   std::span<double> excess) const {
+    std::vector<Effect<double>> effects = plant_.effects;
+    effects.push_back(effect);
+    RecordedAmplifier amplifier(effects, log_.time, log_.command);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const Row& row = rows_[k];
+      const CommandMoments acting = amplifier.moments(log_.time[k], log_.time[k + 1]);
+      force[k] += (acting.mean - row.acting.mean) * row.gain * share;
+      excess[k] += (acting.excess - row.acting.excess) * row.gain * share;
+    }
+  }
+
+  const Plant<double>& plant_;
+  const Recording& log_;
+  PlantContext context_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace cogging

@@ -1,0 +1,189 @@
+#pragma once
+// What a load of its own adds to the innovations, to first order along the prediction of the plant that is one mass.
+//
+// With mu = load / total, z the deflection of the load and K the force by which it pulls the motor,
+//   z'' = -f / m1 - K (1 / m1 + 1 / m2),  x = X - mu z,  M X'' = f
+// where X is the centre of mass, f the net force along the prediction and what it changes by as the motor shakes:
+// M (a_x x + a_v v). The part of a_v that is steady, the viscous friction, damps z in the exact solution; the rest is
+// taken as steady over each interval.
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <span>
+
+#include "cogging/plant/axis.hpp"
+#include "cogging/plant/coupling.hpp"
+#include "cogging/simulation/observer_loop.hpp"
+
+namespace cogging {
+
+struct Deflection {
+  double value = 0.0, rate = 0.0;  // m, m/s
+};
+
+/// z'' = push - damping z' - stiffness z, advanced by its exact solution with the push held.
+class Oscillator {
+ public:
+  Oscillator(double stiffness, double damping) : stiffness_(stiffness), damping_(damping) {}
+
+  void prepare(double h) {
+    if (std::abs(h - length_) <= 1e-6 * length_) return;  // steps that differ by the rounding of the times are one
+    length_ = h;
+    const double half = 0.5 * damping_, inner = stiffness_ - half * half;
+    const double root = std::sqrt(std::abs(inner));
+    double cosine, sine;  // of root h, times the decay; the sine over root
+    if (root * h < 1e-6) {
+      cosine = std::exp(-half * h);
+      sine = cosine * h;
+    } else if (inner > 0.0) {
+      const double decay = std::exp(-half * h);
+      cosine = decay * std::cos(root * h);
+      sine = decay * std::sin(root * h) / root;
+    } else {
+      const double slow = std::exp((root - half) * h), fast = std::exp(-(root + half) * h);
+      cosine = 0.5 * (slow + fast);
+      sine = 0.5 * (slow - fast) / root;
+    }
+    value_of_value_ = cosine + half * sine;
+    rate_of_rate_ = cosine - half * sine;
+    rate_of_push_ = sine;
+    value_of_push_ =
+        stiffness_ * h * h < 1e-6 ? h * h * (0.5 - damping_ * h / 6.0) : (1.0 - value_of_value_) / stiffness_;
+  }
+
+  /// What a push of 1 m/s^2 adds.
+  Deflection pushed() const { return {value_of_push_, rate_of_push_}; }
+
+  Deflection advance(const Deflection& z, double push) const {
+    return {value_of_value_ * z.value + rate_of_push_ * z.rate + value_of_push_ * push,
+            -stiffness_ * rate_of_push_ * z.value + rate_of_rate_ * z.rate + rate_of_push_ * push};
+  }
+
+ private:
+  double stiffness_, damping_, length_ = -1.0;
+  double value_of_value_ = 1.0, rate_of_rate_ = 1.0, rate_of_push_ = 0.0, value_of_push_ = 0.0;
+};
+
+/// A load that is held without play, free with the motor, or by a motor at rest.
+class SpringLoad {
+ public:
+  SpringLoad(const CouplingParameters& coupling, double viscous_rate)
+      : SpringLoad(coupling, viscous_rate, rate(coupling)) {}
+
+  void prepare(double h, bool rests) { (rests ? resting_ : moving_).prepare(h); }
+  Deflection pushed(double) const { return moving_.pushed(); }
+  Deflection advance(const Deflection& z, double push, double, bool rests) const {
+    return (rests ? resting_ : moving_).advance(z, push);
+  }
+
+ private:
+  static double rate(const CouplingParameters& coupling) { return 2.0 * std::numbers::pi * coupling.frequency; }
+
+  SpringLoad(const CouplingParameters& coupling, double viscous_rate, double w)
+      : moving_(w * w, 2.0 * coupling.damping_ratio * w + viscous_rate),
+        resting_(w * w * (1.0 - coupling.mass_ratio), 2.0 * coupling.damping_ratio * w * (1.0 - coupling.mass_ratio)) {}
+
+  Oscillator moving_, resting_;
+};
+
+/// A load with play: Runge-Kutta of fourth order, in substeps as in BodyWithStates.
+class LooseLoad {
+ public:
+  LooseLoad(const CouplingParameters& coupling, double mass, double viscous_rate)
+      : coupling_(coupling, mass), viscous_rate_(viscous_rate) {}
+
+  void prepare(double, bool) {}
+  Deflection pushed(double h) const { return {0.5 * h * h, h}; }  // while it is free
+  Deflection advance(Deflection z, double push, double h, bool rests) const {
+    const double inverse = 1.0 / coupling_.load_mass() + (rests ? 0.0 : 1.0 / coupling_.motor_mass());
+    const double damping = rests ? 0.0 : viscous_rate_;
+    const auto slope = [&](const Deflection& at) {
+      return Deflection{at.rate, push - damping * at.rate - coupling_.force(at.value, at.rate) * inverse};
+    };
+    const int pieces = std::max(1, static_cast<int>(std::ceil(4.0 * coupling_.rate() * h)));
+    const double step = h / pieces;
+    for (int piece = 0; piece < pieces; ++piece) {
+      const Deflection k1 = slope(z);
+      const Deflection k2 = slope({z.value + 0.5 * step * k1.value, z.rate + 0.5 * step * k1.rate});
+      const Deflection k3 = slope({z.value + 0.5 * step * k2.value, z.rate + 0.5 * step * k2.rate});
+      const Deflection k4 = slope({z.value + step * k3.value, z.rate + step * k3.rate});
+      z.value += step / 6.0 * (k1.value + 2.0 * (k2.value + k3.value) + k4.value);
+      z.rate += step / 6.0 * (k1.rate + 2.0 * (k2.rate + k3.rate) + k4.rate);
+    }
+    return z;
+  }
+
+ private:
+  Coupling coupling_;
+  double viscous_rate_;
+};
+
+/// Decay, 1/s, of the vibration of a load without play: the damper's, and that of friction on the motor.
+inline double decay_rate(const CouplingParameters& coupling, const AxisParameters<double>& axis) {
+  const double mu = coupling.mass_ratio;
+  return 2.0 * std::numbers::pi * coupling.frequency * coupling.damping_ratio +
+         0.5 * axis.viscous / axis.mass * mu / (1.0 - mu);
+}
+
+/// `force`: net force along the prediction, V, of the plant as one mass; `innovation` is written, m.
+template <class Load>
+void pass_load(Load load, double mass_ratio, const AxisParameters<double>& axis, const ObserverLoop& loop,
+               std::span<const double> slope_velocity, std::span<const double> force, double* innovation) {
+  const double inverse_motor = 1.0 / (1.0 - mass_ratio), steady = -axis.viscous / axis.mass;
+  double x = 0.0, v = 0.0;  // of the centre of mass
+  Deflection z;
+  innovation[0] = 0.0;
+  for (std::size_t k = 0; k + 1 < loop.rows(); ++k) {
+    const ObserverLoop::Interval& interval = loop.intervals()[k];
+    if (interval.kind == ObserverLoop::Kind::starts_anew) {
+      x = v = 0.0;
+      z = {};
+      innovation[k + 1] = 0.0;
+      continue;
+    }
+    const double h = interval.length, motor = x - mass_ratio * z.value;
+    if (interval.kind == ObserverLoop::Kind::rests) {
+      load.prepare(h, true);
+      z = load.advance(z, 0.0, h, true);
+      x = motor + mass_ratio * z.value;
+      v = mass_ratio * z.rate;
+    } else {
+      load.prepare(h, false);
+      const double pulled = interval.slope_position * motor;
+      const double push = -(force[k] / axis.mass + steady * v + pulled) * inverse_motor;
+      Deflection next = load.advance(z, push, h, false);
+      double v_next = v + steady * (h * v - mass_ratio * (next.value - z.value)) + h * pulled;
+      // The rest of the friction's slope: half-way, and towards the end of the interval where it is steep.
+      const double slope = slope_velocity[k] - steady, steep = -slope * h * inverse_motor;
+      const double late = steep < 2.0 ? 0.5 : 1.0 - 1.0 / steep;
+      const double answer = h + mass_ratio * inverse_motor * load.pushed(h).rate;
+      const double braked = slope *
+                            ((1.0 - late) * (v - mass_ratio * z.rate) + late * (v_next - mass_ratio * next.rate)) /
+                            (1.0 - slope * late * answer);
+      next = load.advance(z, push - braked * inverse_motor, h, false);
+      v_next += h * braked;
+      x += 0.5 * h * (v + v_next);
+      v = v_next;
+      z = next;
+    }
+    const double seen = mass_ratio * z.value - x;
+    innovation[k + 1] = seen;
+    x += interval.position_gain * seen;
+    v += interval.velocity_gain * seen;
+  }
+}
+
+/// What a load that is a mass of its own adds to the innovations (m, one entry a row; written).
+inline void pass_load(const CouplingParameters& coupling, const AxisParameters<double>& axis, const ObserverLoop& loop,
+                      std::span<const double> slope_velocity, std::span<const double> force, double* innovation) {
+  // Friction acts on the motor alone, and so damps the vibration.
+  const double viscous_rate = axis.viscous / axis.mass * coupling.mass_ratio / (1.0 - coupling.mass_ratio);
+  if (coupling.gap == 0.0 && !coupling.pushes_only)
+    pass_load(SpringLoad(coupling, viscous_rate), coupling.mass_ratio, axis, loop, slope_velocity, force, innovation);
+  else
+    pass_load(LooseLoad(coupling, axis.mass, viscous_rate), coupling.mass_ratio, axis, loop, slope_velocity, force,
+              innovation);
+}
+
+}  // namespace cogging
