@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError, autoregression, whiten
 from cogging.difference_steps import central
+from cogging.intervals import student
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, parameters_of, with_values
 from cogging.residuals import Innovations, Residuals
@@ -45,7 +47,8 @@ class Estimate:
     Attributes:
         paths: the free parameters.
         values: (p,).
-        covariance: of the values, sandwich over blocks, (p, p).
+        covariance: of the values, from leaving out blocks, (p, p).
+        freedom: degrees of freedom of each variance, (p,).
         model: with the values.
         residuals: V, one array (n,) a log.
         whitened: at the values.
@@ -55,6 +58,7 @@ class Estimate:
     paths: tuple[str, ...]
     values: FloatArray
     covariance: FloatArray
+    freedom: FloatArray
     model: Model
     residuals: tuple[FloatArray, ...]
     whitened: tuple[Whitened, ...]
@@ -69,6 +73,11 @@ class Estimate:
     def deviation(self) -> FloatArray:
         """1-sigma of each value, (p,)."""
         return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+
+    @property
+    def half_width(self) -> FloatArray:
+        """Half of each 95 % interval, (p,)."""
+        return np.asarray(self.deviation * [student(float(freedom)) for freedom in self.freedom])
 
 
 class NothingCounts(ValueError):
@@ -128,24 +137,37 @@ def columns_of(
     return residuals, columns
 
 
-def sandwich(logs: Sequence[Whitened]) -> FloatArray:
-    """Covariance of a least-squares step, (p, p): C^-1 (sum_b g_b g_b') C^-1 times blocks / (blocks - p).
+def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
+    """Covariance (p, p) from leaving out one block of rows after the other, and its degrees of freedom (p,).
 
-    C is the curvature and g_b the score of block b, so that what whitening leaves correlated within a block counts.
-    Nothing holds it above the covariance that white residuals would have: with few blocks it scatters to either side.
+    Blocks, so that what whitening leaves correlated within one counts; each is left out, for a parameter that a few
+    blocks show follows them, and is surer of itself than it should be. Nothing holds it above the covariance that
+    white residuals would have: with few blocks it scatters to either side, which the degrees of freedom allow for.
     """
-    p = logs[0].columns.shape[0]
-    curvature, meat, blocks = np.zeros((p, p)), np.zeros((p, p)), 0
-    for log in logs:
-        curvature += log.columns @ log.columns.T
-        starts = np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1))
-        scores = np.add.reduceat(log.columns * log.residual, starts, axis=1)
-        meat += scores @ scores.T
-        blocks += len(starts)
+    curvature = sum(log.columns @ log.columns.T for log in logs)
     size = np.sqrt(np.diag(curvature))
     size[size == 0.0] = 1.0
-    inverse = np.linalg.pinv(curvature / np.outer(size, size), rcond=1e-13, hermitian=True) / np.outer(size, size)
-    return np.asarray(inverse @ meat @ inverse * blocks / max(blocks - p, 1))
+    scaled = curvature / np.outer(size, size)
+    shifts = []
+    for log in logs:
+        edges = [*np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1)), len(log.residual)]
+        for first, last in itertools.pairwise(edges):
+            part = log.columns[:, first:last] / size[:, None]
+            without = np.linalg.pinv(scaled - part @ part.T, rcond=1e-13, hermitian=True)
+            shifts.append(without @ (part @ log.residual[first:last]))
+    return spread_of(np.array(shifts) / size)
+
+
+def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Covariance (p, p) of values that move by `shifts` (blocks, p) where one block is left out, and its freedom (p,).
+
+    The degrees of freedom are Satterthwaite's, of a sum of squares of unequal size.
+    """
+    table = shifts - shifts.mean(axis=0)
+    blocks, p = table.shape
+    squares = (table**2).sum(axis=0)
+    freedom = 3.0 * squares**2 / np.maximum((table**4).sum(axis=0), 1e-300)
+    return np.asarray(table.T @ table * (blocks - 1) / blocks), np.clip(freedom, 1.0, max(blocks - p, 1))
 
 
 def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-10) -> FloatArray:
@@ -204,7 +226,7 @@ def fit(
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more look, at the values themselves
-    return Estimate(tuple(paths), values, sandwich(seen), model, tuple(residuals), tuple(seen), done)
+    return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
 
 
 def _move(

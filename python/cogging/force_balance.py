@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError
 from cogging.difference_steps import central
+from cogging.estimation import spread_of
 from cogging.inverse_dynamics import InverseDynamics
 from cogging.logs import Log
 from cogging.model import Model
@@ -230,8 +231,7 @@ def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[
     """Covariance (p, p) from leaving out one block after the other, and its degrees of freedom (p,).
 
     A sandwich alone is too sure of a parameter that a few blocks show (mass, in a log with few hard accelerations):
-    there the fit follows what it is judged by. The degrees of freedom are Satterthwaite's, of a sum of squares of
-    unequal size.
+    there the fit follows what it is judged by.
     """
     shifts = []
     for balance, (z, columns, residual, weight) in zip(balances, equations.parts, strict=True):
@@ -240,12 +240,7 @@ def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[
             part = z[:, first:last]
             without = equations.bread - weight * part @ columns[:, first:last].T
             shifts.append(equations.solved(weight * part @ residual[first:last], without))
-    table = np.array(shifts)
-    table -= table.mean(axis=0)
-    blocks, p = table.shape
-    squares = (table**2).sum(axis=0)
-    freedom = 3.0 * squares**2 / np.maximum((table**4).sum(axis=0), 1e-300)
-    return np.asarray(table.T @ table * (blocks - 1) / blocks), np.clip(freedom, 1.0, max(blocks - p, 1))
+    return spread_of(np.array(shifts))
 
 
 def _equations(

@@ -232,8 +232,7 @@ class _Fit:
         if not fits:
             return None
         best = min(fits, key=lambda found: found.cost)
-        blocks = sum(len(np.unique(log.block)) for log in best.whitened)
-        return _Values(best.paths, best.values, best.covariance, np.full(len(paths), max(blocks - len(paths), 1)))
+        return _Values(best.paths, best.values, best.covariance, best.freedom)
 
     def _one_by_one(
         self, model: Model, told: Determinability, balances: Sequence[ForceBalance], scales: Scales

@@ -37,7 +37,7 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
             continue
         paths = [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
         halves = [
-            SIGMAS_95 * float(found.estimate.deviation[found.estimate.paths.index(p)])
+            float(found.estimate.half_width[found.estimate.paths.index(p)])
             if p in free and p in found.estimate.paths
             else float("nan")
             for p in paths

@@ -14,12 +14,12 @@ def with_intervals(model: Model, estimate: Estimate) -> Model:
     """The model with 95 % intervals of what was fitted: its `[bounds]`."""
     known = parameters_of(model)
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
-    for path, fitted, deviation in zip(estimate.paths, estimate.values, estimate.deviation, strict=True):
+    for path, fitted, width in zip(estimate.paths, estimate.values, estimate.half_width, strict=True):
         if path not in known:
             continue
         value = known[path].value
         # Levels tuned to the gap itself differ from the fit's where the model is not quite right: part of the doubt.
-        half = SIGMAS_95 * float(np.hypot(deviation, value - fitted))
+        half = float(np.hypot(width, SIGMAS_95 * (value - fitted)))
         if not np.isfinite(half):
             intervals[path] = (-np.inf, np.inf)
             continue
