@@ -1,5 +1,7 @@
 """What `diagnose` rests on: tails, the transpose of the observer's loop, tests that hold their level."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -9,13 +11,16 @@ from cogging import EFFECTS, Model
 from cogging._core import Predictor
 from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose.chances import log_survival
+from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnose.evidence import orthonormal
+from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances
 from cogging.diagnose.rest import shapes
 from cogging.diagnose.scan import judged, profiled, scan
 from cogging.diagnose.search import search
 from cogging.diagnose.signatures import Candidate, candidates, tables
+from cogging.diagnose.verdict import JUMP, standing
 from cogging.diagnose.waves import is_wave
 from cogging.inverse_dynamics import fast_length
 
@@ -52,6 +57,23 @@ def motion(seed):
 
 def record(model, seed):
     return cogging.simulate(model, motion(seed), seed=seed, duration=8.0, steps_per_sample=4)
+
+
+def pushed(force, seed):
+    """A log in which `force` (V) of reference position and velocity acts beside the command, and nobody knows of it."""
+    model, reference = machine(), motion(seed)
+    log = record(model, seed)
+    added = force(log.time, log.reference, np.gradient(log.reference, log.time))
+    columns = cogging.closed_loop(
+        model.plant(),
+        model.make_controller(),
+        reference,
+        seed=seed,
+        duration=8.0,
+        steps_per_sample=4,
+        added_command=added,
+    )
+    return cogging.Log(columns["time"], columns["position"], columns["command"] - added)
 
 
 @pytest.fixture(scope="module")
@@ -157,6 +179,68 @@ def test_a_spell_is_found_at_its_edges():
     true = Candidate("disturbance_step", {"start": 3.217, "stop": 4.391}, found.candidate.amplitudes, (1e-3,))
     (there,) = judged(evidence, [true], 1.0)
     assert found.test.statistic > 0.98 * there.test.statistic > 10.0
+
+
+def by_coordinate(log):
+    evidence = fit_null([log], machine())[1]
+    return {shape.coordinate: shape for shape in with_events(evidence, shapes(evidence))}
+
+
+def test_readings_that_jump_are_told_with_their_moment_and_size():
+    log = record(machine(), 17)
+    speed = np.gradient(log.position, log.time)
+    row = int(np.argmax((np.abs(speed) > 0.1) & (log.time > 3.0)))
+    position = log.position.copy()
+    position[row:] += 6e-7
+    evidence = fit_null([cogging.Log(log.time, position, log.command)], machine())[1]
+    (jump,) = [shape for shape in events(evidence) if shape.coordinate == JUMPS]
+    assert jump.log_chance < JUMP
+    largest = int(np.argmax(np.abs(jump.force)))
+    assert jump.places[largest] == pytest.approx(log.time[row], abs=0.005)
+    assert jump.force[largest] == pytest.approx(6e-7, abs=4.0 * jump.deviation[largest])
+    assert f"+{1e6 * jump.force[largest]:.4g} um at" in shape_text(jump)
+
+
+def test_a_blow_is_no_jump_of_the_reading():
+    found = by_coordinate(pushed(lambda t, x, v: 0.8 * ((t > 3.0) & (t < 3.02)), 17))
+    assert JUMPS not in found or found[JUMPS].log_chance > JUMP
+
+
+def test_friction_that_comes_and_goes_is_told_in_spells():
+    found = by_coordinate(pushed(lambda t, x, v: -0.15 * np.sign(v) * (np.mod(t, 1.7) < 0.3), 18))
+    assert found[SPELLS].log_chance < -20.0
+    assert np.median(found[SPELLS].force[np.abs(found[SPELLS].force) > 0.05]) < -0.05
+
+
+def test_drag_over_the_pitch_is_its_own_coordinate():
+    found = by_coordinate(pushed(lambda t, x, v: -1.5 * np.sin(2 * np.pi * x / 0.03) * v, 19))
+    best = min(found.values(), key=lambda shape: shape.log_chance)
+    assert best.coordinate == "drag over the pitch"
+    shape = -1.5 * np.sin(2 * np.pi * best.places / 0.03)
+    assert best.force - best.force.mean() == pytest.approx(shape, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("coordinate", "mine", "its", "checked", "told"),
+    [
+        ("position", -13.0, -6.0, True, True),
+        ("position", -7.0, -12.0, True, True),
+        ("position", -7.0, -9.0, True, None),
+        ("position", -4.0, -90.0, True, None),
+        ("position", -13.0, 0.0, True, None),
+        ("position", -13.0, 0.0, False, False),
+        ("time", -41.0, 0.0, True, False),
+        ("time", -39.0, 0.0, True, None),
+        (JUMPS, -19.0, 0.0, True, False),
+        (JUMPS, -17.0, -6.0, True, None),
+        (SPELLS, -19.0, -9.0, True, None),
+        (SPELLS, -25.0, -12.0, True, True),
+        (SPELLS, -41.0, 0.0, False, True),
+    ],
+)
+def test_what_is_left_stands_by_both_motions(coordinate, mine, its, checked, told, quiet_evidence):
+    shape = replace(shapes(quiet_evidence)[0], coordinate=coordinate, log_chance=mine)
+    assert standing(shape, replace(shape, log_chance=its), checked) is told
 
 
 def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):

@@ -20,6 +20,7 @@ EVENTS_MAX = 12
 APART = 0.02  # s: jumps that are closer are one
 LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of spells of friction
 MEDIAN, HUNDREDTH = 0.4549, 6.635  # of chi-square with one degree of freedom: median, and 99 of 100 are below
+BLOWS = (0.002, 0.006, 0.02, 0.06)  # s, lengths of a force that may be taken for a jump
 COUNTS = 2.0  # of the encoder, that a jump must have: rounding alone makes it one count, now and then
 
 
@@ -65,6 +66,7 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
             chosen.append((float(score[row]) / level, number, row))
             score[max(0, row - near) : row + near + 1] = 0.0
     chosen = sorted(chosen, reverse=True)[:EVENTS_MAX]
+    chosen = [one for one in chosen if not _is_blow(evidence, one[1], one[2])]
     tables = []
     for number, source in enumerate(evidence.sources):
         errors = np.zeros((len(chosen), len(source.log)))
@@ -75,6 +77,24 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
     times = [evidence.sources[n].log.time[row] - evidence.sources[n].log.time[0] for _, n, row in chosen]
     smallest = COUNTS * evidence.model.encoder.resolution
     return _best(evidence, JUMPS, tables, times, rows, smallest)
+
+
+def _is_blow(evidence: Evidence, number: int, row: int) -> bool:
+    """Whether a short force about a row explains more of the residual there than a step of the reading does."""
+    source, along, mass = evidence.sources[number], evidence.alongs[number], evidence.model.axis.mass
+    n, h = len(source.log), source.scales.sample_time
+    error, blows = np.zeros((1, n)), []
+    error[0, row:] = 1.0
+    for length in {max(1, round(seconds / h)) for seconds in BLOWS}:
+        for first in (row - length, row - length // 2, row):
+            blow = np.zeros(n)
+            blow[max(0, first) : first + length] = 1.0
+            blows.append(blow)
+    rows = np.vstack([source.rows_of_readings(along, error, mass), source.rows_of_forces(along, np.array(blows), mass)])
+    other = [np.zeros((len(rows), len(one.log))) for one in evidence.sources]
+    other[number] = rows
+    told = [evidence.test(evidence.whitened([table[i : i + 1] for table in other])).statistic for i in range(len(rows))]
+    return max(told[1:]) > told[0]
 
 
 def _spells(evidence: Evidence, forces: list[FloatArray]) -> Shape | None:

@@ -12,11 +12,16 @@ from cogging.diagnose.effect_range import where_of
 from cogging.diagnose.refit import effect_parameters
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import NamedEffect, Value
+from cogging.diagnose.scan import Finding
 from cogging.diagnose.search import RIVAL, Added, Search, alike
+from cogging.diagnose.signatures import known_periods
 from cogging.intervals import SIGMAS_95
 from cogging.parameters import effect_paths, parameters_of
 
+SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
 FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
+HALF = 0.5  # of T
+PERIODS_APART = 1.5  # in turns over the travel
 LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 
 
@@ -25,7 +30,11 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     added = found.added[place]
     best = added.rivals[0]
     # What explains nearly the same rows is told apart by how well its form is known, not by noise alone.
-    rivals = [r for r in added.rivals[1:] if r.score > best.score - (LOOK_ALIKE if alike(r, best) > 0.85 else RIVAL)]
+    rivals = [
+        r
+        for r in added.rivals[1:]
+        if r.score > best.score - (LOOK_ALIKE if alike(r, best) > 0.85 else RIVAL) or unresolved(best, r, found)
+    ]
     prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
     confidence = _confidence(added, odds, left)
@@ -62,6 +71,21 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     )
 
 
+def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
+    """Whether the logs are too short to tell a wave's period from one that the model knows, in which a rival changes.
+
+    What an amplitude that changes along the travel leaves of a known period is a wave of nearly that period.
+    """
+    period, known = best.candidate.shape.get("period"), rival.candidate.shape.get("period")
+    if (
+        period is None
+        or known not in known_periods(found.nominal.model)
+        or rival.test.statistic < HALF * best.test.statistic
+    ):
+        return False
+    return bool(abs(1.0 / period - 1.0 / known) * found.evidence.scales.position < PERIODS_APART)
+
+
 def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
     """The stated chance that a name is right: odds against the rivals, less what else speaks against it."""
     chance = 1.0 / (1.0 + odds)
@@ -80,7 +104,7 @@ def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
         chance *= 0.75
     if added.finding.test.statistic < 35.0:
         chance *= 0.9
-    return round(float(np.clip(0.985 * chance, 0.01, 0.985)), 3)
+    return round(float(np.clip(SUREST * chance, 0.01, SUREST)), 3)
 
 
 def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
@@ -100,7 +124,7 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
 def changed(change: tuple[str, float, float, float], left: Sequence[Shape]) -> NamedEffect:
     """Mass, viscous or Coulomb friction beyond what the model states (search.changes), as an effect."""
     name, size, deviation, beyond = change
-    confidence = 0.97 if abs(beyond) > 5.0 else 0.91
+    confidence = 0.97 if abs(beyond) > 5.0 else 0.86
     if left:
         confidence *= 0.8
     value = Value(size, "1", (size - SIGMAS_95 * deviation, size + SIGMAS_95 * deviation))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -127,34 +129,38 @@ def shapes(evidence: Evidence) -> list[Shape]:
             table = source.rows_of_forces(along, columns, model.axis.mass)
             tables.setdefault(name, []).append(table)
             facts[name] = (unit, places)
-    # Each log has its own places, but equally many unless a direction is missing.
-    found = []
     power = low_power(evidence)
-    for name, parts in tables.items():
+    _ = evidence.excess, evidence.freedom  # made here once, not by every thread
+
+    def shape(name: str) -> Shape | None:
+        parts = tables[name]
+        # Each log has its own places, but equally many unless a direction is missing.
         if len({len(part) for part in parts}) != 1:
-            continue
+            return None
         first = evidence.test(evidence.whitened(parts))
         if first.freedom == 0:
-            continue
+            return None
         test, statistic = first, evidence.bounded(first)
         if statistic > first.freedom + PROMISING:
             quiet = evidence.cleaned([first.amplitudes @ part for part in parts])
             again = quiet.test(quiet.whitened(parts))
             if quiet.bounded(again) > statistic:
                 test, statistic = again, quiet.bounded(again)
-        found.append(
-            Shape(
-                name,
-                facts[name][0],
-                replace(test, statistic=statistic),
-                facts[name][1],
-                -test.amplitudes,
-                test.deviations,
-                min(0.0, log_survival(statistic, test.freedom) + float(np.log(len(tables)))),
-                float(min(1.0, max(0.0, first.statistic - first.freedom) / power)),
-            )
+        unit, places = facts[name]
+        return Shape(
+            name,
+            unit,
+            replace(test, statistic=statistic),
+            places,
+            -test.amplitudes,
+            test.deviations,
+            min(0.0, log_survival(statistic, test.freedom) + float(np.log(len(tables)))),
+            float(min(1.0, max(0.0, first.statistic - first.freedom) / power)),
         )
-    return sorted(found, key=lambda shape: shape.log_chance)
+
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        found = [one for one in threads.map(shape, tables) if one is not None]
+    return sorted(found, key=lambda one: one.log_chance)
 
 
 def low_power(evidence: Evidence) -> float:

@@ -126,16 +126,18 @@ def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
     What is missing makes the residual louder where it acts: measured against that, no effect at low frequencies would
     ever stand out. Each is given the level of noise that is left once it is taken away, and the level's own freedom.
     """
-    ranked = sorted(findings, key=lambda f: -f.score)
-    result = []
-    for place, finding in enumerate(ranked):
-        finding = bounded(evidence, finding)
-        if place < PROFILED and finding.test.statistic > PROMISING:
-            quiet = cleaned(evidence, finding)
-            again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.looked, exact=True)]
-            finding = max([finding, *again], key=lambda f: f.score)
-        result.append(finding)
-    return sorted(result, key=lambda f: -f.score)
+    ranked = [bounded(evidence, finding) for finding in sorted(findings, key=lambda f: -f.score)]
+
+    def sharper(finding: Finding) -> Finding:
+        if finding.test.statistic <= PROMISING:
+            return finding
+        quiet = cleaned(evidence, finding)
+        again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.looked, exact=True)]
+        return max([finding, *again], key=lambda f: f.score)
+
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        first = list(threads.map(sharper, ranked[:PROFILED]))
+    return sorted([*first, *ranked[PROFILED:]], key=lambda f: -f.score)
 
 
 def size_range(candidate: Candidate) -> tuple[float, float]:

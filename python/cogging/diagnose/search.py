@@ -37,7 +37,7 @@ SAME = 0.01  # of a period
 MOSTLY = 0.7  # of T
 AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
 EFFECTS_MAX = 4
-TERMS_MAX = 6
+TERMS_MAX = 10
 
 
 @dataclass
