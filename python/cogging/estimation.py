@@ -18,6 +18,8 @@ from cogging.residuals import Innovations, Residuals
 
 FloatArray = npt.NDArray[np.float64]
 
+LOOSE = 1e-3  # of a direction that nothing determines: a parameter that has more of it is not determined
+SINGULAR = 1e-9  # of the largest eigenvalue of scaled curvature: in directions below it nothing is determined
 BLOCK = 0.2  # s, length of the blocks over which scores are summed: above it, nothing is taken to be correlated
 
 
@@ -143,6 +145,7 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     Blocks, so that what whitening leaves correlated within one counts; each is left out, for a parameter that a few
     blocks show follows them, and is surer of itself than it should be. Nothing holds it above the covariance that
     white residuals would have: with few blocks it scatters to either side, which the degrees of freedom allow for.
+    What no row determines has an infinite variance.
     """
     curvature = sum(log.columns @ log.columns.T for log in logs)
     size = np.sqrt(np.diag(curvature))
@@ -153,9 +156,14 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
         edges = [*np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1)), len(log.residual)]
         for first, last in itertools.pairwise(edges):
             part = log.columns[:, first:last] / size[:, None]
-            without = np.linalg.pinv(scaled - part @ part.T, rcond=1e-13, hermitian=True)
+            without = np.linalg.pinv(scaled - part @ part.T, rcond=SINGULAR, hermitian=True)
             shifts.append(without @ (part @ log.residual[first:last]))
-    return spread_of(np.array(shifts) / size)
+    covariance, freedom = spread_of(np.array(shifts) / size)
+    values, vectors = np.linalg.eigh(scaled)
+    open_to = np.abs(vectors[:, values < SINGULAR * max(values[-1], 1e-300)]).max(axis=1, initial=0.0)
+    loose = np.flatnonzero(open_to > LOOSE)
+    covariance[loose, loose] = np.inf
+    return covariance, freedom
 
 
 def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -165,8 +173,9 @@ def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
     """
     table = shifts - shifts.mean(axis=0)
     blocks, p = table.shape
-    squares = (table**2).sum(axis=0)
-    freedom = 3.0 * squares**2 / np.maximum((table**4).sum(axis=0), 1e-300)
+    sizes = np.abs(table).max(axis=0)
+    parts = (table / np.where(sizes > 0.0, sizes, 1.0)) ** 2
+    freedom = 3.0 * parts.sum(axis=0) ** 2 / np.maximum((parts**2).sum(axis=0), 1e-300)
     return np.asarray(table.T @ table * (blocks - 1) / blocks), np.clip(freedom, 1.0, max(blocks - p, 1))
 
 
@@ -217,7 +226,7 @@ def fit(
             break
         size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
         scaled = curvature / np.outer(size, size)
-        step = -np.linalg.lstsq(scaled + 1e-12 * np.eye(len(size)), gradient / size, rcond=1e-12)[0] / size
+        step = -np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True) @ (gradient / size) / size
         done += 1
         moved, length = _move(
             model, parameters, step, logs, residuals, [s.coefficients for s in seen], floors or {}, ceilings or {}

@@ -17,6 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 
 JUMPS, SPELLS = "jumps of the reading over time", "friction in spells of time"
 EVENTS_MAX = 12
+SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one
 LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of spells of friction
 MEDIAN, HUNDREDTH = 0.4549, 6.635  # of chi-square with one degree of freedom: median, and 99 of 100 are below
@@ -66,7 +67,14 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
             chosen.append((float(score[row]) / level, number, row))
             score[max(0, row - near) : row + near + 1] = 0.0
     chosen = sorted(chosen, reverse=True)[:EVENTS_MAX]
-    chosen = [one for one in chosen if not _is_blow(evidence, one[1], one[2])]
+    found = _told(evidence, chosen, rows)
+    if found is None or found.log_chance > SUSPECTED:
+        return found
+    return _told(evidence, [one for one in chosen if not _is_blow(evidence, one[1], one[2])], rows)
+
+
+def _told(evidence: Evidence, chosen: Sequence[tuple[float, int, int]], looked: float) -> Shape | None:
+    """Jumps in given rows of given logs, as a shape."""
     tables = []
     for number, source in enumerate(evidence.sources):
         errors = np.zeros((len(chosen), len(source.log)))
@@ -76,7 +84,7 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
         tables.append(source.rows_of_readings(evidence.alongs[number], errors, evidence.model.axis.mass))
     times = [evidence.sources[n].log.time[row] - evidence.sources[n].log.time[0] for _, n, row in chosen]
     smallest = COUNTS * evidence.model.encoder.resolution
-    return _best(evidence, JUMPS, tables, times, rows, smallest)
+    return _best(evidence, JUMPS, tables, times, looked, smallest)
 
 
 def _is_blow(evidence: Evidence, number: int, row: int) -> bool:

@@ -32,6 +32,8 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         prior = getattr(model.axis, name)
         if prior <= VANISHING * search_.evidence.scales.of(known[path].unit):
             continue  # a deviation relative to nothing says nothing
+        if values[i] <= 0.0:
+            continue  # no such machine: the logs do not tell this level from what goes with it
         stated = model.uncertainty[name] * prior
         deviation = float(np.sqrt(covariance[i, i] + stated**2))
         beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0

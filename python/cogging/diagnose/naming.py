@@ -13,7 +13,7 @@ from cogging.diagnose.refit import effect_parameters
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import NamedEffect, Value
 from cogging.diagnose.scan import Finding
-from cogging.diagnose.search import RIVAL, Added, Search, alike
+from cogging.diagnose.search import FORM, RIVAL, Added, Search, alike
 from cogging.diagnose.signatures import known_periods
 from cogging.intervals import SIGMAS_95
 from cogging.parameters import effect_paths, parameters_of
@@ -30,11 +30,7 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     added = found.added[place]
     best = added.rivals[0]
     # What explains nearly the same rows is told apart by how well its form is known, not by noise alone.
-    rivals = [
-        r
-        for r in added.rivals[1:]
-        if r.score > best.score - (LOOK_ALIKE if alike(r, best) > 0.85 else RIVAL) or unresolved(best, r, found)
-    ]
+    rivals = [r for r in added.rivals[1:] if r.score > best.score - margin(best, r) or unresolved(best, r, found)]
     prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
     confidence = _confidence(added, odds, left)
@@ -69,6 +65,11 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
         added.finding.test.statistic,
         added.finding.log_chance,
     )
+
+
+def margin(best: Finding, rival: Finding) -> float:
+    """Of the score, within which a rival is an alternative: more where it explains nearly the same rows."""
+    return max(LOOK_ALIKE, FORM * best.test.statistic) if alike(rival, best) > 0.85 else RIVAL
 
 
 def unresolved(best: Finding, rival: Finding, found: Search) -> bool:

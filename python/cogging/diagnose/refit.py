@@ -8,6 +8,7 @@ from cogging.diagnose.evidence import Evidence
 from cogging.diagnose.null import width_floor
 from cogging.diagnose.scan import Finding, in_range
 from cogging.diagnose.signatures import quantities
+from cogging.diagnose.spells import is_spell
 from cogging.estimation import Estimate, fit
 from cogging.model import Model
 from cogging.parameters import effect_paths, parameters_of, role_of
@@ -51,7 +52,8 @@ def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], di
     sizes = quantities(evidence)
     for prefix, effect in effect_paths(model.effects):
         for name, role in effect.ROLES.items():
-            if role["role"] == "shape" and role["quantity"] not in ("position", "time", "exponent"):
+            held = role["quantity"] in ("position", "exponent") or (role["quantity"] == "time" and is_spell(effect))
+            if role["role"] == "shape" and not held:
                 size = sizes[role["quantity"]]
                 floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
                 ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
@@ -79,7 +81,7 @@ def effect_parameters(model: Model) -> list[str]:
             value = getattr(effect, name)
             if role["role"] == "setting" or (role["role"] == "shape" and isinstance(value, list)):
                 continue
-            if role["quantity"] in ("time", "exponent") or (role["quantity"] == "position"):
-                continue  # edges and places: where the scan found them
+            if role["quantity"] == "exponent" or (role["quantity"] == "time" and is_spell(effect)):
+                continue  # edges in time: where the scan found them
             paths += [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
     return [p for p in paths if np.isfinite(known[p].value)]

@@ -33,11 +33,15 @@ RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer 
 PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
 WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
 OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of what they are worth
+REACH = 60.0  # of the score: what is farther from the best is no rival
+FORM = 0.05  # of T: how well the form of anything is known
 SAME = 0.01  # of a period
-MOSTLY = 0.7  # of T
+MOSTLY, NEARLY = 0.7, 0.9  # of T
+MANY = 4  # amplitudes
 AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
 EFFECTS_MAX = 4
-TERMS_MAX = 10
+TERMS_MAX = 8
+HARMONICS_MAX = 3  # terms of one name: a fourth would tell of the shape, and take the place of another effect
 
 
 @dataclass
@@ -127,9 +131,11 @@ def search(
         barred = {finding.name for finding, _ in refused}
         if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
             barred |= set(EFFECTS) - names
+        barred |= {name for name in names if sum(one.finding.name == name for one in added) == HARMONICS_MAX}
         step = None
         power = low_power(evidence)
-        for finding in by_worth(estimate, evidence, findings):
+        worth = worths(estimate, evidence, findings)
+        for finding in sorted(findings, key=lambda f: -worth.get(f.name, f.score if not worth else 0.0)):
             if finding.log_chance > SUSPECTED or finding.name in barred or finding.test.statistic < WORTH * power:
                 continue
             check = confirmation(confirm_evidence, finding)
@@ -148,7 +154,7 @@ def search(
         if step is None:
             break
         finding, check = step
-        step_rivals, chosen, check = choose(evidence, findings, finding, check, confirm_evidence, barred)
+        step_rivals, chosen, check = choose(findings, finding, check, confirm_evidence, barred, worth)
         try:
             progress(f"adding {chosen.name}")
             fitted = refit(estimate, chosen, evidence, len(model.effects))
@@ -186,58 +192,66 @@ def search(
     )
 
 
-def by_worth(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
-    """The findings in the order in which to take them: the likeliest first.
+def worths(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) -> dict[str, float]:
+    """What each effect explains of the gap itself, as T of rows that are not whitened; empty where none stands out.
 
-    Where the evidence is overwhelming, every imperfection of the model is significant: then what makes most of the gap.
+    Where the evidence is overwhelming, every imperfection of the model is significant: then that is the order to take.
     """
-    ranked = sorted(findings, key=lambda f: -f.score)
-    if not ranked or ranked[0].score < OVERWHELMING:
-        return ranked
+    if max((f.score for f in findings), default=0.0) < OVERWHELMING:
+        return {}
     plain = gather(estimate, evidence.sources, memory=evidence.memory, plain=True)
     worth = {}
-    for finding in ranked:
+    for finding in findings:
         if finding.log_chance < DETECTED:
             again = judged(plain, [finding.candidate], 1.0)
             worth[finding.name] = again[0].test.statistic if again else 0.0
-    return sorted(ranked, key=lambda f: -worth.get(f.name, 0.0))
+    return worth
 
 
 def choose(
-    evidence: Evidence,
     findings: Sequence[Finding],
     best: Finding,
     check: Confirmation | None,
     confirm_evidence: Evidence | None,
     barred: set[str],
+    worth: dict[str, float],
 ) -> tuple[list[Finding], Finding, Confirmation | None]:
     """Of the effects that explain about as much, the one that both motions favour; and those within reach of it."""
+    reach = max(REACH, FORM * best.test.statistic)
     near = [
         f
         for f in findings
         if f is best
-        or (f.score > best.score - 60.0 and f.name not in barred and f.log_chance < -5.0 and alike(f, best) > 0.5)
+        or (f.score > best.score - reach and f.name not in barred and f.log_chance < -5.0 and alike(f, best) > 0.5)
     ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 
-    def total(f: Finding) -> float:
+    def gain(f: Finding) -> float:
         c = checks[f.name]
-        return f.score + (0.0 if c is None else float(np.clip(c.gain, -60.0, None)))
+        return 0.0 if c is None else float(np.clip(c.gain, -60.0, None))
 
     standing = [f for f in near if f is best or not (checks[f.name] is not None and checks[f.name].refuted)]  # type: ignore[union-attr]
-    ranked = sorted(standing, key=total, reverse=True)
+    ranked = sorted(standing, key=lambda f: worth.get(f.name, 0.0 if worth else f.score) + gain(f), reverse=True)
     chosen = plainer(ranked)
-    top = total(ranked[0])
-    rivals = [replace(chosen, score=top), *(replace(f, score=total(f)) for f in ranked if f is not chosen)]
+    top = max(f.score + gain(f) for f in ranked)
+    rivals = [
+        replace(chosen, score=top),
+        *(replace(f, score=f.score + gain(f)) for f in ranked if f is not chosen),
+    ]
     return rivals, chosen, checks[chosen.name]
 
 
 def plainer(ranked: Sequence[Finding]) -> Finding:
-    """The likeliest finding; the wave in it where it is one of changing amplitude that is mostly a plain wave.
+    """The likeliest finding, or a plainer one that explains nearly as much.
 
-    Many amplitudes along the travel always explain more; of a period that the model has not, the wave comes first.
+    Many amplitudes along the travel always explain more: an effect of one or two that explains nearly all of it comes
+    first, and of a period that the model has not, the plain wave that is most of it.
     """
     first = ranked[0]
+    if len(first.candidate.amplitudes) > MANY:
+        for other in ranked[1:]:
+            if len(other.candidate.amplitudes) <= 2 and other.test.statistic > NEARLY * first.test.statistic:
+                return other
     periods = [first.candidate.shape[f] for f in first.candidate.shape if f == "period"]
     if not periods or is_wave(EFFECTS[first.name]) or len(first.candidate.amplitudes) <= 2:
         return first

@@ -18,6 +18,7 @@ from cogging.residuals import LINEAR_HOOKS, Innovations, quiet_plant
 FloatArray = npt.NDArray[np.float64]
 
 
+TURNS = 3.0  # of a wave in the travel, at least, for its amplitude to change along it
 NODES = 6  # of an amplitude that is given as a list along the travel
 POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
 MOMENTS = 14  # at which something may begin or end
@@ -164,7 +165,8 @@ def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> 
         knots = NODES - 1
         fixed |= {"pitch": (high - low) / (knots - 2), "order": 3, "origin": low}
         if "period" in shapes:
-            shapes["period"] = [*known_periods(evidence.model), *periods]
+            # A wave with hardly a turn in the travel has no amplitude that changes along it.
+            shapes["period"] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
             if not shapes["period"]:
                 return
         length = knots
