@@ -13,12 +13,13 @@ from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnose.evidence import orthonormal
+from cogging.diagnose.level_changes import changes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances
 from cogging.diagnose.rest import shapes
-from cogging.diagnose.scan import judged, profiled, scan
-from cogging.diagnose.search import search
+from cogging.diagnose.scan import Finding, judged, profiled, scan
+from cogging.diagnose.search import plainer, search
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.verdict import JUMP, standing
 from cogging.diagnose.waves import is_wave
@@ -298,6 +299,45 @@ def test_a_hidden_effect_is_found_first(effect, others):
     found = search([record(truth, 11)], nominal, [record(truth, 12)])
     assert found.added
     assert found.added[0].finding.name in {effect.NAME} | others
+
+
+@pytest.mark.parametrize(
+    ("effect", "field"),
+    [
+        (EFFECTS["cable_spring"](stiffness=1.5, center=0.03), "center"),
+        (EFFECTS["force_constant_drift"](change=0.2, time_constant=1.7), "time_constant"),
+    ],
+    ids=lambda value: getattr(value, "NAME", value),
+)
+def test_centres_and_time_constants_are_fitted_and_leave_nothing_to_add(effect, field):
+    found = search([record(machine([effect]), 11)], machine(), [record(machine([effect]), 12)])
+    assert [added.finding.name for added in found.added] == [effect.NAME]
+    (place,) = [i for i, path in enumerate(found.estimate.paths) if path.endswith(f"{effect.NAME}.{field}")]
+    error = found.estimate.values[place] - getattr(effect, field)
+    assert abs(error) < 2.0 * found.estimate.half_width[place]
+    assert np.isfinite(found.estimate.half_width[place])
+
+
+def test_few_amplitudes_that_explain_nearly_as_much_come_first():
+    def finding(name, count, statistic):
+        amplitudes = tuple(("sine", i) for i in range(count))
+        candidate = Candidate(name, {}, amplitudes, (1.0,) * count)
+        test = evidence_module.Test(statistic, count, np.ones(count), np.ones(5), np.ones(count))
+        return Finding(candidate, test, np.ones(count), 1.0, -20.0, statistic)
+
+    many, few, far = finding("cogging_modulation", 10, 100.0), finding("cable_spring", 1, 91.0), finding("x", 1, 89.0)
+    assert plainer([many, few]) is few
+    assert plainer([many, far]) is many
+    assert plainer([few, many]) is few
+
+
+def test_a_level_below_nothing_is_no_change():
+    truth = machine().replace(axis=machine().axis.replace(viscous=9.0))
+    found = search([record(truth, 11)], machine())
+    (change,) = [one for one in changes(found, machine()) if one[0] == "viscous"]
+    assert change[1] == pytest.approx(2.0, abs=0.2)
+    lower = replace(found, estimate=replace(found.estimate, values=found.estimate.values - 1e3))
+    assert changes(lower, machine()) == []
 
 
 def test_nuisances_are_levels_and_known_amplitudes():

@@ -189,23 +189,31 @@ def envelope(time: FloatArray, values: FloatArray, few: int) -> tuple[FloatArray
 
 
 def folded_figure(gaps: Mapping[str, Series], periods: Sequence[float]) -> Figure:
-    """The gap within one period of position, for each period (m): what repeats itself, stands still here."""
+    """The gap within one period of position, for each period (m): what repeats itself, stands still here.
+
+    Each direction by itself: an observer shows a ripple late, which is to one side forward and to the other backward.
+    """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11.0, 3.2), layout="constrained")
-    panels = np.atleast_1d(figure.subplots(1, len(periods)))
-    for panel, period in zip(panels, periods, strict=True):
-        panel.axhline(0.0, color="black", linewidth=0.6)
-        for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
-            position, gap, block = _rows(series, "position")
-            place, mean, half = binned(position % period, gap, block, np.linspace(0.0, period, 33))
-            scale = 1e3 if period < 0.1 else 1.0
-            panel.fill_between(scale * place, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
-            panel.plot(scale * place, mean, color=colour, linewidth=1.4, label=label)
-            panel.set(
-                xlabel=f"position within {scale * period:.4g} {'mm' if scale > 1 else 'm'}", ylabel="mean gap (V)"
-            )
-    panels[0].legend(loc="best", fontsize=8)
+    figure = Figure(figsize=(11.0, 5.2), layout="constrained")
+    panels = np.asarray(figure.subplots(2, len(periods), squeeze=False, sharex="col", sharey="col"))
+    for line, (way, sign) in enumerate((("forward", 1.0), ("backward", -1.0))):
+        for panel, period in zip(panels[line], periods, strict=True):
+            panel.axhline(0.0, color="black", linewidth=0.6)
+            scale, unit = (1e3, "mm") if period < 0.1 else (1.0, "m")
+            for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
+                position, gap, block = _rows(series, "position")
+                along = sign * _rows(series, "velocity")[0] > 0.0
+                if not along.any():
+                    continue
+                edges = np.linspace(0.0, period, 33)
+                place, mean, half = binned(position[along] % period, gap[along], block[along], edges)
+                panel.fill_between(scale * place, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
+                panel.plot(scale * place, mean, color=colour, linewidth=1.4, label=label)
+            panel.set(ylabel=f"mean gap {way} (V)")
+            if line == 1:
+                panel.set(xlabel=f"position within {scale * period:.4g} {unit}")
+    panels[0, 0].legend(loc="best", fontsize=8)
     return figure
 
 
