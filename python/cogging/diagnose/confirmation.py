@@ -47,7 +47,7 @@ class Confirmation:
     @property
     def refuted(self) -> bool:
         """Whether the other motion speaks against it: it shows far less or more than foreseen, or is worse off."""
-        far = 3.0 * self.deviation if self.ratio < 1.0 else 5.0 * self.deviation
+        far = (3.0 if self.ratio < 1.0 else 10.0) * self.deviation  # more than foreseen may be a shape not quite right
         return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
 
     @property

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from cogging.diagnose.evidence import Evidence
 from cogging.diagnose.search import Search
-from cogging.estimation import Estimate
+from cogging.estimation import SINGULAR, Estimate, Whitened, jackknife
+from cogging.intervals import student
 from cogging.model import Model
 from cogging.parameters import parameters_of
 
@@ -18,11 +19,11 @@ VANISHING = 1e-3  # of the command: a force below it is as good as none
 
 
 def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
-    """Mass, viscous and Coulomb friction beyond what the model states: (name, change, deviation, how many deviations).
+    """Mass, viscous and Coulomb friction beyond what the model states: (name, change, half of its interval, how many deviations).
 
     Shapes of friction close to rest are nuisances here too: what they take up is no change of the level.
     """
-    values, covariance = level_estimates(search_.evidence, search_.estimate)
+    values, deviations, halves = level_estimates(search_.evidence, search_.estimate)
     known = parameters_of(model)
     found = []
     for i, path in enumerate(search_.estimate.paths):
@@ -35,21 +36,28 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         if values[i] <= 0.0:
             continue  # no such machine: the logs do not tell this level from what goes with it
         stated = model.uncertainty[name] * prior
-        deviation = float(np.sqrt(covariance[i, i] + stated**2))
+        deviation = float(np.hypot(deviations[i], stated))
         beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
-        found.append((name, values[i] / prior - 1.0, float(np.sqrt(covariance[i, i])) / prior, float(beyond)))
+        found.append((name, values[i] / prior - 1.0, float(halves[i]) / prior, float(beyond)))
     return found
 
 
-def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray]:
-    """Values and covariance of the free parameters with the shapes of slow friction free beside them."""
+def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Values, 1-sigma and half of the 95 % interval of the free parameters, shapes of slow friction free beside them.
+
+    The deviations are those that leaving out blocks gives, or white residuals, whichever are larger.
+    """
     columns = evidence.columns
     size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
     size[size == 0.0] = 1.0
     scaled = columns / size[:, None]
-    gram = scaled @ scaled.T
-    inverse = np.linalg.pinv(gram, rcond=1e-9, hermitian=True)
+    inverse = np.linalg.pinv(scaled @ scaled.T, rcond=SINGULAR, hermitian=True)
     step = -(inverse @ (scaled @ evidence.residual)) / size
+    left = evidence.residual + step @ columns
+    blocks = Whitened(left, columns, evidence.block, np.zeros(0), 1.0)
+    covariance, freedom = jackknife([blocks])
+    white = np.diag(inverse) / size**2 * evidence.excess
+    deviation = np.sqrt(np.maximum(np.diag(covariance), white))
+    half = deviation * [student(float(one)) for one in freedom]
     p = len(estimate.paths)
-    covariance = (inverse / np.outer(size, size) * evidence.excess)[:p, :p]
-    return estimate.values + step[:p], covariance
+    return estimate.values + step[:p], deviation[:p], half[:p]

@@ -15,7 +15,6 @@ from cogging.diagnose.result import NamedEffect, Value
 from cogging.diagnose.scan import Finding
 from cogging.diagnose.search import FORM, RIVAL, Added, Search, alike
 from cogging.diagnose.signatures import known_periods
-from cogging.intervals import SIGMAS_95
 from cogging.parameters import effect_paths, parameters_of
 
 SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
@@ -124,11 +123,11 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
 
 def changed(change: tuple[str, float, float, float], left: Sequence[Shape]) -> NamedEffect:
     """Mass, viscous or Coulomb friction beyond what the model states (search.changes), as an effect."""
-    name, size, deviation, beyond = change
+    name, size, half, beyond = change
     confidence = 0.97 if abs(beyond) > 5.0 else 0.86
     if left:
         confidence *= 0.8
-    value = Value(size, "1", (size - SIGMAS_95 * deviation, size + SIGMAS_95 * deviation))
+    value = Value(size, "1", (size - half, size + half))
     return NamedEffect(
         f"{name}_change",
         (),

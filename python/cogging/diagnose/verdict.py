@@ -18,6 +18,7 @@ HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a ca
 AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
 TOGETHER = -18.0  # the same of both at once, where each is below AGAIN; what counts for one log ends at LONELY
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
+JUMPS_TOGETHER = -12.0  # the same of both logs
 SPELL, SPELLS_TOGETHER = -8.0, -36.0  # the same of spells of friction: what friction laws differ by comes in spells too
 LONELY = -40.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
@@ -81,7 +82,8 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
     mine = shape.log_chance
     its = 0.0 if other is None else other.log_chance
     if shape.coordinate == JUMPS:
-        return its < AGAIN if mine < JUMP else None
+        both = max(mine, its) < AGAIN and mine + its < JUMPS_TOGETHER
+        return its < AGAIN if mine < JUMP or both else None
     if shape.coordinate == SPELLS:
         both = max(mine, its) < SPELL and mine + max(its, LONELY) < SPELLS_TOGETHER
         return True if both or (not checked and mine < LONELY) else None
