@@ -22,7 +22,7 @@ from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import plainer, search
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.verdict import JUMP, standing
-from cogging.diagnose.waves import is_wave
+from cogging.diagnose.waves import is_wave, peaks
 from cogging.inverse_dynamics import fast_length
 
 RATE = 1000.0
@@ -243,6 +243,15 @@ def test_drag_over_the_pitch_is_its_own_coordinate():
 def test_what_is_left_stands_by_both_motions(coordinate, mine, its, checked, told, quiet_evidence):
     shape = replace(shapes(quiet_evidence)[0], coordinate=coordinate, log_chance=mine)
     assert standing(shape, replace(shape, log_chance=its), checked) is told
+
+
+def test_a_fast_tone_is_the_first_peak_however_few_bins_there_are(monkeypatch):
+    """Bins longer than the rows would fold what is faster into lines that are not there."""
+    truth = machine([EFFECTS["disturbance_tone"](frequency=103.0, sine=0.03)])
+    evidence = fit_null([record(truth, 21)], machine())[1]
+    monkeypatch.setattr("cogging.diagnose.waves.BINS", 256)
+    (first, *_), _ = peaks(evidence, "disturbance_tone")
+    assert first.shape["frequency"] == pytest.approx(103.0, abs=0.2)
 
 
 def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):

@@ -19,9 +19,10 @@ VANISHING = 1e-3  # of the command: a force below it is as good as none
 
 
 def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
-    """Mass, viscous and Coulomb friction beyond what the model states: (name, change, half of its interval, how many deviations).
+    """Mass, viscous and Coulomb friction beyond what the model states.
 
-    Shapes of friction close to rest are nuisances here too: what they take up is no change of the level.
+    Each as (name, change, half of its 95 % interval, how many deviations, found and stated, it is beyond). Shapes of
+    friction close to rest are nuisances here too: what they take up is no change of the level.
     """
     values, deviations, halves = level_estimates(search_.evidence, search_.estimate)
     known = parameters_of(model)

@@ -17,7 +17,7 @@ from cogging.residuals import Innovations
 
 FloatArray = npt.NDArray[np.float64]
 
-BINS = 1 << 14  # of the positions, or times: the shortest period is some bins long
+BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
 PEAKS = 5  # of each view of the spectrum, that are looked at exactly
 PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
 STRETCH = 128  # bins of a spectrum, over which its level is taken
@@ -51,13 +51,15 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
     total: Any = None
     norm: Any = None
     span = sizes["position"] if spatial else sizes["time"]
+    # Rows that share a bin in time would fold what is faster than the bins into lines that are not there.
+    bins = BINS if spatial else max(BINS, 1 << int(np.ceil(np.log2(span / evidence.scales.sample_time + 1.0))))
     start = 0
     origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
     for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
         n = len(source.log)
         residual = evidence.free_residual[start : start + n]
         start += n
-        score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span)
+        score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span, bins)
         total = score if total is None else total + score
         norm = power if norm is None else norm + power
     statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
@@ -101,6 +103,7 @@ def _score(
     spatial: bool,
     origin: float,
     span: float,
+    bins: int,
 ) -> tuple[npt.NDArray[np.complex128], FloatArray, FloatArray]:
     """Score and its variance over wavenumbers (1/m) or frequencies (Hz)."""
     model = evidence.model
@@ -111,10 +114,10 @@ def _score(
     place = (
         (along.position if on_reading else along.middle_position) if spatial else source.log.time - source.log.time[0]
     )
-    length = 2 * BINS
+    length = 2 * bins
     width = 2.0 * span / length  # twice the span: wavenumbers finer than independent ones
-    bins = np.clip(((place - (origin if spatial else 0.0)) / width).astype(np.int64), 0, length - 1)
-    spectrum = np.fft.rfft(np.bincount(bins, back * gain, length)[:length])
+    inside = np.clip(((place - (origin if spatial else 0.0)) / width).astype(np.int64), 0, length - 1)
+    spectrum = np.fft.rfft(np.bincount(inside, back * gain, length)[:length])
     wave = np.arange(len(spectrum)) / (width * length)
     frequency, response = _response(source, filter_, model.axis.mass, on_reading)
     weight = source.counts * gain**2
