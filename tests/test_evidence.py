@@ -10,6 +10,7 @@ import cogging
 from cogging import EFFECTS, Model
 from cogging._core import Predictor
 from cogging.diagnose import evidence as evidence_module
+from cogging.diagnose import waves
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnose.evidence import orthonormal
@@ -22,7 +23,7 @@ from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import plainer, search
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.verdict import JUMP, standing
-from cogging.diagnose.waves import is_wave, peaks
+from cogging.diagnose.waves import is_wave
 from cogging.inverse_dynamics import fast_length
 
 RATE = 1000.0
@@ -249,8 +250,8 @@ def test_a_fast_tone_is_the_first_peak_however_few_bins_there_are(monkeypatch):
     """Bins longer than the rows would fold what is faster into lines that are not there."""
     truth = machine([EFFECTS["disturbance_tone"](frequency=103.0, sine=0.03)])
     evidence = fit_null([record(truth, 21)], machine())[1]
-    monkeypatch.setattr("cogging.diagnose.waves.BINS", 256)
-    (first, *_), _ = peaks(evidence, "disturbance_tone")
+    monkeypatch.setattr(waves, "BINS", 256)
+    (first, *_), _ = waves.peaks(evidence, "disturbance_tone")
     assert first.shape["frequency"] == pytest.approx(103.0, abs=0.2)
 
 
