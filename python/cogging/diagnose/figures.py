@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from cogging.diagnose.events import JUMPS, SPELLS
 from cogging.diagnose.rest import Shape
 from cogging.intervals import SIGMAS_95
 from cogging.residuals import moving_average
@@ -230,6 +231,7 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
         halves = [("", slice(0, len(shape.force)))]
         if len(shape.force) == 2 * m:
             halves = [("forward", slice(0, m)), ("backward", slice(m, 2 * m))]
+        at_moments = shape.coordinate in (JUMPS, SPELLS)
         panel.axhline(0.0, color="black", linewidth=0.6)
         panel.set_ylim(*limits(shape))
         for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):
@@ -243,6 +245,8 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
                 marker=marker,
                 markersize=3,
                 linewidth=1.0,
+                linestyle="none" if at_moments else "-",
+                elinewidth=1.0,
                 capsize=2,
                 label=label or None,
             )
@@ -252,7 +256,7 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
         panel.set(
             xlabel=f"{shape.coordinate.split()[-1]} ({shape.unit})",
             ylabel=f"missing ({unit.get(shape.coordinate.split()[0], 'V')})",
-            title=f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
+            title=shape.coordinate if at_moments else f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
         )
     for panel in panels[len(shapes) :]:
         panel.remove()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging._core import EFFECTS
+from cogging.diagnose.events import JUMPS, SPELLS
 from cogging.diagnose.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnose.location import Location, locate_gap
 from cogging.diagnose.result import Diagnosis, NamedEffect, Value
@@ -93,6 +94,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "confirmed": confirmed(result),
         "effects": [_effect(result, effect) for effect in result.effects],
         "unlisted": result.unlisted,
+        "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in (JUMPS, SPELLS),
         "where": location.lines() if location is not None else list(result.where_text),
         "next": _next(result),
         "ledger": result.ledger,
@@ -220,11 +222,19 @@ def _next(result: Diagnosis) -> list[str]:
             "Record a second log with other motion (other speeds, other strokes) and give it as a confirm log."
         )
     if result.unlisted is not None and result.verdict != "controller_mismatch":
-        advice.append(
-            f"What no known effect explains depends on {result.unlisted['coordinate']}: repeat the motion with that "
-            "alone changed, and see whether the gap follows."
-        )
+        advice.append(_of_unlisted(result.unlisted["coordinate"]))
     return advice
+
+
+def _of_unlisted(coordinate: str) -> str:
+    if coordinate == JUMPS:
+        return "Readings jump at the moments told: look at the scale, at the encoder's cable, and at the log's clock."
+    if coordinate == SPELLS:
+        return "Friction comes and goes: repeat the motion, and see whether it comes back at the same places or times."
+    return (
+        f"What no known effect explains depends on {coordinate}: repeat the motion with that alone changed, and see "
+        "whether the gap follows."
+    )
 
 
 def _parameters(result: Diagnosis) -> list[dict[str, Any]]:

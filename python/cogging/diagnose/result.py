@@ -224,7 +224,7 @@ class Diagnosis:
                     f"    {name} = {_number(p.value)} {p.unit}, 95 % {_number(p.ci95[0])} to {_number(p.ci95[1])}"
                 )
         if self.unlisted is not None:
-            lines.append(f"  unlisted: {self.unlisted['coordinate']}: {self.unlisted['shape']}")
+            lines.append(f"  unlisted: {self.unlisted['shape']}")
         g = self.gap
         lines.append(f"gap ({g.signal}): {g.before:.4g} {g.unit} before, {g.after:.4g} after, floor {g.floor:.4g}")
         if g.confirm_before is not None and g.confirm_after is not None:
