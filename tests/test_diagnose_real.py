@@ -105,12 +105,20 @@ def test_the_detent_of_the_motor_is_named(motor):
     moving = complex(term["sine"].value, term["cosine"].value)
     turned = np.degrees(np.angle(moving / static))
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
-    # A missed figure, held as it is: the amplitude comes out larger than at rest (seen 1.52 to 1.68).
-    assert 0.5 < abs(moving) / abs(static) < 2.0
+    # A missed figure, held as it is: the amplitude comes out larger than at rest (seen: 1.37 times).
+    assert 0.5 < abs(moving) / abs(static) < 1.6
     # The current is logged 0.2 to 0.6 ms after it acted (laas.current_lateness): 8 degrees a 0.4 ms at 5 rad/s, more
-    # in the fast strokes of the ripple.
-    # Seen: -1.4, -13.8 and -16.4. Which terms come after the first, and turn it, hangs on rounding (note of the issue).
-    assert abs(turned) < 20.0
+    # in the fast strokes of the ripple. Seen: -3.7 degrees, the same where the last digits of the log are changed.
+    assert abs(turned) < 8.0
+
+
+def test_the_delay_of_its_loop_is_named(motor):
+    result, _ = motor
+    delay = next(e for e in result.effects if e.name == "command_delay").parameters["delay"]
+    print(f"\ndelay {1e3 * delay.value:.2f} ms, 95 % {1e3 * delay.ci95[0]:.2f} to {1e3 * delay.ci95[1]:.2f}")
+    # Its authors say 2 ms from speed to current, which is the controller's; no other source says what lies between
+    # current and motion, and laas.current_lateness has the opposite sign: named, and not to be trusted in size.
+    assert 0.5e-3 < delay.value < 2e-3  # seen: 1.34 ms, 1.08 to 1.60
 
 
 # Hidden by hand in the axis -------------------------------------------------------------------------------------------
