@@ -18,12 +18,15 @@ from cogging.diagnose.level_changes import changes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances
+from cogging.diagnose.patched import with_intervals
+from cogging.diagnose.refit import conditional_paths
 from cogging.diagnose.rest import shapes
 from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import plainer, search
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.verdict import JUMP, standing
 from cogging.diagnose.waves import is_wave
+from cogging.estimation import Estimate
 from cogging.inverse_dynamics import fast_length
 
 RATE = 1000.0
@@ -327,6 +330,17 @@ def test_centres_and_time_constants_are_fitted_and_leave_nothing_to_add(effect, 
     error = found.estimate.values[place] - getattr(effect, field)
     assert abs(error) < 2.0 * found.estimate.half_width[place]
     assert np.isfinite(found.estimate.half_width[place])
+
+
+def test_what_hangs_on_an_assumed_contact_has_no_interval():
+    model = machine([EFFECTS["backlash"](gap=1e-5, mass_ratio=0.2), EFFECTS["cable_spring"](stiffness=1.5)])
+    paths = ("effects.backlash.gap", "effects.backlash.mass_ratio", "effects.cable_spring.stiffness")
+    values = np.array([1e-5, 0.2, 1.5])
+    assert conditional_paths(model) == set(paths[:2])
+    estimate = Estimate(paths, values, np.diag((0.01 * values) ** 2), np.full(3, 1e6), model, (), (), 1)
+    intervals = with_intervals(model, estimate).intervals
+    assert intervals[paths[0]] == intervals[paths[1]] == (-np.inf, np.inf)
+    assert intervals[paths[2]] == pytest.approx((1.5 * (1 - 0.0196), 1.5 * (1 + 0.0196)), rel=1e-4)
 
 
 def test_few_amplitudes_that_explain_nearly_as_much_come_first():

@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging.diagnose.confirmation import INFORMATIVE
 from cogging.diagnose.effect_range import where_of
-from cogging.diagnose.refit import effect_parameters
+from cogging.diagnose.refit import conditional_paths, effect_parameters
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import NamedEffect, Value
 from cogging.diagnose.scan import Finding
@@ -34,7 +34,7 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
     confidence = _confidence(added, odds, left)
     known = parameters_of(found.estimate.model)
-    free = set(effect_parameters(found.estimate.model))
+    free = set(effect_parameters(found.estimate.model)) - conditional_paths(found.estimate.model)
     values: dict[str, Value] = {}
     for name, (unit, _) in effect.FIELDS.items():
         if effect.ROLES[name]["role"] == "setting":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cogging.diagnose.refit import conditional_paths
 from cogging.estimation import Estimate
 from cogging.intervals import SIGMAS_95
 from cogging.model import Model
@@ -12,7 +13,7 @@ from cogging.parameters import parameters_of
 
 def with_intervals(model: Model, estimate: Estimate) -> Model:
     """The model with 95 % intervals of what was fitted: its `[bounds]`."""
-    known = parameters_of(model)
+    known, conditional = parameters_of(model), conditional_paths(model)
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
     for path, fitted, width in zip(estimate.paths, estimate.values, estimate.half_width, strict=True):
         if path not in known:
@@ -20,7 +21,7 @@ def with_intervals(model: Model, estimate: Estimate) -> Model:
         value = known[path].value
         # Levels tuned to the gap itself differ from the fit's where the model is not quite right: part of the doubt.
         half = float(np.hypot(width, SIGMAS_95 * (value - fitted)))
-        if not np.isfinite(half):
+        if not np.isfinite(half) or path in conditional:
             intervals[path] = (-np.inf, np.inf)
             continue
         low = max(0.0, value - half) if known[path].positive else value - half

@@ -85,3 +85,17 @@ def effect_parameters(model: Model) -> list[str]:
                 continue  # edges in time: where the scan found them
             paths += [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
     return [p for p in paths if np.isfinite(known[p].value)]
+
+
+def conditional_paths(model: Model) -> set[str]:
+    """Paths of shapes that were fitted under settings which nobody stated, of an effect with states (a contact).
+
+    Under other settings they come out differently, by more than their intervals would say.
+    """
+    return {
+        f"{prefix}.{name}"
+        for prefix, effect in effect_paths(model.effects)
+        if "state" in effect.HOOKS and any(role["role"] == "setting" for role in effect.ROLES.values())
+        for name, role in effect.ROLES.items()
+        if role["role"] == "shape"
+    }
