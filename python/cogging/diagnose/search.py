@@ -22,6 +22,7 @@ from cogging.diagnose.waves import is_spatial_wave, is_wave
 from cogging.estimation import Estimate
 from cogging.logs import Log
 from cogging.model import Model
+from cogging.parameters import parameters_of, with_values
 
 # Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
@@ -163,11 +164,12 @@ def search(
             continue
         tuned = with_levels(fitted.model, nominal.paths, levels)
         if confirm and (check is None or check.turn == 0.0):
-            worse = gaps(confirm, [tuned_before, tuned], replay=False)
-            if worse[1].rms > PAYS * worse[0].rms:
-                reason = f"the gap on the other motion grows from {worse[0].rms:.4g} to {worse[1].rms:.4g} V with it"
-                refused.append((chosen, reason))
+            kept = with_levels_of(tuned_before, fitted.model, nominal.paths)
+            tuned_or_none, growth = that_pays(logs, confirm, tuned_before, tuned, kept)
+            if tuned_or_none is None:
+                refused.append((chosen, growth))
                 continue
+            tuned = tuned_or_none
         estimate, tuned_before = fitted, tuned
         added.append(Added(chosen, step_rivals, left, check, tuned))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
@@ -190,6 +192,30 @@ def search(
         findings,
         confirm_evidence,
     )
+
+
+def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
+    """A model with the levels that it had before something was added."""
+    known = parameters_of(before, together=True)
+    return with_values(model, {path: known[path].value for path in paths if not path.startswith("effects.")})
+
+
+def that_pays(
+    logs: Sequence[Log], confirm: Sequence[Log], before: Model, tuned: Model, kept: Model
+) -> tuple[Model | None, str]:
+    """The model with which the gap on the confirm logs does not grow: its levels re-tuned, or as they were before.
+
+    Levels that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself may
+    then pay where it is added alone. None, and why, where it does not pay either way.
+    """
+    other = gaps(confirm, [before, tuned, kept], replay=False)
+    if other[1].rms <= PAYS * other[0].rms:
+        return tuned, ""
+    if other[2].rms < other[0].rms:
+        own = gaps(logs, [before, kept], replay=False)
+        if own[1].rms <= PAYS * own[0].rms:
+            return kept, ""
+    return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"
 
 
 def worths(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) -> dict[str, float]:
