@@ -22,7 +22,7 @@ from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
 from cogging.diagnose.rest import shapes
 from cogging.diagnose.scan import Finding, judged, profiled, scan
-from cogging.diagnose.search import plainer, search
+from cogging.diagnose.search import plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.verdict import JUMP, standing
 from cogging.diagnose.waves import is_wave
@@ -330,6 +330,25 @@ def test_centres_and_time_constants_are_fitted_and_leave_nothing_to_add(effect, 
     error = found.estimate.values[place] - getattr(effect, field)
     assert abs(error) < 2.0 * found.estimate.half_width[place]
     assert np.isfinite(found.estimate.half_width[place])
+
+
+def test_an_effect_pays_with_levels_tuned_or_as_they_were():
+    spring, wrong = EFFECTS["cable_spring"](stiffness=1.5), EFFECTS["cable_spring"](stiffness=-1.5)
+    logs, confirm = [record(machine([spring]), 11)], [record(machine([spring]), 12)]
+    good, nominal = machine([spring]), machine()
+    bent = good.replace(axis=good.axis.replace(viscous=12.0))
+    assert that_pays(logs, confirm, nominal, good, bent)[0] is good
+    assert that_pays(logs, confirm, nominal, bent, good)[0] is good
+    neither, reason = that_pays(logs, confirm, nominal, bent, machine([wrong]))
+    assert neither is None
+    assert reason.startswith("the gap on the other motion grows from")
+
+
+def test_levels_of_an_earlier_model_leave_what_was_added():
+    before = machine().replace(axis=machine().axis.replace(viscous=4.0, mass=2.1))
+    kept = with_levels_of(before, machine([EFFECTS["cable_spring"](stiffness=1.5)]), nuisances(before))
+    assert kept.axis == before.axis
+    assert [effect.NAME for effect in kept.effects] == ["cable_spring"]
 
 
 def test_what_hangs_on_an_assumed_contact_has_no_interval():
