@@ -234,14 +234,14 @@ def test_drag_over_the_pitch_is_its_own_coordinate():
         ("position", -4.0, -90.0, True, None),
         ("position", -13.0, 0.0, True, None),
         ("position", -13.0, 0.0, False, False),
-        ("time", -41.0, 0.0, True, False),
-        ("time", -39.0, 0.0, True, None),
+        ("time", -101.0, 0.0, True, False),
+        ("time", -99.0, 0.0, True, None),
         (JUMPS, -19.0, 0.0, True, False),
         (JUMPS, -17.0, -4.0, True, None),
         (JUMPS, -8.0, -6.0, True, True),
         (SPELLS, -19.0, -9.0, True, None),
         (SPELLS, -25.0, -12.0, True, True),
-        (SPELLS, -41.0, 0.0, False, True),
+        (SPELLS, -101.0, 0.0, False, True),
     ],
 )
 def test_what_is_left_stands_by_both_motions(coordinate, mine, its, checked, told, quiet_evidence):

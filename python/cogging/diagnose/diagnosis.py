@@ -176,7 +176,7 @@ def _assemble(
     left = [shape for shape in found.left if shape.log_chance < LEFT_OVER and shape.coordinate != SPELLS]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
     effects += [changed(change, left) for change in beyond]
-    rest = unlisted(found, effects)
+    rest = unlisted(found, effects, checked=bool(others))
     alternatives = sorted({name for effect in effects for name in (effect.name, *effect.alternatives)})
     ambiguous = any(effect.alternatives for effect in effects)
     where = tuple(found.first_shapes)

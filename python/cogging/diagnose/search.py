@@ -28,7 +28,7 @@ from cogging.parameters import parameters_of, with_values
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
 SUSPECTED = -6.0  # the same for what the confirm logs show by themselves
-UNSHOWN = -30.0  # the same for what the confirm logs cannot show
+UNSHOWN = -60.0  # the same for what the confirm logs cannot show
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
 PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
@@ -140,6 +140,8 @@ def search(
             if finding.log_chance > SUSPECTED or finding.name in barred or finding.test.statistic < WORTH * power:
                 continue
             check = confirmation(confirm_evidence, finding)
+            if confirm and check is None:  # the other logs cannot be predicted: they show nothing
+                check = Confirmation(0.0, 0.0, 0.0)
             if finding.log_chance > DETECTED and not (check is not None and check.sure):
                 continue
             if check is not None and check.refuted:

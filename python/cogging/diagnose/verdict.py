@@ -20,11 +20,11 @@ TOGETHER = -18.0  # the same of both at once, where each is below AGAIN; what co
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
 SPELL, SPELLS_TOGETHER = -8.0, -36.0  # the same of spells of friction: what friction laws differ by comes in spells too
-LONELY = -40.0  # ln of the chance of a shape in time, which other motion need not show
+LONELY = -100.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
 
 
-def unlisted(found: Search, effects: Sequence[NamedEffect]) -> dict[str, Any] | None:
+def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) -> dict[str, Any] | None:
     """What no effect explains: a rest that is significant on these logs, and in the same coordinate on the others.
 
     Or what an effect was taken for that hardly anybody would bet on, where a force of any shape explains more.
@@ -34,7 +34,7 @@ def unlisted(found: Search, effects: Sequence[NamedEffect]) -> dict[str, Any] | 
         again = with_events(found.confirm_evidence, shapes(found.confirm_evidence))
         others = {shape.coordinate: shape for shape in again}
     for shape in found.left:
-        confirmed = standing(shape, others.get(shape.coordinate), found.confirm_evidence is not None)
+        confirmed = standing(shape, others.get(shape.coordinate), checked)
         if confirmed is not None:
             return _entry(shape, confirmed)
     if JUMPS in others and others[JUMPS].log_chance < JUMP:
