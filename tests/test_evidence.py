@@ -20,11 +20,11 @@ from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
-from cogging.diagnose.rest import shapes
+from cogging.diagnose.rest import shapes, variance_jumps
 from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
-from cogging.diagnose.verdict import JUMP, standing
+from cogging.diagnose.verdict import JUMP, VARIANCE, standing
 from cogging.diagnose.waves import is_wave
 from cogging.estimation import Estimate
 from cogging.inverse_dynamics import fast_length
@@ -215,6 +215,21 @@ def test_friction_that_comes_and_goes_is_told_in_spells():
     found = by_coordinate(pushed(lambda t, x, v: -0.15 * np.sign(v) * (np.mod(t, 1.7) < 0.3), 18))
     assert found[SPELLS].log_chance < -20.0
     assert np.median(found[SPELLS].force[np.abs(found[SPELLS].force) > 0.05]) < -0.05
+
+
+def test_a_burst_is_told_from_noise_that_goes_with_speed():
+    log = record(machine(), 23)
+    noise = np.random.default_rng(6).normal(size=len(log))
+    speed = np.abs(np.gradient(log.reference, log.time))
+    middle = log.time[np.argmax(speed)]
+    burst = 3e-6 * noise * (np.abs(log.time - middle) < 0.25)
+    with_speed = 3e-6 * noise * speed / speed.max()
+    found = []
+    for added in (burst, with_speed):
+        read = cogging.Log(log.time, log.position + added, log.command)
+        found.append(variance_jumps(fit_null([read], machine())[1]))
+    assert found[0] < VARIANCE  # seen: -1044
+    assert found[1] > 0.5 * VARIANCE  # seen: -0.4
 
 
 def test_drag_over_the_pitch_is_its_own_coordinate():

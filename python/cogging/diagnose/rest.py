@@ -16,6 +16,7 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
+SPEEDS = 24  # ranges of speed with a level of noise each
 PHASES = 8  # places in a pitch
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
@@ -177,13 +178,22 @@ def low_power(evidence: Evidence) -> float:
 
 
 def variance_jumps(evidence: Evidence) -> float:
-    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s."""
+    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s.
+
+    Against what it is at that speed: where an encoder is coarse, the noise goes with speed.
+    """
+    power = evidence.free_residual**2
+    counts = evidence.residual != 0.0
+    speed = np.concatenate([np.abs(source.along.velocity) for source in evidence.sources])
+    edges = np.unique(np.quantile(speed[counts], np.linspace(0.0, 1.0, SPEEDS + 1)))
+    place = np.clip(np.searchsorted(edges, speed, side="right") - 1, 0, max(len(edges) - 2, 0))
+    rows = np.maximum(np.bincount(place, counts, minlength=SPEEDS), 1.0)
+    level = np.maximum(np.bincount(place, power * counts, minlength=SPEEDS) / rows, 1.0)
+    power = power / level[place]
     worst = 0.0
     for block in range(0, int(evidence.block[-1]) + 1, 3):
-        rows = (evidence.block >= block) & (evidence.block < block + 3) & (evidence.residual != 0.0)
-        n = int(rows.sum())
-        if n < 100:
-            continue
-        power = float((evidence.free_residual[rows] ** 2).sum())
-        worst = min(worst, log_survival(power, n))
+        mine = (evidence.block >= block) & (evidence.block < block + 3) & counts
+        n = int(mine.sum())
+        if n >= 100:
+            worst = min(worst, log_survival(float(power[mine].sum()), n))
     return worst
