@@ -255,7 +255,8 @@ def test_drag_over_the_pitch_is_its_own_coordinate():
         (JUMPS, -17.0, -4.0, True, None),
         (JUMPS, -8.0, -6.0, True, True),
         (SPELLS, -19.0, -9.0, True, None),
-        (SPELLS, -25.0, -12.0, True, True),
+        (SPELLS, -25.0, -14.0, True, None),
+        (SPELLS, -45.0, -20.0, True, True),
         (SPELLS, -101.0, 0.0, False, True),
     ],
 )

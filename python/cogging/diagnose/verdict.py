@@ -19,7 +19,10 @@ AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
 TOGETHER = -18.0  # the same of both at once, where each is below AGAIN; what counts for one log ends at LONELY
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
-SPELL, SPELLS_TOGETHER = -8.0, -36.0  # the same of spells of friction: what friction laws differ by comes in spells too
+SPELL, SPELLS_TOGETHER = (
+    -12.0,
+    -60.0,
+)  # the same of spells of friction: what friction laws differ by comes in spells too
 LONELY = -100.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
 
