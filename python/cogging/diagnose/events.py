@@ -16,6 +16,7 @@ from cogging.diagnose.waves import adjoint
 FloatArray = npt.NDArray[np.float64]
 
 JUMPS, SPELLS = "jumps of the reading over time", "friction in spells of time"
+MOMENTS = (JUMPS, SPELLS)  # coordinates whose places are moments
 EVENTS_MAX = 12
 SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one

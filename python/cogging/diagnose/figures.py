@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging.diagnose.events import JUMPS, SPELLS
+from cogging.diagnose.events import MOMENTS
 from cogging.diagnose.rest import Shape
 from cogging.intervals import SIGMAS_95
 from cogging.residuals import moving_average
@@ -231,7 +231,7 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
         halves = [("", slice(0, len(shape.force)))]
         if len(shape.force) == 2 * m:
             halves = [("forward", slice(0, m)), ("backward", slice(m, 2 * m))]
-        at_moments = shape.coordinate in (JUMPS, SPELLS)
+        at_moments = shape.coordinate in MOMENTS
         panel.axhline(0.0, color="black", linewidth=0.6)
         panel.set_ylim(*limits(shape))
         for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):

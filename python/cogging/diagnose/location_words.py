@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from cogging.diagnose.events import JUMPS, SPELLS
+from cogging.diagnose.events import JUMPS, MOMENTS
 from cogging.diagnose.rest import Shape
 
 FloatArray = npt.NDArray[np.float64]
@@ -15,14 +15,14 @@ STRONG = 3.0  # deviations from which a place counts
 
 def shape_text(shape: Shape) -> str:
     """One line: coordinate, share of the gap, and the ranges in which the force differs from zero."""
-    if shape.coordinate in (JUMPS, SPELLS):
+    if shape.coordinate in MOMENTS:
         return f"{shape.coordinate}: {ranges(shape)}"
     return f"{shape.coordinate} explains {share_text(shape.share)} of the gap: {ranges(shape)}"
 
 
 def ranges(shape: Shape) -> str:
     """In which ranges of a coordinate its force differs from zero, in words."""
-    if shape.coordinate in (JUMPS, SPELLS):
+    if shape.coordinate in MOMENTS:
         return _moments(shape)
     m = len(shape.places)
     sides = [("", shape.force, shape.deviation)]

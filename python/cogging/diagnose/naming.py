@@ -122,7 +122,7 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
 
 
 def changed(change: tuple[str, float, float, float], left: Sequence[Shape]) -> NamedEffect:
-    """Mass, viscous or Coulomb friction beyond what the model states (search.changes), as an effect."""
+    """Mass, viscous or Coulomb friction beyond what the model states (level_changes.changes), as an effect."""
     name, size, half, beyond = change
     confidence = 0.97 if abs(beyond) > 5.0 else 0.86
     if left:

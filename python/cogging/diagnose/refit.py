@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from cogging.diagnose.evidence import Evidence
@@ -52,14 +54,18 @@ def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], di
     sizes = quantities(evidence)
     for prefix, effect in effect_paths(model.effects):
         for name, role in effect.ROLES.items():
-            held = role["quantity"] in ("position", "exponent") or (role["quantity"] == "time" and is_spell(effect))
-            if role["role"] == "shape" and not held:
+            if role["role"] == "shape" and role["quantity"] != "position" and not is_held(effect, role):
                 size = sizes[role["quantity"]]
                 floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
                 ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
             elif role["role"] == "amplitude" and role["low"] == 0.0:
                 floors[f"{prefix}.{name}"] = 0.0
     return floors, ceilings
+
+
+def is_held(effect: Any, role: dict[str, Any]) -> bool:
+    """Whether a fit leaves a parameter where the scan found it: an exponent, or an edge in time."""
+    return role["quantity"] == "exponent" or (role["quantity"] == "time" and is_spell(effect))
 
 
 def shape_paths(model: Model) -> set[str]:
@@ -81,8 +87,8 @@ def effect_parameters(model: Model) -> list[str]:
             value = getattr(effect, name)
             if role["role"] == "setting" or (role["role"] == "shape" and isinstance(value, list)):
                 continue
-            if role["quantity"] == "exponent" or (role["quantity"] == "time" and is_spell(effect)):
-                continue  # edges in time: where the scan found them
+            if is_held(effect, role):
+                continue
             paths += [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
     return [p for p in paths if np.isfinite(known[p].value)]
 

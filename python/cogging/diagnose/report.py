@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.diagnose.events import JUMPS, SPELLS
+from cogging.diagnose.events import JUMPS, MOMENTS, SPELLS
 from cogging.diagnose.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnose.location import Location, locate_gap
 from cogging.diagnose.result import Diagnosis, NamedEffect, Value
@@ -94,7 +94,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "confirmed": confirmed(result),
         "effects": [_effect(result, effect) for effect in result.effects],
         "unlisted": result.unlisted,
-        "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in (JUMPS, SPELLS),
+        "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in MOMENTS,
         "where": location.lines() if location is not None else list(result.where_text),
         "next": _next(result),
         "ledger": result.ledger,

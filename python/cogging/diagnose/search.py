@@ -73,7 +73,7 @@ class Search:
         tuned: the nominal model with levels tuned to its gap (with_levels).
         estimate: fit with all that was added, and its evidence.
         added, refused: effects in the order in which they were tried; the refused with the reason.
-        first_shapes, left: generic shapes of what is missing in the nominal and in the last model.
+        first_shapes, left: generic shapes, and events, of what is missing in the nominal and in the last model.
         unused: the last scan, of which nothing was added.
         confirm_evidence: the confirm logs under the last model, None without.
     """

@@ -16,7 +16,7 @@ SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
 AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
-TOGETHER = -18.0  # the same of both at once, where each is below AGAIN; what counts for one log ends at LONELY
+TOGETHER = -18.0  # the same of both at once, where each is below AGAIN
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
 SPELL, SPELLS_TOGETHER = (
@@ -88,9 +88,9 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
         both = max(mine, its) < AGAIN and mine + its < JUMPS_TOGETHER
         return its < AGAIN if mine < JUMP or both else None
     if shape.coordinate == SPELLS:
-        both = max(mine, its) < SPELL and mine + max(its, LONELY) < SPELLS_TOGETHER
+        both = max(mine, its) < SPELL and mine + its < SPELLS_TOGETHER
         return True if both or (not checked and mine < LONELY) else None
-    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or max(mine, LONELY) + max(its, LONELY) < TOGETHER):
+    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or mine + its < TOGETHER):
         return True
     once = not checked or "time" in shape.coordinate  # what depends on time need not come again
     return False if once and mine < (LONELY if checked else LEFT_OVER) else None
