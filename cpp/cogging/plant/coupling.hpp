@@ -44,6 +44,8 @@ class Coupling {
   double load_mass() const { return load_mass_; }
   double rate() const { return rate_; }  // 1/s, the fastest that it answers with
 
+  bool is_free(double deflection) const { return pushes_only_ && std::abs(deflection) < half_gap_; }
+
   /// The force by which the load pulls the motor towards +x, V.
   ///
   /// Where it only pushes, the damper gives no more than the spring: the force then comes and goes with the

@@ -20,8 +20,8 @@ struct Backlash {
 
   double gap = 0.0;  // m
   double mass_ratio = 0.0;
-  double contact_frequency = 200.0;  // Hz
-  double contact_damping_ratio = 0.3;
+  double contact_frequency = 400.0;    // Hz, assumed: stiff
+  double contact_damping_ratio = 1.0;  // assumed: a lubricated contact hardly rebounds
 
   static constexpr auto fields() {
     using E = Backlash;
