@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_toeplitz
+from scipy.optimize import brentq
 from scipy.signal import lfilter
 
 import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor, autoregression, whiten
-from cogging.residuals import Innovations
+from cogging.residuals import Innovations, settling
 
 BANDWIDTH = 25.0
 
@@ -96,6 +97,33 @@ def test_rows_about_a_turn_between_two_samples_do_not_count():
     for turn in turns:
         assert not source.counts[turn : turn + round(source.settle / 1e-3)].any()
     assert source.counts.any()
+
+
+@pytest.mark.parametrize(("acceleration", "quick"), [(20.0, True), (4.0, True), (0.5, False)])
+def test_after_a_quick_start_rows_count_sooner(acceleration, quick):
+    """Of 2 rest / a as much must be forgotten as six time constants leave of what acted for one; by a root of scipy."""
+    rest, bandwidth, h = 1e-3, 50.0, 1e-4
+    time = h * np.arange(2000)
+    velocity = acceleration * np.maximum(time - 0.05, 0.0)
+    constant = 1.0 / (2.0 * np.pi * bandwidth)
+    waits = settling(velocity < rest, time, velocity, rest, bandwidth)
+    acted = 2.0 * rest / acceleration / constant
+    if quick:
+        left = 7.0 * np.exp(-6.0) / acted
+        expected = brentq(lambda s: (1.0 + s) * np.exp(-s) - left, 0.0, 6.0) if left < 1.0 else 0.0
+        assert waits[-1] == pytest.approx(constant * max(expected, 1.0), rel=0.02)
+    else:
+        assert waits[-1] == pytest.approx(6.0 * constant, rel=1e-9)
+    assert (np.diff(waits[velocity >= rest]) == 0.0).all()
+
+
+def test_quick_starts_only_add_rows(columns):
+    time, position, command = columns
+    model = Model(axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.01))
+    log = cogging.Log(time, position, command)
+    usual, quick = (Innovations(log, model, quick_starts=flag).counts for flag in (False, True))
+    assert (quick >= usual).all()
+    assert quick.sum() > usual.sum()
 
 
 def test_smooth_friction_spring_and_drag_against_scipy(columns):

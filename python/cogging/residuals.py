@@ -28,6 +28,7 @@ from cogging.parameters import Parameter, Scales, effect_at
 FloatArray = npt.NDArray[np.float64]
 
 WIDE = 0.03  # of a parameter: the step of a difference quotient through contacts
+SETTLED = 6.0  # time constants of the observer, after which what it did not know (7 exp(-6) of it) is forgotten
 START = 0.06  # s, left out at the start and after a gap: what acted before the first row is not known
 
 
@@ -56,6 +57,7 @@ class Innovations:
         model: gives mass and friction width for the scaling; what is judged is given to `of`.
         bandwidth: of the observer, Hz.
         rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
+        quick_starts: rows count sooner after a start that is quicker than the observer (see settling).
     """
 
     def __init__(
@@ -66,8 +68,9 @@ class Innovations:
         bandwidth: float = 20.0,
         rest: float | None = None,
         steps_per_sample: int | None = None,
+        quick_starts: bool = False,
     ) -> None:
-        self.log, self.bandwidth = log, bandwidth
+        self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
         steps = np.diff(log.time)
         sample_time = float(np.median(steps))
         plant = quiet_plant(model)
@@ -92,9 +95,10 @@ class Innovations:
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
         turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
         still = (np.abs(self.velocity) < self.rest) | turned
-        self.settle = settle = 6.0 / (2.0 * np.pi * bandwidth)
+        self.settle = settle = SETTLED / (2.0 * np.pi * bandwidth)
         broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
-        counts = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
+        waits = settling(still, log.time, self.velocity, self.rest, bandwidth) if quick_starts else settle
+        counts = ~(since(still, log.time) < waits) & ~(since(broken, log.time) < max(START, settle))
         self.counts = counts.astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
@@ -325,6 +329,27 @@ def moving_average(values: FloatArray, length: int) -> FloatArray:
     rows = np.arange(len(values))
     first, last = np.maximum(rows - half, 0), np.minimum(rows + half + 1, len(values))
     return np.asarray((total[last] - total[first]) / (last - first))
+
+
+def settling(
+    still: npt.NDArray[np.bool_], time: FloatArray, velocity: FloatArray, rest: float, bandwidth: float
+) -> FloatArray:
+    """Seconds for which each row must wait after the last that was still, (n,).
+
+    What friction does below `rest` is not known. It has 2 rest / a to act in, at an acceleration a, and leaves a speed
+    that the observer forgets as (1 + s) exp(-s) over time constants s. The wait is that in which as much is left as
+    SETTLED time constants leave of what acted for one or longer; one time constant at least.
+    """
+    constant = 1.0 / (2.0 * np.pi * bandwidth)
+    last = np.maximum(np.maximum.accumulate(np.where(still, np.arange(len(time)), -1)), 0)
+    starts = np.unique(last)
+    ahead = np.minimum(np.searchsorted(time, time[starts] + 0.5 * SETTLED * constant), len(time) - 1)
+    acceleration = np.abs(velocity[ahead] - velocity[starts]) / np.maximum(time[ahead] - time[starts], 1e-300)
+    acted = np.minimum(2.0 * rest / (np.maximum(acceleration, 1e-300) * constant), 1.0)
+    waits = np.linspace(1.0, SETTLED, 51)
+    left = (1.0 + waits) * np.exp(-waits)
+    needed = np.interp(-left[-1] / acted, -left, waits)  # np.interp wants what increases
+    return np.asarray(constant * needed[np.searchsorted(starts, last)])
 
 
 def since(event: npt.NDArray[np.bool_], time: FloatArray) -> FloatArray:

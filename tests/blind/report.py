@@ -48,6 +48,7 @@ def format_table(figures: Mapping[str, Any], title: str = "", *, details: bool =
     many("named up to alternatives, by lambda", "named")
     many("exactly named, by lambda", "exact")
     one("mean number of names where right", "mean_names")
+    one("the same, without look-alikes", "mean_names_apart")
     many("confident and wrong, by lambda", "confident_wrong")
     one("confident and wrong, in the list", "confident_wrong_all")
     one("confident and wrong, pairs and triples", "confident_wrong_many")

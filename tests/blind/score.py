@@ -21,6 +21,20 @@ CONFIDENT = 0.9
 DETECTED = ("named", "ambiguous", "unlisted")
 ALARMS = (*DETECTED, "controller_mismatch", "error")
 BINS = (0.0, 0.5, 0.7, 0.9, 0.97, 1.0)
+#: What looks alike without motion that separates it, of the vocabulary (shared/diagnosis.md).
+LOOK_ALIKE = tuple(
+    set(names.split())
+    for names in (
+        "constant_force coulomb_asymmetry",
+        "command_delay actuator_lag",
+        "mass_change force_constant_drift",
+        "cogging_harmonic cogging_modulation force_constant_ripple encoder_periodic_error",
+        "cable_spring end_effect",
+        "stribeck_friction presliding_friction",
+        "force_constant_drift disturbance_step",
+        "viscous_change viscous_asymmetry quadratic_drag",
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -68,7 +82,8 @@ class Outcome:
 
     Attributes:
         truths: names hidden. verdict: as in the result, or `error`.
-        right: all truths are named, up to alternatives. names: how many names the result gave, alternatives included.
+        right: all truths are named, up to alternatives. names: how many names the result gave, alternatives included;
+        apart: the same without the look-alikes of the truths.
         exact: `named` with exactly the truths.
         wrong: names that are confident and wrong.
         stated: (confidence, was right) of each entry without alternatives.
@@ -87,6 +102,7 @@ class Outcome:
     right: bool
     exact: bool
     names: int
+    apart: int
     first: str
     wrong: tuple[str, ...]
     stated: tuple[tuple[float, bool], ...]
@@ -145,6 +161,7 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
         right=right,
         exact=exact,
         names=sum(len(one) for one in classes),
+        apart=sum(len(_apart(one, listed)) for one in classes),
         first=effects[0]["name"] if effects else "",
         wrong=tuple(wrong),
         stated=tuple(stated),
@@ -156,6 +173,12 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
         seconds=seconds,
         key=key,
     )
+
+
+def _apart(names: set[str], truths: set[str]) -> set[str]:
+    """The names of a class less those that look like the truth among them."""
+    alike = set().union(*(pair for pair in LOOK_ALIKE for truth in truths & names if truth in pair)) - truths
+    return names - alike
 
 
 def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, float | None, bool | None]:
@@ -216,6 +239,7 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "named": by_ratio(single, lambda o: o.right),
         "exact": by_ratio(single, lambda o: o.exact),
         "mean_names": float(np.mean([o.names for o in found])) if found else None,
+        "mean_names_apart": float(np.mean([o.apart for o in found])) if found else None,
         "confident_wrong": by_ratio(single, lambda o: bool(o.wrong)),
         "confident_wrong_all": share(single, lambda o: bool(o.wrong)),
         "confident_wrong_many": share(many, lambda o: bool(o.wrong)),

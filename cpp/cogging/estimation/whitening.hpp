@@ -1,6 +1,7 @@
 #pragma once
 // An autoregressive filter that makes a correlated residual white.
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -46,8 +47,17 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
 /// e_k = r_k - sum_i a_i r_(k-i); before the first row, r is 0.
 inline std::vector<double> whiten(std::span<const double> row, std::span<const double> a) {
   std::vector<double> white(row.begin(), row.end());
-  for (std::size_t i = 0; i < a.size(); ++i)
-    for (std::size_t k = i + 1; k < row.size(); ++k) white[k] -= a[i] * row[k - i - 1];
+  constexpr std::size_t cached = 1024;  // rows at a time, so that they stay close while every lag passes over them
+  for (std::size_t first = 0; first < row.size(); first += cached) {
+    const std::size_t last = std::min(first + cached, row.size());
+    std::size_t i = 0;
+    for (; i + 4 <= a.size() && first >= i + 4; i += 4) {  // four lags in one pass
+      const double *r = row.data() - i - 1, a0 = a[i], a1 = a[i + 1], a2 = a[i + 2], a3 = a[i + 3];
+      for (std::size_t k = first; k < last; ++k) white[k] -= a0 * r[k] + a1 * r[k - 1] + a2 * r[k - 2] + a3 * r[k - 3];
+    }
+    for (; i < a.size(); ++i)
+      for (std::size_t k = std::max(first, i + 1); k < last; ++k) white[k] -= a[i] * row[k - i - 1];
+  }
   return white;
 }
 

@@ -6,20 +6,29 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cogging._core import DivergedError
+from cogging._core import DivergedError, whiten
 from cogging.diagnose.evidence import Evidence, gather
-from cogging.estimation import Estimate, fit
+from cogging.diagnose.noise_filter import CLIP, robust_rms
+from cogging.estimation import Estimate, fit, whitening_filter
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.parameters import parameters_of, role_of
 from cogging.residuals import Innovations, moving_average
 
-BANDWIDTH = 50.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
+QUICK = 100.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
+CALM = 50.0  # Hz, where rows soon after a start are left out
+STARTS = 1.5  # times the power of the other rows, or under 1 / STARTS, where those soon after a start are unlike them
 
 
-def sources_of(logs: Sequence[Log], model: Model, *, rest: float | None = None) -> list[Innovations]:
-    """The logs as this model predicts them."""
-    return [Innovations(log, model, bandwidth=min(BANDWIDTH, 0.05 / _sample_time(log)), rest=rest) for log in logs]
+def sources_of(
+    logs: Sequence[Log], model: Model, *, rest: float | None = None, quick: bool = False
+) -> list[Innovations]:
+    """The logs as this model predicts them; `quick` with rows soon after each quick start."""
+    limit = QUICK if quick else CALM
+    return [
+        Innovations(log, model, bandwidth=min(limit, 0.05 / _sample_time(log)), rest=rest, quick_starts=quick)
+        for log in logs
+    ]
 
 
 def _sample_time(log: Log) -> float:
@@ -55,7 +64,9 @@ def stated_exact(model: Model) -> bool:
 def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     """Re-tune the model on the logs: with its smooth friction, and as an axis that sticks; the likelier stands.
 
-    Real sticking is no missing effect, and a model's width of friction is a convention.
+    Real sticking is no missing effect, and a model's width of friction is a convention. Rows soon after a start count
+    where the model that is tuned without them foresees them as well as the others: a machine whose friction gives way
+    over some micrometres, or has more than one, shows that there.
     """
     forms = [model]
     if model.axis.coulomb > 0.0 and not stated_exact(model):
@@ -76,7 +87,31 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
             best = (estimate, sources)
     if best is None:
         raise failure or ValueError("logs: could not be predicted")
-    return best[0], gather(best[0], best[1])
+    estimate, calm = best
+    quick = sources_of(logs, estimate.model, rest=rest, quick=True)
+    if starts_fit(estimate.model, calm, quick):
+        try:
+            again = fit(estimate.model, estimate.paths, quick, floors=width_floor(quick))
+            return again, gather(again, quick)
+        except DivergedError:
+            pass
+    return estimate, gather(estimate, calm)
+
+
+def starts_fit(model: Model, calm: Sequence[Innovations], quick: Sequence[Innovations]) -> bool:
+    """Whether rows that only `quick` counts are foreseen with about the precision of the others."""
+    soon, others = [], []
+    for slow, fast in zip(calm, quick, strict=True):
+        residual = fast.of([model])[0]
+        white = np.asarray(whiten(residual[None, :], list(whitening_filter(slow, residual))))[0]
+        rows, late = fast.counts > 0, slow.counts > 0
+        limit = CLIP * robust_rms(white[rows & late])
+        soon.append(np.minimum(white[rows & ~late] ** 2, limit**2))
+        others.append(np.minimum(white[rows & late] ** 2, limit**2))
+    extra, usual = np.concatenate(soon), np.concatenate(others)
+    if len(extra) == 0 or len(usual) == 0:
+        return False
+    return float(usual.mean()) / STARTS < float(extra.mean()) < STARTS * float(usual.mean())
 
 
 def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:

@@ -72,7 +72,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
     ends = np.linspace(float(x.min()), float(x.max()), 9)
     forward = hats(x, ends)
     speeds = np.unique(np.concatenate([-one_way(-v[moving]), [0.0], one_way(v[moving])]))
-    times = np.linspace(0.0, float(t[-1]), 13)
+    times, ages = np.linspace(0.0, float(t[-1]), 13), np.linspace(0.0, float(t[-1]), 7)
     commands, accelerations, paces = spread(u, 9), spread(a, 9), spread(np.abs(v), 6)
     # Each coordinate's shape is free for either direction where that makes a difference.
     both = np.vstack([forward * (direction > 0), forward * (direction < 0)])
@@ -84,6 +84,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
         "command": ("V", commands, hats(u, commands), u),
         "acceleration": ("m/s^2", accelerations, hats(a, accelerations), a),
         "friction over time": ("s", times, hats(t, times) * direction, t),
+        "drag over time": ("s", ages, hats(t, ages) * v, t),
         "gain over time": ("s", times, hats(t, times) * u, t),
         "gain over position": ("m", ends, forward * u, x),
         "gain over speed": ("m/s", paces, hats(np.abs(v), paces) * u, np.abs(v)),

@@ -24,6 +24,7 @@ STANDS_OUT = -3.0  # ln of the chance
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
 ROUNDS = {False: 3, True: 6}  # of moving one shape; where the shape alone makes the effect, it is also its size
 COUNTS = 0.15  # of the encoder, that a wave in its reading must have
+REFINED = 4  # peaks of a spectrum whose width is looked through
 PROFILED = 8  # findings that are judged against the noise that they leave
 PROMISING = 6.0  # T from which that is worth the time
 NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
@@ -186,7 +187,8 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
 def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
     if is_wave(EFFECTS[name]):
         found, looked = peaks(evidence, name)
-        return judged(evidence, refine(evidence, found), looked)
+        first = sorted(judged(evidence, found, looked), key=lambda f: -f.score)
+        return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), looked)
     grid = list(candidates(evidence, name, list(periods)))
     chosen = [one for one in grid if one.shape.get("period") in periods]  # by the waves, which looked at many
     others, looked = spells(evidence, name, [one for one in grid if one.shape.get("period") not in periods])

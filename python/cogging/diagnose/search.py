@@ -18,6 +18,7 @@ from cogging.diagnose.null import fit_null
 from cogging.diagnose.refit import refit
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, cleaned, judged, profiled, scan
+from cogging.diagnose.spells import is_spell
 from cogging.diagnose.waves import is_spatial_wave, is_wave
 from cogging.estimation import Estimate
 from cogging.logs import Log
@@ -28,7 +29,8 @@ from cogging.parameters import parameters_of, with_values
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
 SUSPECTED = -6.0  # the same for what the confirm logs show by themselves
-UNSHOWN = -60.0  # the same for what the confirm logs cannot show
+UNSHOWN = -20.0  # the same for what the confirm logs cannot show
+SLIPPERY = -60.0  # the same for a level of friction or a spell of force: odd friction near rest looks like them
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
 PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
@@ -100,10 +102,11 @@ def search(
     """Scan, add what stands, until nothing significant is left or as many as can be told were added."""
     progress("re-tuning the model")
     nominal, evidence = fit_null(logs, model)
+    quick = all(source.quick_starts for source in evidence.sources)
     confirm_evidence = None
     if confirm:
         try:
-            confirm_evidence = retuned(confirm, nominal.model, model)
+            confirm_evidence = retuned(confirm, nominal.model, model, quick=quick)
         except (DivergedError, ValueError):
             confirm_evidence = None
     estimate = nominal
@@ -147,7 +150,7 @@ def search(
             if check is not None and check.refuted:
                 refused.append((finding, f"other motion shows {check.ratio:.2f} of what was foreseen"))
                 continue
-            if check is not None and check.foreseen < INFORMATIVE and finding.log_chance > UNSHOWN:
+            if check is not None and check.foreseen < INFORMATIVE and finding.log_chance > needed(finding):
                 refused.append((finding, f"the other motion cannot show it (lambda {check.foreseen:.1f})"))
                 continue
             if check is None or check.confirmed:
@@ -177,7 +180,7 @@ def search(
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         if confirm_evidence is not None:
             try:
-                confirm_evidence = retuned(confirm, estimate.model, model)
+                confirm_evidence = retuned(confirm, estimate.model, model, quick=quick)
             except (DivergedError, ValueError):
                 confirm_evidence = None
     left = with_events(evidence, left)
@@ -194,6 +197,12 @@ def search(
         findings,
         confirm_evidence,
     )
+
+
+def needed(finding: Finding) -> float:
+    """ln of the chance by which an effect must stand out where the confirm logs cannot show it."""
+    effect = EFFECTS[finding.name]
+    return SLIPPERY if is_spell(effect) or "friction_level" in effect.HOOKS else UNSHOWN
 
 
 def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:

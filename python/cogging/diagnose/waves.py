@@ -166,14 +166,14 @@ def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) 
 
 
 def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
-    """Each wave at five periods (or frequencies) about the one given, within the width of its peak."""
+    """Each wave at four periods (or frequencies) about the one given, within the width of its peak."""
     near = []
     for candidate in found:
         field, value = next(iter(candidate.shape.items()))
         role = EFFECTS[candidate.name].ROLES[field]
         spatial = role["quantity"] == "distance"
         span = evidence.scales.position if spatial else evidence.scales.time
-        for shift in (-0.3, -0.15, 0.0, 0.15, 0.3):
+        for shift in (-0.3, -0.15, 0.15, 0.3):
             wave = (1.0 / value if spatial else value) + shift / span
             if wave > 0.0:
                 near.append(
