@@ -135,14 +135,14 @@ def test_without_friction_a_load_adds_it_exactly_but_for_the_sampling(log, frequ
 
 
 def strikes(log, model, load):
-    """Innovations of motor and load in one trajectory, by hand: Runge-Kutta of both masses, readings by the observer."""
+    """Innovations of motor and load in one trajectory, by hand: Runge-Kutta of both masses, and the observer."""
     axis, ratio = model.axis, load.mass_ratio
     motor, mass = axis.mass * (1.0 - ratio), axis.mass * ratio
     reduced, w = motor * ratio, 2.0 * np.pi * load.contact_frequency
     stiffness, damping = w**2 * reduced, 2.0 * load.contact_damping_ratio * w * reduced
 
     def slope(state, command):
-        x, v, q, r = state
+        _, v, q, r = state
         strain = max(abs(q) - 0.5 * load.gap, 0.0) * np.sign(q)
         spring = stiffness * strain
         pull = spring + min(max(damping * r, -abs(spring)), abs(spring))

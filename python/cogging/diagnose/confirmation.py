@@ -64,7 +64,8 @@ class Confirmation:
 def retuned(logs: Sequence[Log], model: Model, given: Model, *, quick: bool = False) -> Evidence:
     """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
 
-    Effects that the given model has are re-tuned too: they may have stood in for what was added. `quick`: as sources_of.
+    Effects that the given model has are re-tuned too: they may have stood in for what was added. `quick`: see
+    sources_of.
     """
     own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
     paths = [p for p in nuisances(model) if not p.startswith("effects.") or p.rpartition(".")[0] in own]
