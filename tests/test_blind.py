@@ -343,6 +343,7 @@ def test_hand_made_results_get_their_hand_computed_rates():
     assert rate("confident_wrong", "100") == (1, 3)
     assert rate("confident_wrong_all") == (1, 4)
     assert figures["mean_names"] == pytest.approx(1.5)
+    assert figures["mean_names_apart"] == pytest.approx(1.0)
     assert rate("outside_unlisted", "100") == (2, 3)
     assert rate("outside_confident_wrong_all") == (1, 3)
     assert rate("pairs_right") == (1, 2)

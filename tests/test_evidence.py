@@ -17,12 +17,12 @@ from cogging.diagnose.evidence import orthonormal
 from cogging.diagnose.level_changes import changes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
-from cogging.diagnose.null import fit_null, nuisances
+from cogging.diagnose.null import fit_null, nuisances, starts_fit
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
 from cogging.diagnose.rest import shapes, variance_jumps
 from cogging.diagnose.scan import Finding, judged, profiled, scan
-from cogging.diagnose.search import plainer, search, that_pays, with_levels_of
+from cogging.diagnose.search import needed, plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.verdict import JUMP, VARIANCE, standing
 from cogging.diagnose.waves import is_wave
@@ -404,3 +404,41 @@ def test_nuisances_are_levels_and_known_amplitudes():
     assert set(nuisances(machine())) == {
         "axis.mass", "axis.viscous", "axis.coulomb", "axis.coulomb_width", "cogging.sine[0][0]", "cogging.cosine[0][0]",
     }  # fmt: skip
+
+
+def test_rows_soon_after_a_start_count_only_where_they_fit():
+    nominal = machine()
+    (usual,) = fit_null([record(nominal, 3)], nominal)[1].sources
+    assert usual.quick_starts
+    soft = machine([EFFECTS["presliding_friction"](stiffness=1.5 / 1e-4)])  # gives way over a tenth of a millimetre
+    (calm,) = fit_null([record(soft, 3)], nominal)[1].sources
+    assert not calm.quick_starts
+    assert not starts_fit(nominal, [calm], [calm])  # no row more
+
+
+def test_a_loose_load_is_named_whatever_its_contact():
+    """In the log the contact is four times as stiff, and rebounds: gap and mass must not hang on that."""
+    hidden = EFFECTS["backlash"](gap=3e-5, mass_ratio=0.06, contact_frequency=1500.0, contact_damping_ratio=0.6)
+    result = cogging.diagnose(record(machine([hidden]), 1), machine(), confirm=record(machine([hidden]), 2))
+    found = next(effect for effect in result.effects if effect.name == "backlash")
+    assert found.alternatives == ()
+    assert found.parameters["gap"].value == pytest.approx(hidden.gap, rel=0.2)
+    assert found.parameters["mass_ratio"].value == pytest.approx(hidden.mass_ratio, rel=0.2)
+
+
+def test_where_other_motion_cannot_show_it_friction_must_stand_out_further():
+    def finding(name, **shape):
+        return Finding(Candidate(name, shape, (), ()), None, np.ones(1), 1.0, -30.0, 60.0)
+
+    spell = {"start": 1.0, "stop": 2.0}
+    assert needed(finding("stribeck_friction", velocity=0.01)) < needed(finding("command_saturation", limit=10.0))
+    assert needed(finding("disturbance_step", **spell)) == needed(finding("coulomb_asymmetry"))
+    assert needed(finding("cable_spring", center=0.0)) == needed(finding("command_saturation", limit=10.0))
+
+
+def test_friction_that_falls_with_time_is_a_drag_over_time():
+    hidden = pushed(lambda t, x, v: 1.5 * v * np.exp(-t / 2.0), 4)  # as oil that warms up: less drag in the end
+    left = shapes(fit_null([hidden], machine())[1])
+    found = next(shape for shape in left if shape.coordinate == "drag over time")
+    assert found.log_chance < -15.0
+    assert found.log_chance <= left[0].log_chance + 5.0
