@@ -19,10 +19,8 @@ AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
 TOGETHER = -18.0  # the same of both at once, where each is below AGAIN
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
-SPELL, SPELLS_TOGETHER = (
-    -12.0,
-    -60.0,
-)  # the same of spells of friction: what friction laws differ by comes in spells too
+SPELL = -12.0  # the same of spells of friction: what friction laws differ by comes in spells too
+SPELLS_TOGETHER = -60.0  # the same of both logs
 LONELY = -100.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
 
@@ -90,9 +88,11 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
     if shape.coordinate == SPELLS:
         both = max(mine, its) < SPELL and mine + its < SPELLS_TOGETHER
         return True if both or (not checked and mine < LONELY) else None
-    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or mine + its < TOGETHER):
+    timed = "time" in shape.coordinate
+    together = not timed and mine + its < TOGETHER  # noise that is slow enough is a shape in time on every log
+    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or together):
         return True
-    once = not checked or "time" in shape.coordinate  # what depends on time need not come again
+    once = not checked or timed  # what depends on time need not come again
     return False if once and mine < (LONELY if checked else LEFT_OVER) else None
 
 
