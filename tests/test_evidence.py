@@ -444,16 +444,3 @@ def test_friction_that_falls_with_time_is_a_drag_over_time():
     found = next(shape for shape in left if shape.coordinate == "drag over time")
     assert found.log_chance < -15.0
     assert found.log_chance <= left[0].log_chance + 5.0
-
-
-def test_along_the_travel_a_known_harmonic_has_size_and_phase_and_an_unknown_one_is_the_same_all_along():
-    basis = cogging.SplineHarmonics(pitch=0.03, harmonics=[1, 2, 6], order=3, control_points=5)
-    drift = np.array([1.0, 1.2, 0.9, 1.1, 1.0])
-    known = cogging.CoggingModel(basis, np.outer([0.4, 0.0, 0.0], drift), np.outer([0.2, 0.0, 0.1], drift))
-    paths = [path for path in nuisances(machine().replace(cogging=known)) if path.startswith("cogging.")]
-    expected = [f"cogging.{what}[{row}]" for row in (0, 2) for what in ("gain", "phase")]
-    assert sorted(paths) == sorted([*expected, "cogging.sine[1][*]", "cogging.cosine[1][*]"])
-    assert [path for path in nuisances(machine()) if path.startswith("cogging.")] == [
-        "cogging.sine[0][0]",
-        "cogging.cosine[0][0]",
-    ]

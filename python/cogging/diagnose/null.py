@@ -41,18 +41,12 @@ def nuisances(model: Model) -> list[str]:
     Fields of the effects that the model already has are re-tuned too.
     """
     paths = []
-    # Along the travel a known harmonic may be wrong in size and phase as a whole; that its amplitude changes otherwise
-    # is an effect. One of no size has none to be wrong in: what is added to it is the same all along.
+    # Along the travel a known harmonic may be wrong as a whole; that its amplitude changes otherwise is an effect. What
+    # is added all along stands beside size and phase: maps are not exact, and without it that was taken for effects.
     points = 1 if model.cogging is None else model.cogging.sine.shape[1]
-    unknown: list[str] = []
-    if model.cogging is not None:
-        size = np.abs(model.cogging.sine).max(axis=1) + np.abs(model.cogging.cosine).max(axis=1)
-        unknown = [f"[{row}]" for row in np.flatnonzero(size == 0.0)]
     for path, parameter in parameters_of(model, together=points > 1).items():
-        if points > 1 and path.startswith("cogging."):
-            added, row = path.endswith("[*]"), path[path.index("[") : path.index("]") + 1]
-            if (path.count("[") == 2 and not added) or added != (row in unknown):
-                continue
+        if points > 1 and path.startswith("cogging.") and path.count("[") == 2 and "*" not in path:
+            continue
         if path == "axis.coulomb_width" and (model.axis.coulomb_width == 0.0 or stated_exact(model)):
             continue
         if parameter.value in (float("inf"), -float("inf")):
