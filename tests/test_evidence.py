@@ -24,6 +24,7 @@ from cogging.diagnose.rest import shapes, variance_jumps
 from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import needed, plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
+from cogging.diagnose.twins import twins
 from cogging.diagnose.verdict import JUMP, VARIANCE, standing
 from cogging.diagnose.waves import is_wave
 from cogging.estimation import Estimate
@@ -444,3 +445,34 @@ def test_friction_that_falls_with_time_is_a_drag_over_time():
     found = next(shape for shape in left if shape.coordinate == "drag over time")
     assert found.log_chance < -15.0
     assert found.log_chance <= left[0].log_chance + 5.0
+
+
+def test_a_force_with_the_square_of_the_command_is_no_ripple():
+    """As reluctance makes it: on one log nearly a ripple of some other period, and no effect of the vocabulary."""
+    nominal, reference = machine(), motion(23)
+    log = record(nominal, 23)
+    added = -0.5 * (log.command / np.abs(log.command).max()) ** 2 * np.sin(2.0 * np.pi * log.position / 0.02 + 0.4)
+    columns = cogging.closed_loop(
+        nominal.plant(), nominal.make_controller(), reference, seed=23, duration=8.0, steps_per_sample=4,
+        added_command=added,
+    )  # fmt: skip
+    logged = cogging.Log(columns["time"], columns["position"], columns["command"] - added)
+    evidence = fit_null([logged], nominal)[1]
+    best = max(scan(evidence, ["force_constant_ripple", "cogging_harmonic"]), key=lambda one: one.score)
+    found = {shape.coordinate.split(" every ")[0]: shape for shape in twins(evidence, best)}
+    square = found.pop("square of the command")
+    assert square.coordinate.endswith(" mm")
+    assert float(square.coordinate.split()[-2]) == pytest.approx(20.0, rel=0.15)  # few places see a large command
+    assert square.score > best.score + 6.0
+    assert all(square.test.statistic > other.test.statistic for other in found.values())
+    assert np.ptp(square.force) == pytest.approx(2.0 * 0.5, rel=0.3)
+    spring = max(scan(evidence, ["cable_spring"]), key=lambda one: one.score)
+    assert twins(evidence, spring) == []
+
+
+def test_a_true_ripple_has_no_better_twin():
+    hidden = machine([EFFECTS["force_constant_ripple"](period=0.02, sine=0.05)])
+    evidence = fit_null([record(hidden, 24)], machine())[1]
+    (ripple,) = profiled(evidence, scan(evidence, ["force_constant_ripple"]))
+    assert ripple.candidate.shape["period"] == pytest.approx(0.02, rel=0.01)
+    assert all(twin.score < ripple.score for twin in twins(evidence, ripple))

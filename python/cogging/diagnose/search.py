@@ -19,6 +19,7 @@ from cogging.diagnose.refit import refit
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, cleaned, judged, profiled, scan
 from cogging.diagnose.spells import is_spell
+from cogging.diagnose.twins import cosine, twins
 from cogging.diagnose.waves import is_spatial_wave, is_wave
 from cogging.estimation import Estimate
 from cogging.logs import Log
@@ -176,7 +177,7 @@ def search(
                 continue
             tuned = tuned_or_none
         estimate, tuned_before = fitted, tuned
-        added.append(Added(chosen, step_rivals, left, check, tuned))
+        added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         if confirm_evidence is not None:
             try:
@@ -302,6 +303,4 @@ def plainer(ranked: Sequence[Finding]) -> Finding:
 
 def alike(one: Finding, other: Finding) -> float:
     """Cosine between the parts of the residual that two findings explain."""
-    a, b = one.test.explained, other.test.explained
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return abs(float(a @ b)) / size if size > 0.0 else 0.0
+    return cosine(one.test.explained, other.test.explained)

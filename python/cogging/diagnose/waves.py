@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,8 +38,14 @@ def is_spatial_wave(effect: Any) -> bool:
     )
 
 
-def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
-    """The likeliest waves of an effect, and how many independent ones were looked at."""
+Gain = Callable[[Innovations, Prediction], FloatArray]  # by what a wave is multiplied in each row, (n,)
+
+
+def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list[Candidate], float]:
+    """The likeliest waves of an effect, and how many independent ones were looked at.
+
+    `gain`: instead of the effect's own, of a force (the command for one that acts by its gain, else 1).
+    """
     effect = EFFECTS[name]
     field, role = next((f, r) for f, r in effect.ROLES.items() if r["role"] == "shape")
     sizes = quantities(evidence)
@@ -59,7 +65,13 @@ def peaks(evidence: Evidence, name: str) -> tuple[list[Candidate], float]:
         n = len(source.log)
         residual = evidence.free_residual[start : start + n]
         start += n
-        score, power, wave = _score(evidence, source, filter_, along, residual, effect, spatial, origin, span, bins)
+        if gain is not None:
+            weight = gain(source, along)
+        else:
+            weight = source.log.command if "command_gain" in effect.HOOKS else np.ones(n)
+        score, power, wave = _score(
+            evidence, source, filter_, along, residual, weight, "reading" in effect.HOOKS, spatial, origin, span, bins
+        )
         total = score if total is None else total + score
         norm = power if norm is None else norm + power
     statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
@@ -99,7 +111,8 @@ def _score(
     filter_: Filter,
     along: Prediction,
     residual: FloatArray,
-    effect: Any,
+    gain: FloatArray,
+    on_reading: bool,
     spatial: bool,
     origin: float,
     span: float,
@@ -108,9 +121,7 @@ def _score(
     """Score and its variance over wavenumbers (1/m) or frequencies (Hz)."""
     model = evidence.model
     force, reading = adjoint(source, filter_, along, model.axis.mass, residual)
-    on_reading = "reading" in effect.HOOKS
     back = reading if on_reading else force
-    gain = source.log.command if "command_gain" in effect.HOOKS else np.ones(len(force))
     place = (
         (along.position if on_reading else along.middle_position) if spatial else source.log.time - source.log.time[0]
     )
