@@ -13,7 +13,7 @@ from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose import waves
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
-from cogging.diagnose.evidence import orthonormal
+from cogging.diagnose.evidence import Test, orthonormal
 from cogging.diagnose.level_changes import changes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
@@ -22,7 +22,7 @@ from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
 from cogging.diagnose.rest import shapes, variance_jumps
 from cogging.diagnose.scan import Finding, judged, profiled, scan
-from cogging.diagnose.search import needed, plainer, search, that_pays, with_levels_of
+from cogging.diagnose.search import choose, needed, plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.twins import twins
 from cogging.diagnose.verdict import JUMP, VARIANCE, standing
@@ -245,9 +245,10 @@ def test_drag_over_the_pitch_is_its_own_coordinate():
     ("coordinate", "mine", "its", "checked", "told"),
     [
         ("position", -13.0, -6.0, True, True),
-        ("position", -7.0, -12.0, True, True),
+        ("position", -9.0, -18.0, True, True),
+        ("position", -7.0, -18.0, True, None),
         ("position", -7.0, -9.0, True, None),
-        ("drag over time", -7.0, -12.0, True, None),
+        ("drag over time", -10.0, -24.0, True, True),
         ("drag over time", -13.0, -6.0, True, True),
         ("position", -4.0, -90.0, True, None),
         ("position", -13.0, 0.0, True, None),
@@ -476,3 +477,18 @@ def test_a_true_ripple_has_no_better_twin():
     (ripple,) = profiled(evidence, scan(evidence, ["force_constant_ripple"]))
     assert ripple.candidate.shape["period"] == pytest.approx(0.02, rel=0.01)
     assert all(twin.score < ripple.score for twin in twins(evidence, ripple))
+
+
+def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
+    explained = np.array([1.0, 2.0, 0.5])
+
+    def finding(name, score):
+        test = Test(score + 4.0, 1, np.ones(1), explained, np.ones(1))
+        return Finding(Candidate(name, {}, (), ()), test, np.ones(1), 1.0, -30.0, score)
+
+    unpaid, found = finding("constant_force", 85.0), finding("viscous_asymmetry", 70.0)
+    rivals, chosen, _ = choose([unpaid, found], found, None, None, set(), {}, {"constant_force"})
+    assert chosen is found
+    assert [rival.name for rival in rivals] == ["viscous_asymmetry", "constant_force"]
+    _, chosen, _ = choose([unpaid, found], found, None, None, set(), {})
+    assert chosen is unpaid

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,6 +115,7 @@ def search(
     tuned_nominal = tuned_before = with_levels(nominal.model, nominal.paths, levels)
     added: list[Added] = []
     refused: list[tuple[Finding, str]] = []
+    unpaid: set[str] = set()  # of the refused, those that the other motion does show
     nominal_evidence = evidence
     left: list[Shape] = []
     first_shapes: list[Shape] = []
@@ -161,7 +162,7 @@ def search(
         if step is None:
             break
         finding, check = step
-        step_rivals, chosen, check = choose(findings, finding, check, confirm_evidence, barred, worth)
+        step_rivals, chosen, check = choose(findings, finding, check, confirm_evidence, barred - unpaid, worth, unpaid)
         try:
             progress(f"adding {chosen.name}")
             fitted = refit(estimate, chosen, evidence, len(model.effects))
@@ -174,6 +175,7 @@ def search(
             tuned_or_none, growth = that_pays(logs, confirm, tuned_before, tuned, kept)
             if tuned_or_none is None:
                 refused.append((chosen, growth))
+                unpaid.add(chosen.name)
                 continue
             tuned = tuned_or_none
         estimate, tuned_before = fitted, tuned
@@ -253,8 +255,12 @@ def choose(
     confirm_evidence: Evidence | None,
     barred: set[str],
     worth: dict[str, float],
+    unpaid: Collection[str] = (),
 ) -> tuple[list[Finding], Finding, Confirmation | None]:
-    """Of the effects that explain about as much, the one that both motions favour; and those within reach of it."""
+    """Of the effects that explain about as much, the one that both motions favour; and those within reach of it.
+
+    One that was refused because it does not pay (`unpaid`) is not chosen again, but what comes in its place may be it.
+    """
     reach = max(REACH, FORM * best.test.statistic)
     near = [
         f
@@ -270,7 +276,7 @@ def choose(
 
     standing = [f for f in near if f is best or not (checks[f.name] is not None and checks[f.name].refuted)]  # type: ignore[union-attr]
     ranked = sorted(standing, key=lambda f: worth.get(f.name, 0.0 if worth else f.score) + gain(f), reverse=True)
-    chosen = plainer(ranked)
+    chosen = plainer([f for f in ranked if f.name not in unpaid or f is best])
     top = max(f.score + gain(f) for f in ranked)
     rivals = [
         replace(chosen, score=top),

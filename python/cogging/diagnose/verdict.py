@@ -16,7 +16,7 @@ SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
 AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
-TOGETHER = -18.0  # the same of both at once, where each is below AGAIN
+TOGETHER = -26.0  # the same of both at once, where each is below AGAIN
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
 SPELL = -12.0  # the same of spells of friction: what friction laws differ by comes in spells too
@@ -88,11 +88,9 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
     if shape.coordinate == SPELLS:
         both = max(mine, its) < SPELL and mine + its < SPELLS_TOGETHER
         return True if both or (not checked and mine < LONELY) else None
-    timed = "time" in shape.coordinate
-    together = not timed and mine + its < TOGETHER  # noise that is slow enough is a shape in time on every log
-    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or together):
+    if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or mine + its < TOGETHER):
         return True
-    once = not checked or timed  # what depends on time need not come again
+    once = not checked or "time" in shape.coordinate  # what depends on time need not come again
     return False if once and mine < (LONELY if checked else LEFT_OVER) else None
 
 
