@@ -13,7 +13,7 @@ from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose import waves
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
-from cogging.diagnose.evidence import Test, orthonormal
+from cogging.diagnose.evidence import orthonormal
 from cogging.diagnose.level_changes import changes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
@@ -483,7 +483,7 @@ def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
     explained = np.array([1.0, 2.0, 0.5])
 
     def finding(name, score):
-        test = Test(score + 4.0, 1, np.ones(1), explained, np.ones(1))
+        test = evidence_module.Test(score + 4.0, 1, np.ones(1), explained, np.ones(1))
         return Finding(Candidate(name, {}, (), ()), test, np.ones(1), 1.0, -30.0, score)
 
     unpaid, found = finding("constant_force", 85.0), finding("viscous_asymmetry", 70.0)
