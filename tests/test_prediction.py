@@ -281,6 +281,14 @@ def test_whiten_is_the_filter_of_scipy_and_leaves_white_noise():
     assert np.std(white[0]) == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.parametrize("order", [1, 4, 7, 12, 48])
+@pytest.mark.parametrize("length", [50, 1024, 1030, 3333])
+def test_whiten_is_the_filter_of_scipy_at_any_order_and_length(order, length):
+    random = np.random.default_rng([order, length])
+    rows, a = random.normal(size=(2, length)), random.normal(size=order)
+    assert whiten(rows, a) == pytest.approx(lfilter([1.0, *-a], [1.0], rows, axis=1), abs=1e-11)
+
+
 def test_whitening_names_what_is_wrong():
     with pytest.raises(ValueError, match="order"):
         autoregression(np.ones(10), np.ones(10), order=5)
