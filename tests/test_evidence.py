@@ -14,7 +14,7 @@ from cogging.diagnose import waves
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnose.evidence import orthonormal
-from cogging.diagnose.level_changes import changes
+from cogging.diagnose.level_changes import changes, look_alikes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances, starts_fit
@@ -492,3 +492,13 @@ def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
     assert [rival.name for rival in rivals] == ["viscous_asymmetry", "constant_force"]
     _, chosen, _ = choose([unpaid, found], found, None, None, set(), {})
     assert chosen is unpaid
+
+
+@pytest.mark.parametrize(("force", "expected"), [(0.02, ()), (0.3, ("quadratic_drag",))])
+def test_a_change_that_noise_does_not_tell_from_drag_has_it_as_an_alternative(force, expected):
+    nominal, noisy = machine(), machine(force=force)
+    log = record(noisy.replace(axis=noisy.axis.replace(viscous=6.0)), 32)
+    told = search([log], nominal)
+    assert [change[0] for change in changes(told, nominal) if abs(change[3]) > 4.0] == ["viscous"]
+    assert look_alikes(told, nominal, "viscous") == expected
+    assert look_alikes(told, nominal, "mass") == ()

@@ -13,7 +13,7 @@ from cogging.controller_recovery import recover_controller
 from cogging.diagnose.events import SPELLS
 from cogging.diagnose.gap import floor_of, gaps, source_of
 from cogging.diagnose.given_logs import Logs, read_logs
-from cogging.diagnose.level_changes import CHANGED, changes
+from cogging.diagnose.level_changes import CHANGED, changes, look_alikes
 from cogging.diagnose.levels import with_levels
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import changed, merged, named
@@ -175,7 +175,7 @@ def _assemble(
     )
     left = [shape for shape in found.left if shape.log_chance < LEFT_OVER and shape.coordinate != SPELLS]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
-    effects += [changed(change, left) for change in beyond]
+    effects += [changed(change, look_alikes(found, model, change[0]), left) for change in beyond]
     rest = unlisted(found, effects, checked=bool(others))
     alternatives = sorted({name for effect in effects for name in (effect.name, *effect.alternatives)})
     ambiguous = any(effect.alternatives for effect in effects)

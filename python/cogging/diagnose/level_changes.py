@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from cogging.diagnose.evidence import Evidence
+from cogging._core import EFFECTS
+from cogging.diagnose.evidence import Evidence, orthonormal
+from cogging.diagnose.naming import LOOK_ALIKE
 from cogging.diagnose.search import Search
+from cogging.diagnose.signatures import candidates, quantities, tables
 from cogging.estimation import SINGULAR, Estimate, Whitened, jackknife
 from cogging.intervals import student
 from cogging.model import Model
@@ -15,6 +18,7 @@ from cogging.parameters import parameters_of
 FloatArray = npt.NDArray[np.float64]
 
 CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
+SHARED = 0.7  # of what a change does to the logs, that an alternative does too
 VANISHING = 1e-3  # of the command: a force below it is as good as none
 
 
@@ -41,6 +45,38 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
         found.append((name, values[i] / prior - 1.0, float(halves[i]) / prior, float(beyond)))
     return found
+
+
+def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
+    """Effects of one amplitude that would do to these logs nearly what a change of mass or friction does.
+
+    Beside all else that is free, their columns have a cosine c with that of the level. T (1 - c^2) of the change tells
+    the two apart: of what shares most of it (c^2), one with less than LOOK_ALIKE, at an amplitude in its range.
+    """
+    evidence, estimate = search_.evidence, search_.estimate
+    place = estimate.paths.index(f"axis.{name}")
+    others = orthonormal(np.delete(evidence.columns, place, axis=0))
+    mine = evidence.columns[place]
+    mine = mine - (others @ mine) @ others
+    moved = float(estimate.values[place]) - float(getattr(model.axis, name))
+    power, sizes = float(mine @ mine), quantities(evidence)
+    found = []
+    for effect, law in EFFECTS.items():
+        grid = list(candidates(evidence, effect))
+        if len(grid) != 1 or len(grid[0].amplitudes) != 1:
+            continue
+        column = evidence.whitened(tables(evidence, grid)[0])[0]
+        column = column - (others @ column) @ others
+        its, common = float(column @ column), float(mine @ column)
+        if its <= 0.0 or power <= 0.0:
+            continue
+        role = law.ROLES[grid[0].amplitudes[0][0]]
+        amplitude = moved * common / its / sizes[role["quantity"]]
+        shared = common**2 / (its * power)
+        apart = moved**2 * power * (1.0 - shared) / evidence.excess
+        if shared > SHARED and apart < LOOK_ALIKE and role["low"] <= amplitude <= role["high"]:
+            found.append(effect)
+    return tuple(found)
 
 
 def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -121,7 +121,9 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
     return result
 
 
-def changed(change: tuple[str, float, float, float], left: Sequence[Shape]) -> NamedEffect:
+def changed(
+    change: tuple[str, float, float, float], alternatives: tuple[str, ...], left: Sequence[Shape]
+) -> NamedEffect:
     """Mass, viscous or Coulomb friction beyond what the model states (level_changes.changes), as an effect."""
     name, size, half, beyond = change
     confidence = 0.97 if abs(beyond) > 5.0 else 0.86
@@ -130,7 +132,7 @@ def changed(change: tuple[str, float, float, float], left: Sequence[Shape]) -> N
     value = Value(size, "1", (size - half, size + half))
     return NamedEffect(
         f"{name}_change",
-        (),
+        alternatives,
         round(confidence, 3),
         {"change": value},
         {"coordinate": {"mass": "acceleration"}.get(name, "velocity"), "range": None},
