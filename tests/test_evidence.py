@@ -16,6 +16,7 @@ from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnose.evidence import orthonormal
 from cogging.diagnose.level_changes import changes, look_alikes
 from cogging.diagnose.location_words import shape_text
+from cogging.diagnose.naming import named
 from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances, starts_fit
 from cogging.diagnose.patched import with_intervals
@@ -502,3 +503,22 @@ def test_a_change_that_noise_does_not_tell_from_drag_has_it_as_an_alternative(fo
     assert [change[0] for change in changes(told, nominal) if abs(change[3]) > 4.0] == ["viscous"]
     assert look_alikes(told, nominal, "viscous") == expected
     assert look_alikes(told, nominal, "mass") == ()
+
+
+def test_a_name_is_doubted_where_more_was_refused_than_added():
+    told = search([record(machine([EFFECTS["cable_spring"](stiffness=1.5)]), 33)], machine())
+    plain, finding = named(told, 0, []), told.added[0].finding
+    largest = max(added.finding.test.statistic for added in told.added)
+    for factor, doubted in ((1.1, True), (0.9, False)):
+        test = replace(finding.test, statistic=factor * largest)
+        refused = replace(finding, test=test, log_chance=-60.0)
+        again = named(replace(told, unused=[refused]), 0, [])
+        assert again.confidence == pytest.approx(plain.confidence * (0.75 if doubted else 1.0), abs=0.002)
+    faint = replace(finding, test=replace(finding.test, statistic=1.1 * largest), log_chance=-20.0)
+    assert named(replace(told, unused=[faint]), 0, []).confidence == plain.confidence
+
+
+def test_an_error_of_the_reading_repeats_in_the_travel(quiet_evidence):
+    found, _ = waves.peaks(quiet_evidence, "encoder_periodic_error")
+    assert found
+    assert all(1.5 * one.shape["period"] < 1.01 * quiet_evidence.scales.position for one in found)

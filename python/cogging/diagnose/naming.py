@@ -20,6 +20,7 @@ from cogging.parameters import effect_paths, parameters_of
 SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
 FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
 HALF = 0.5  # of T
+STRONG = -25.0  # ln of the chance of a refused effect
 PERIODS_APART = 1.5  # in turns over the travel
 LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 
@@ -32,7 +33,7 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     rivals = [r for r in added.rivals[1:] if r.score > best.score - margin(best, r) or unresolved(best, r, found)]
     prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
-    confidence = _confidence(added, odds, left)
+    confidence = _confidence(added, odds, bool(left) or unexplained(found))
     known = parameters_of(found.estimate.model)
     free = set(effect_parameters(found.estimate.model)) - conditional_paths(found.estimate.model)
     values: dict[str, Value] = {}
@@ -86,7 +87,13 @@ def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
     return bool(abs(1.0 / period - 1.0 / known) * found.evidence.scales.position < PERIODS_APART)
 
 
-def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
+def unexplained(found: Search) -> bool:
+    """Whether more was refused than was added: what explains most of these logs is then no effect as it is listed."""
+    named = max(added.finding.test.statistic for added in found.added)
+    return any(one.log_chance < STRONG and one.test.statistic > named for one in found.unused)
+
+
+def _confidence(added: Added, odds: float, rest: bool) -> float:
     """The stated chance that a name is right: odds against the rivals, less what else speaks against it."""
     chance = 1.0 / (1.0 + odds)
     check = added.confirmation
@@ -100,7 +107,7 @@ def _confidence(added: Added, odds: float, left: Sequence[Shape]) -> float:
     generic = max((shape.score for shape in added.shapes), default=0.0)
     if generic > added.finding.score + FORMLESS:
         chance *= 0.7
-    if left:
+    if rest:
         chance *= 0.75
     if added.finding.test.statistic < 35.0:
         chance *= 0.9

@@ -20,6 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
 PEAKS = 5  # of each view of the spectrum, that are looked at exactly
 PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
+TURNS = 1.5  # over the travel, that an error of the reading must make to be told from one of its scale
 STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
@@ -52,6 +53,8 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
     low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     spatial = role["quantity"] == "distance"
     wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
+    if spatial and "reading" in effect.HOOKS:  # longer, it is a scale
+        wave_low = max(wave_low, TURNS / sizes["position"])
     if spatial and "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
         wave_high = min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
     total: Any = None
