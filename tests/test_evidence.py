@@ -522,3 +522,6 @@ def test_an_error_of_the_reading_repeats_in_the_travel(quiet_evidence):
     found, _ = waves.peaks(quiet_evidence, "encoder_periodic_error")
     assert found
     assert all(1.5 * one.shape["period"] < 1.01 * quiet_evidence.scales.position for one in found)
+    encoder = cogging.EncoderParameters(resolution=1e-4)
+    coarse = replace(quiet_evidence, model=quiet_evidence.model.replace(encoder=encoder))
+    assert all(one.shape["period"] > 0.99 * 32e-4 for one in waves.peaks(coarse, "encoder_periodic_error")[0])

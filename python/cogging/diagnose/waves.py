@@ -21,6 +21,7 @@ BINS = 1 << 16  # of the positions, or times, at least: the shortest period is s
 PEAKS = 5  # of each view of the spectrum, that are looked at exactly
 PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
 TURNS = 1.5  # over the travel, that an error of the reading must make to be told from one of its scale
+PERIOD = 32.0  # counts of the encoder: at a steady speed, what rounding does repeats itself over some of them
 STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
@@ -53,8 +54,10 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
     low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     spatial = role["quantity"] == "distance"
     wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
-    if spatial and "reading" in effect.HOOKS:  # longer, it is a scale
+    if spatial and "reading" in effect.HOOKS:  # longer, it is a scale; shorter, the quantiser's own
         wave_low = max(wave_low, TURNS / sizes["position"])
+        if evidence.model.encoder.resolution > 0.0:
+            wave_high = min(wave_high, 1.0 / (PERIOD * evidence.model.encoder.resolution))
     if spatial and "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
         wave_high = min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
     total: Any = None
