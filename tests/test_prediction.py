@@ -117,6 +117,14 @@ def test_after_a_quick_start_rows_count_sooner(acceleration, quick):
     assert (np.diff(waits[velocity >= rest]) == 0.0).all()
 
 
+@pytest.mark.parametrize("rest", [1e-3, 0.0])
+def test_an_axis_that_stays_where_it_is_waits_to_the_end(rest):
+    time = 1e-3 * np.arange(100)
+    waits = settling(np.ones(100, dtype=bool), time, np.zeros(100), rest, 50.0)
+    assert np.isfinite(waits).all()
+    assert (waits >= 1.0 / (2.0 * np.pi * 50.0) * (1.0 - 1e-9)).all()
+
+
 def test_quick_starts_only_add_rows(columns):
     time, position, command = columns
     model = Model(axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.01))

@@ -345,10 +345,10 @@ def settling(
     starts = np.unique(last)
     ahead = np.minimum(np.searchsorted(time, time[starts] + 0.5 * SETTLED * constant), len(time) - 1)
     acceleration = np.abs(velocity[ahead] - velocity[starts]) / np.maximum(time[ahead] - time[starts], 1e-300)
-    acted = np.minimum(2.0 * rest / (np.maximum(acceleration, 1e-300) * constant), 1.0)
+    acted = 2.0 * rest / np.maximum(np.maximum(acceleration * constant, 2.0 * rest), 1e-300)
     waits = np.linspace(1.0, SETTLED, 51)
     left = (1.0 + waits) * np.exp(-waits)
-    needed = np.interp(-left[-1] / acted, -left, waits)  # np.interp wants what increases
+    needed = np.interp(-left[-1] / np.maximum(acted, 1e-12), -left, waits)  # np.interp wants what increases
     return np.asarray(constant * needed[np.searchsorted(starts, last)])
 
 
