@@ -179,9 +179,8 @@ def test_a_loose_load_does_on_average_what_single_trajectories_do(log, mass_rati
         [quiet_plant(model), quiet_plant(joined(model, EFFECTS["backlash"](gap=gap, mass_ratio=mass_ratio)))]
     )
     assert np.linalg.norm(expected - rigid) > 1e-6
-    assert np.linalg.norm(loose - expected) < 0.04 * np.linalg.norm(
-        expected - rigid
-    )  # a light load is added to first order
+    # A light load is added to first order.
+    assert np.linalg.norm(loose - expected) < 0.04 * np.linalg.norm(expected - rigid)
     whole = predictor.predict(quiet_plant(joined(model, EFFECTS["backlash"](gap=gap, mass_ratio=mass_ratio))))
     np.testing.assert_array_equal(whole.innovation, loose)
     (none,) = predictor.innovations([quiet_plant(joined(model, EFFECTS["backlash"](gap=gap)))])

@@ -11,7 +11,7 @@ TARGETS = {
     "false_alarm": "at most 1 %",
     "detected": "85 % at 30, 99 % at 100",
     "named": "95 % at 100, 98 % at 300",
-    "mean_names": "at most 1.3 outside the look-alikes",
+    "mean_names_apart": "at most 1.3",
     "confident_wrong_all": "at most 1 %, at any lambda",
     "outside_confident_wrong_all": "at most 2 %, at any lambda",
     "outside_unlisted": "80 % at 100, 95 % at 300",
@@ -48,7 +48,7 @@ def format_table(figures: Mapping[str, Any], title: str = "", *, details: bool =
     many("named up to alternatives, by lambda", "named")
     many("exactly named, by lambda", "exact")
     one("mean number of names where right", "mean_names")
-    one("the same, without look-alikes", "mean_names_apart")
+    one("the same, without listed look-alikes", "mean_names_apart")
     many("confident and wrong, by lambda", "confident_wrong")
     one("confident and wrong, in the list", "confident_wrong_all")
     one("confident and wrong, pairs and triples", "confident_wrong_many")

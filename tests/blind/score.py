@@ -21,18 +21,18 @@ CONFIDENT = 0.9
 DETECTED = ("named", "ambiguous", "unlisted")
 ALARMS = (*DETECTED, "controller_mismatch", "error")
 BINS = (0.0, 0.5, 0.7, 0.9, 0.97, 1.0)
-#: What looks alike without motion that separates it, of the vocabulary (shared/diagnosis.md).
+#: Pairs that shared/diagnosis.md lists as looking alike, of the vocabulary.
 LOOK_ALIKE = tuple(
     set(names.split())
     for names in (
         "constant_force coulomb_asymmetry",
         "command_delay actuator_lag",
-        "mass_change force_constant_drift",
-        "cogging_harmonic cogging_modulation force_constant_ripple encoder_periodic_error",
+        "cogging_harmonic force_constant_ripple",
+        "cogging_harmonic encoder_periodic_error",
         "cable_spring end_effect",
         "stribeck_friction presliding_friction",
         "force_constant_drift disturbance_step",
-        "viscous_change viscous_asymmetry quadratic_drag",
+        "viscous_change quadratic_drag",
     )
 )
 
