@@ -1664,8 +1664,8 @@ class Predictor:
     
     The plant is driven by the recorded command and held to the recorded position by an observer with both poles at
     exp(-2 pi bandwidth Ts); the innovation (m) is what the model did not foresee. Of a load with play it is the mean over
-    gaps 0.7 to 1.3 of the one that is meant: when it strikes hangs on forces that no model has. Time steps may differ; after one longer
-    than `gap` (s) the observer starts anew.
+    gaps 0.7 to 1.3 of the one that is meant: when it strikes hangs on forces that no model has. Time steps may differ;
+    after one longer than `gap` (s) the observer starts anew.
     
     Raises:
         ValueError: columns of different lengths, time that does not increase, a bandwidth that is not positive.
