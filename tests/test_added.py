@@ -42,7 +42,7 @@ def sample(name, random):
             size = 0.1 if role["quantity"] == "relative" else 1.0
             low = 0.0 if role["low"] == 0.0 else -size
             fields[field] = list(random.uniform(low, size, 4)) if isinstance(value, list) else random.uniform(low, size)
-        elif role["role"] == "shape" and isinstance(value, list):
+        elif value == []:
             fields[field] = list(np.linspace(-0.1, 0.1, 4))
         elif role["role"] == "shape":
             fields[field] = sizes.get(role["quantity"], 1.0) * random.uniform(0.5, 1.0)

@@ -11,9 +11,11 @@ import pytest
 import cogging
 from cogging.cli import main
 from cogging.diagnose import scan, search, signatures, waves
+from cogging.diagnose.empirical import NoTerm, with_term
 from cogging.diagnose.figures import binned, coordinates_figure, spectrum
 from cogging.diagnose.location_words import length_text, ranges
 from cogging.diagnose.rest import Shape
+from cogging.diagnose.search import search as search_logs
 from cogging.diagnose.stand_in import stood_in
 
 effects = cogging.effects
@@ -392,3 +394,43 @@ def test_a_profile_without_a_direction_says_so():
     series |= {"time": [time], "velocity": [np.ones(2000)], "counts": [np.ones(2000, bool)]}
     figure = coordinates_figure({"one way": series})
     assert [text.get_text() for text in figure.axes[1].texts] == ["no such motion"]
+
+
+def bump(velocity):
+    """A force of speed that no law of the vocabulary has, V."""
+    return 0.08 * np.exp(-(((velocity - 0.12) / 0.02) ** 2)) - 0.08 * np.exp(-(((velocity - 0.2) / 0.02) ** 2))
+
+
+def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
+    at = np.linspace(-0.5, 0.5, 251)
+    hidden = effects.EmpiricalForce(velocity_nodes=list(at), velocity_forces=list(bump(at)))
+    logs, confirm = [run(hidden, velocity=0.25), run(hidden, velocity=0.18)], other(hidden)
+    result = cogging.diagnose(logs, MODEL, confirm=confirm, empirical=True)
+    assert result.verdict == "unlisted"
+    assert result.unlisted["coordinate"] == "velocity"
+    told = result.unlisted["added"]
+    assert told["name"] == "empirical_force"
+    assert told["gap_after"] < 0.9 * told["gap_before"]
+    assert told["confirm_after"] < told["confirm_before"]
+    assert "empirical and names no cause" in result.text()
+    forward = result.model.effects[-1].force_at(velocity=np.linspace(0.05, 0.24, 21))
+    assert np.corrcoef(forward, bump(np.linspace(0.05, 0.24, 21)))[0, 1] > 0.7
+    path = tmp_path / "patched.toml"
+    result.model.write(path)
+    again = cogging.Model.read(path)
+    assert again.effects == result.model.effects
+    assert len(run(*again.effects, duration=0.5)) > 500
+    plain = cogging.diagnose(logs, MODEL, confirm=confirm)
+    assert "added" not in plain.unlisted
+    assert [effect.NAME for effect in plain.model.effects].count("empirical_force") == 0
+
+
+def test_a_term_that_has_no_function_or_does_not_pay_is_not_added():
+    log, confirm = run(effects.ConstantForce(force=0.02)), other(effects.ConstantForce(force=-0.02))
+    found = search_logs([log], MODEL)
+    with pytest.raises(NoTerm, match="no empirical term is a function of command: it is described, not added"):
+        with_term(found, {"coordinate": "command", "places": [0.0, 1.0], "force": [0.0, 1.0]}, MODEL, [log], [])
+    rest = {"coordinate": "time", "places": [0.0, 4.0], "force": [0.02, 0.02]}
+    assert with_term(found, rest, MODEL, [log], [])[1]["gap_after"] < 0.01
+    with pytest.raises(NoTerm, match="an empirical term does not pay: the gap grows"):
+        with_term(found, rest, MODEL, [log], [confirm])

@@ -11,9 +11,10 @@ from cogging import EFFECTS, Model
 from cogging._core import Predictor
 from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose import waves
+from cogging.diagnose.bursts import bursts, variance_jumps
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
-from cogging.diagnose.evidence import orthonormal
+from cogging.diagnose.evidence import likely, orthonormal
 from cogging.diagnose.level_changes import changes, look_alikes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import named
@@ -21,12 +22,12 @@ from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances, starts_fit
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
-from cogging.diagnose.rest import shapes, variance_jumps
+from cogging.diagnose.rest import shapes
 from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import choose, needed, plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.twins import twins
-from cogging.diagnose.verdict import JUMP, VARIANCE, standing
+from cogging.diagnose.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, standing
 from cogging.diagnose.waves import is_wave
 from cogging.estimation import Estimate
 from cogging.inverse_dynamics import fast_length
@@ -234,6 +235,56 @@ def test_a_burst_is_told_from_noise_that_goes_with_speed():
     assert found[1] > 0.5 * VARIANCE  # seen: -0.4
 
 
+def test_bursts_of_force_are_louder_than_noise_of_any_tails():
+    def rattle(t, x, v):
+        noise = np.convolve(np.random.default_rng(8).normal(size=len(t)), np.ones(12) / np.sqrt(12), "same")
+        return 0.15 * noise * (np.mod(t, 2.0) < 0.3)
+
+    def tails(t, x, v):
+        return 0.04 * np.random.default_rng(9).standard_t(3.0, size=len(t))
+
+    loud, even = (bursts(fit_null([pushed(force, 23)], machine())[1]) for force in (rattle, tails))
+    assert loud < 0.5 * BURSTS_TOGETHER
+    assert even > BURST
+
+
+def test_an_error_of_the_map_is_retuning_where_no_effect_explains_more():
+    """The amplitude changes along the travel. What is added to it everywhere is no size and no phase."""
+    nominal = machine(force=0.004)
+    basis = cogging.SplineHarmonics(pitch=0.03, harmonics=[1], order=3, origin=-0.2, control_points=18)
+    places = np.linspace(0.0, 1.0, 18)
+    sine, cosine = 0.4 + 0.3 * np.sin(5.0 * places), 0.2 + 0.1 * np.cos(4.0 * places)
+    axis = nominal.axis.replace(travel=[-0.2, 0.2])
+    mapped = nominal.replace(axis=axis, cogging=cogging.CoggingModel(basis, [sine], [cosine]))
+    for wrong, free in ((sine + 0.2, True), (1.2 * sine, False), (sine, False)):
+        truth = mapped.replace(cogging=cogging.CoggingModel(basis, [wrong], [1.0 * cosine]))
+        found = search([record(truth, 31)], mapped)
+        assert found.added == []
+        assert ("cogging.sine[0][*]" in found.nominal.paths) == free
+    scaled = mapped.replace(effects=(EFFECTS["encoder_scale_error"](scale=2e-3),))
+    found = search([record(scaled, 31)], mapped)
+    assert [one.finding.name for one in found.added] == ["encoder_scale_error"]
+    assert found.estimate.values[list(found.estimate.paths).index("effects.encoder_scale_error.scale")] == (
+        pytest.approx(2e-3, rel=0.1)
+    )
+
+
+def test_friction_close_to_rest_has_a_size():
+    """Of a shape that would have to be many times the Coulomb level, little is taken; of a likely one, nearly all."""
+    rows = np.random.default_rng(4).normal(size=(3, 4000))
+    basis, share = likely(rows[:1], np.vstack([100.0 * rows[1], 0.001 * rows[2]]))
+    np.testing.assert_allclose(basis @ basis.T, np.eye(len(basis)), atol=1e-9)
+    assert np.sort(share) == pytest.approx([0.002, 1.0, 1.0], abs=2e-3)
+    covariance = np.eye(4000) + 1e4 * np.outer(rows[1], rows[1]) + 1e-6 * np.outer(rows[2], rows[2])
+    free = rows[0] / np.linalg.norm(rows[0])
+    one = np.random.default_rng(5).normal(size=4000)
+    left = one - (basis @ one * share) @ basis
+    # A free row is one of endless variance: the likelihood beside it is that of generalised least squares.
+    inverse = np.linalg.solve(covariance, np.column_stack([one, free]))
+    expected = one @ inverse[:, 0] - (free @ inverse[:, 0]) ** 2 / (free @ inverse[:, 1])
+    assert left @ left == pytest.approx(expected, rel=1e-6)
+
+
 def test_drag_over_the_pitch_is_its_own_coordinate():
     found = by_coordinate(pushed(lambda t, x, v: -1.5 * np.sin(2 * np.pi * x / 0.03) * v, 19))
     best = min(found.values(), key=lambda shape: shape.log_chance)
@@ -284,6 +335,9 @@ def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):
         if is_wave(effect):
             continue
         found = list(candidates(quiet_evidence, name))
+        if any(field.endswith("_nodes") and role["role"] == "setting" for field, role in effect.ROLES.items()):
+            assert not found  # its places are the user's choice: it is added where it is asked for
+            continue
         assert found, name
         made = tables(quiet_evidence, found[:2])
         for candidate, table in zip(found[:2], made, strict=True):

@@ -323,6 +323,7 @@ def test_a_bad_reference_is_answered_in_one_line(case, write):
 
 FILLED = {
     "position_dependent_friction": {"nodes": [0, 0.1, 0.25], "levels": [0.1, -0.02, 1]},
+    "empirical_force": {"velocity_nodes": [-0.1, 0.1], "velocity_forces": [0.2, -0.3]},
     "cogging_modulation": {"period": 0.05, "sine": [0.1, 0.2, 0.3], "cosine": [0, 0, 0.5]},
     "end_effect": {"force": 0.3, "decay_length": 0.02},
     "presliding_friction": {"stiffness": 1e5, "damping": 2},

@@ -95,6 +95,23 @@ EXAMPLES = {
         {"nodes": [0.03, 0.05, 0.06, 0.2], "levels": [0.1, 0.5, -0.1, 0.3]},
         {"level": lambda x, v: np.interp(x, [0.03, 0.05, 0.06, 0.2], [0.1, 0.5, -0.1, 0.3])},
     ),
+    "empirical_force": (
+        {
+            "position_nodes": [0.03, 0.05, 0.2],
+            "position_forces": [0.1, -0.5, 0.3],
+            "velocity_nodes": [-0.4, 0.0, 0.1, 0.6],
+            "velocity_forces": [0.2, 0.0, 0.4, -0.3],
+            "time_nodes": [0.1, 0.3],
+            "time_forces": [-0.2, 0.7],
+        },
+        {
+            "force": lambda x, v, t: (
+                np.interp(x, [0.03, 0.05, 0.2], [0.1, -0.5, 0.3])
+                + np.interp(v, [-0.4, 0.0, 0.1, 0.6], [0.2, 0.0, 0.4, -0.3])
+                + np.interp(t, [0.1, 0.3], [-0.2, 0.7])
+            )
+        },
+    ),
     "quadratic_drag": ({"coefficient": 6.0}, {"force": lambda x, v, t: -6.0 * v * abs(v)}),
     "force_constant_ripple": (
         {"period": 0.031, "sine": 0.12, "cosine": -0.07},
@@ -994,6 +1011,18 @@ FINITE = "must be a finite number, got"
             "position_dependent_friction",
             {"nodes": [0.0, 0.1], "levels": [0.0]},
             "levels: must have as many values as nodes = 2, got 1",
+        ),
+        ("empirical_force", {"time_nodes": [math.nan], "time_forces": [0.0]}, f"time_nodes: {FINITE} nan"),
+        ("empirical_force", {"position_nodes": [0.0], "position_forces": [math.inf]}, f"position_forces: {FINITE} inf"),
+        (
+            "empirical_force",
+            {"velocity_nodes": [0.2, 0.1], "velocity_forces": [0.0, 0.0]},
+            "velocity_nodes: must increase: above 0.2, got 0.1",
+        ),
+        (
+            "empirical_force",
+            {"velocity_nodes": [0.1, 0.2]},
+            "velocity_forces: must have as many values as velocity_nodes = 2, got 0",
         ),
         ("force_constant_ripple", {"period": 0.0}, f"period: {POSITIVE} 0"),
         ("force_constant_ripple", {"sine": math.inf}, f"sine: {FINITE} inf"),

@@ -82,6 +82,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--json", metavar="OUT", help="where the result is written")
     command.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
     command.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
+    command.add_argument(
+        "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
+    )
     _add_log_options(command)
     command.set_defaults(run=_diagnose)
 
@@ -234,6 +237,7 @@ def _diagnose(options: argparse.Namespace) -> None:
             confirm=others,
             names=options.logs,
             confirm_names=options.confirm,
+            empirical=options.empirical,
             progress=bar.set_description_str,
         )
         content = {}

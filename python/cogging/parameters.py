@@ -115,8 +115,9 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
     """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects.
 
     With `together`, also what moves a harmonic's amplitudes along the whole travel as one: `cogging.sine[0][*]` adds to
-    each control point (its value is their mean), `cogging.gain[0]` multiplies them, `cogging.phase[0]` (rad)
-    turns them.
+    each control point (its value is their mean), `cogging.gain[0]` multiplies them, `cogging.phase[0]` (rad) turns
+    them, `cogging.stretch[0]` lengthens the sines by what it shortens the cosines (relative), and `cogging.shear[0]`
+    adds of each to the other.
     """
     found: list[Parameter] = []
     for name in AXIS_FIELDS:
@@ -131,7 +132,8 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
             for part in ("sine", "cosine"):
                 mean = float(np.mean(getattr(model.cogging, part)[row]))
                 found.append(Parameter(f"cogging.{part}[{row}][*]", mean, "V"))
-            found += [Parameter(f"cogging.gain[{row}]", 1.0, "1"), Parameter(f"cogging.phase[{row}]", 0.0, "1")]
+            found.append(Parameter(f"cogging.gain[{row}]", 1.0, "1"))
+            found += [Parameter(f"cogging.{name}[{row}]", 0.0, "1") for name in ("phase", "stretch", "shear")]
     for prefix, effect in effect_paths(model.effects):
         for name, (unit, _) in effect.FIELDS.items():
             value = getattr(effect, name)
@@ -240,7 +242,7 @@ def _effect_and_field(path: str) -> tuple[str, str]:
 
 
 def _together(rest: str) -> bool:
-    return rest.endswith("[*]") or rest.startswith(("gain[", "phase["))
+    return rest.endswith("[*]") or rest.startswith(("gain[", "phase[", "stretch[", "shear["))
 
 
 def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:
@@ -251,9 +253,14 @@ def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, ta
         tables[name][row] += value - float(np.mean(getattr(cogging, name)[row]))
         return
     name, row = _indexed(path, rest, 1)
-    factor = value if name == "gain" else np.exp(1j * value)
-    turned = (tables["sine"][row] + 1j * tables["cosine"][row]) * factor
-    tables["sine"][row], tables["cosine"][row] = turned.real, turned.imag
+    waves = tables["sine"][row] + 1j * tables["cosine"][row]
+    moved = {
+        "gain": waves * value,
+        "phase": waves * np.exp(1j * value),
+        "stretch": waves + value * waves.conj(),
+        "shear": waves + 1j * value * waves.conj(),
+    }[name]
+    tables["sine"][row], tables["cosine"][row] = moved.real, moved.imag
 
 
 def _indexed(path: str, text: str, count: int) -> list[Any]:

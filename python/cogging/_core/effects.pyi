@@ -7,7 +7,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'PositionDependentFriction', 'PreslidingFriction', 'QuadraticDrag', 'StribeckFriction', 'ViscousAsymmetry']
+__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EmpiricalForce', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'PositionDependentFriction', 'PreslidingFriction', 'QuadraticDrag', 'StribeckFriction', 'ViscousAsymmetry']
 class ConstantForce:
     """
     Effect `constant_force`: force.
@@ -1305,4 +1305,84 @@ class DisturbanceTone:
     def sine(self) -> float:
         """
         amplitude of the sine, V
+        """
+class EmpiricalForce:
+    """
+    Effect `empirical_force`: f(x) + g(v) + h(t), each linear between its nodes.
+    
+    Fields:
+        position_nodes (m): positions, increasing
+        position_forces (V): pushes towards +x, one a node
+        velocity_nodes (m/s): velocities, increasing
+        velocity_forces (V): pushes towards +x, one a node
+        time_nodes (s): times, increasing
+        time_forces (V): pushes towards +x, one a node
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'position_nodes': ('m', 'positions, increasing'), 'position_forces': ('V', 'pushes towards +x, one a node'), 'velocity_nodes': ('m/s', 'velocities, increasing'), 'velocity_forces': ('V', 'pushes towards +x, one a node'), 'time_nodes': ('s', 'times, increasing'), 'time_forces': ('V', 'pushes towards +x, one a node')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
+    LAW: typing.ClassVar[str] = 'f(x) + g(v) + h(t), each linear between its nodes'
+    NAME: typing.ClassVar[str] = 'empirical_force'
+    ROLES: typing.ClassVar[dict] = {'position_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'position_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'velocity_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'velocity_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'time_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'time_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, position_nodes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], position_forces: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], velocity_nodes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], velocity_forces: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], time_nodes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], time_forces: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        Force (V) at positions (m), velocities (m/s) and times (s).
+        """
+    def replace(self, **kwargs) -> EmpiricalForce:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> EmpiricalForce:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def position_forces(self) -> list[float]:
+        """
+        pushes towards +x, one a node, V
+        """
+    @property
+    def position_nodes(self) -> list[float]:
+        """
+        positions, increasing, m
+        """
+    @property
+    def time_forces(self) -> list[float]:
+        """
+        pushes towards +x, one a node, V
+        """
+    @property
+    def time_nodes(self) -> list[float]:
+        """
+        times, increasing, s
+        """
+    @property
+    def velocity_forces(self) -> list[float]:
+        """
+        pushes towards +x, one a node, V
+        """
+    @property
+    def velocity_nodes(self) -> list[float]:
+        """
+        velocities, increasing, m/s
         """

@@ -61,14 +61,21 @@ class Confirmation:
         return self.foreseen >= INFORMATIVE and not self.refuted
 
 
-def retuned(logs: Sequence[Log], model: Model, given: Model, *, quick: bool = False) -> Evidence:
+def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str], *, quick: bool = False) -> Evidence:
     """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
 
-    Effects that the given model has are re-tuned too: they may have stood in for what was added. `quick`: see
-    sources_of.
+    Effects that the given model has are re-tuned too: they may have stood in for what was added.
+
+    Args:
+        logs: the other logs.
+        model: with what was added.
+        given: without.
+        tuned: paths that were free in the fit of the first logs.
+        quick: see sources_of.
     """
     own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
-    paths = [p for p in nuisances(model) if not p.startswith("effects.") or p.rpartition(".")[0] in own]
+    paths = [p for p in tuned if not p.startswith("effects.")]
+    paths += [p for p in nuisances(model) if p.startswith("effects.") and p.rpartition(".")[0] in own]
     sources = sources_of(logs, model, quick=quick)
     return gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cogging.audit import check_against_model
 from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
+from cogging.diagnose.empirical import NoTerm, with_term
 from cogging.diagnose.events import SPELLS
 from cogging.diagnose.gap import floor_of, gaps, source_of
 from cogging.diagnose.given_logs import Logs, read_logs
@@ -42,6 +44,7 @@ def diagnose(
     confirm: Logs = (),
     names: Sequence[str] | None = None,
     confirm_names: Sequence[str] | None = None,
+    empirical: bool = False,
     progress: Callable[[str], None] = lambda step: None,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
@@ -56,6 +59,8 @@ def diagnose(
         model: what is believed, or its file.
         confirm: logs of other motion, which take no part in choice or fit.
         names, confirm_names: what the logs are called in messages; their files by default.
+        empirical: add what no effect explains to the model as a force of any shape, where it does not make the gap on
+            the confirm logs larger. It is no effect of the vocabulary, and the result's gap is that without it.
         progress: is told what is being done.
 
     Raises:
@@ -86,7 +91,20 @@ def diagnose(
         notes.append(str(error))
         return _nothing("insufficient_excitation", given, model, notes)
     progress("measuring the gap")
-    return _assemble(found, given, others, model, replay, notes)
+    result = _assemble(found, given, others, model, replay, notes)
+    return _with_term(result, found, model, given, others) if empirical and result.unlisted is not None else result
+
+
+def _with_term(result: Diagnosis, found: Search, model: Model, logs: Sequence[Log], others: Sequence[Log]) -> Diagnosis:
+    """The result with an empirical term in its model, or with a note why there is none."""
+    rest = dict(result.unlisted or {})
+    last = found.added[-1].model if found.added else found.tuned
+    try:
+        larger, told = with_term(found, rest, last, logs, others)
+    except NoTerm as why:
+        return replace(result, notes=(*result.notes, str(why)))
+    larger = with_intervals(_file_form(larger, model), found.estimate)
+    return replace(result, model=larger, unlisted=rest | {"added": told})
 
 
 def _seconds_of_motion(log: Log) -> float:

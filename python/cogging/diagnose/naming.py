@@ -109,6 +109,8 @@ def _confidence(added: Added, odds: float, rest: bool) -> float:
         chance *= 0.7
     if rest:
         chance *= 0.75
+    if added.or_map:
+        chance *= 0.8
     if added.finding.test.statistic < 35.0:
         chance *= 0.9
     return round(float(np.clip(SUREST * chance, 0.01, SUREST)), 3)

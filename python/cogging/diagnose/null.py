@@ -41,11 +41,11 @@ def nuisances(model: Model) -> list[str]:
     Fields of the effects that the model already has are re-tuned too.
     """
     paths = []
-    # Along the travel a known harmonic may be wrong as a whole; that its amplitude changes otherwise is an effect. What
-    # is added all along stands beside size and phase: maps are not exact, and without it that was taken for effects.
-    points = 1 if model.cogging is None else model.cogging.sine.shape[1]
-    for path, parameter in parameters_of(model, together=points > 1).items():
-        if points > 1 and path.startswith("cogging.") and path.count("[") == 2 and "*" not in path:
+    # Along the travel a known harmonic may be wrong in size and phase; that its amplitude changes otherwise is an
+    # effect, or an error of its map (see map_errors).
+    whole = model.cogging is not None and model.cogging.sine.shape[1] > 1
+    for path, parameter in parameters_of(model, together=whole).items():
+        if whole and path.startswith("cogging.") and not path.startswith(("cogging.gain", "cogging.phase")):
             continue
         if path == "axis.coulomb_width" and (model.axis.coulomb_width == 0.0 or stated_exact(model)):
             continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -11,13 +12,14 @@ import numpy.typing as npt
 
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, Test
+from cogging.estimation import least_squares
 from cogging.model import Model
 from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
-SPEEDS = 24  # ranges of speed with a level of noise each
 PHASES = 8  # places in a pitch
+PLAIN = 0.1  # of the gap's power, from which a shape that explains it is judged against the noise that it leaves
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
 
@@ -143,8 +145,10 @@ def shapes(evidence: Evidence) -> list[Shape]:
         if first.freedom == 0:
             return None
         test, statistic = first, evidence.bounded(first)
-        if statistic > first.freedom + PROMISING:
-            quiet = evidence.cleaned([first.amplitudes @ part for part in parts])
+        starts = [first.amplitudes] if statistic > first.freedom + PROMISING else []
+        plain, part_of_gap = of_the_gap(evidence, parts)
+        for amplitudes in [*starts, *([plain] if part_of_gap > PLAIN else [])]:
+            quiet = evidence.cleaned([amplitudes @ part for part in parts])
             again = quiet.test(quiet.whitened(parts))
             if quiet.bounded(again) > statistic:
                 test, statistic = again, quiet.bounded(again)
@@ -165,6 +169,23 @@ def shapes(evidence: Evidence) -> list[Shape]:
     return sorted(found, key=lambda one: one.log_chance)
 
 
+def of_the_gap(evidence: Evidence, tables: Sequence[FloatArray]) -> tuple[FloatArray, float]:
+    """Amplitudes (p,) of columns (p, n of a log) that make the gap itself smallest, and by which share of its power.
+
+    Nothing is whitened here: what is slow and large is taken for noise by filters, and hardly seen beside what is fast.
+    """
+    rows, right = [], []
+    for source, part, table in zip(evidence.sources, evidence.parts, tables, strict=True):
+        rows.append(np.vstack([part.columns, table]) * source.counts)
+        right.append(part.residual * source.counts)
+    columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
+    p = len(tables[0])
+    tuned = gap - least_squares(columns[:-p], gap) @ columns[:-p]
+    weights = least_squares(columns, gap)
+    left = gap - weights @ columns
+    return weights[-p:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
+
+
 def low_power(evidence: Evidence) -> float:
     """Power of the whitened residual below 60 Hz, in rows: what effects could explain, noise among it."""
     total, start = 0.0, 0
@@ -176,25 +197,3 @@ def low_power(evidence: Evidence) -> float:
         frequency = np.fft.rfftfreq(n, source.scales.sample_time)
         total += 2.0 * float(spectrum[frequency < 60.0].sum()) / n
     return max(total, 1.0)
-
-
-def variance_jumps(evidence: Evidence) -> float:
-    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s.
-
-    Against what it is at that speed: where an encoder is coarse, the noise goes with speed.
-    """
-    power = evidence.free_residual**2
-    counts = evidence.residual != 0.0
-    speed = np.concatenate([np.abs(source.along.velocity) for source in evidence.sources])
-    edges = np.unique(np.quantile(speed[counts], np.linspace(0.0, 1.0, SPEEDS + 1)))
-    place = np.clip(np.searchsorted(edges, speed, side="right") - 1, 0, max(len(edges) - 2, 0))
-    rows = np.maximum(np.bincount(place, counts, minlength=SPEEDS), 1.0)
-    level = np.maximum(np.bincount(place, power * counts, minlength=SPEEDS) / rows, 1.0)
-    power = power / level[place]
-    worst = 0.0
-    for block in range(0, int(evidence.block[-1]) + 1, 3):
-        mine = (evidence.block >= block) & (evidence.block < block + 3) & counts
-        n = int(mine.sum())
-        if n >= 100:
-            worst = min(worst, log_survival(float(power[mine].sum()), n))
-    return worst

@@ -225,6 +225,8 @@ class Diagnosis:
                 )
         if self.unlisted is not None:
             lines.append(f"  unlisted: {self.unlisted['shape']}")
+            if "added" in self.unlisted:
+                lines.append(f"    {term_text(self.unlisted['added'], self.gap.unit)}")
         g = self.gap
         lines.append(f"gap ({g.signal}): {g.before:.4g} {g.unit} before, {g.after:.4g} after, floor {g.floor:.4g}")
         if g.confirm_before is not None and g.confirm_after is not None:
@@ -242,6 +244,15 @@ class Diagnosis:
             lines.append(f"what would tell them apart: {self.separating_experiment}")
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
+
+
+def term_text(term: Mapping[str, Any], unit: str) -> str:
+    """What an empirical term makes of the gap, in words."""
+    text = f"added to the model as {term['name']}, which is empirical and names no cause: gap (innovations of an "
+    text += f"observer) {term['gap_before']:.4g} to {term['gap_after']:.4g} {unit}"
+    if term["confirm_after"] is not None:
+        text += f", on the confirm logs {term['confirm_before']:.4g} to {term['confirm_after']:.4g} {unit}"
+    return text
 
 
 def step_text(step: Step, unit: str) -> str:

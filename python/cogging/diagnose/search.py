@@ -14,6 +14,7 @@ from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.gap import gaps
 from cogging.diagnose.gap import source_of as gap_source
 from cogging.diagnose.levels import with_levels
+from cogging.diagnose.map_errors import freed, map_error
 from cogging.diagnose.null import fit_null
 from cogging.diagnose.refit import refit
 from cogging.diagnose.rest import Shape, low_power, shapes
@@ -58,6 +59,7 @@ class Added:
         shapes: generic shapes of what was missing before it.
         confirmation: on other motion; None without.
         model: refitted with it, with levels tuned to its gap.
+        or_map: whether errors of the cogging map explain nearly as much.
     """
 
     finding: Finding
@@ -65,6 +67,7 @@ class Added:
     shapes: list[Shape]
     confirmation: Confirmation | None
     model: Model
+    or_map: bool = False
 
 
 @dataclass
@@ -99,18 +102,27 @@ def search(
     model: Model,
     confirm: Sequence[Log] = (),
     progress: Callable[[str], None] = lambda step: None,
+    free_map: bool = False,
 ) -> Search:
-    """Scan, add what stands, until nothing significant is left or as many as can be told were added."""
+    """Scan, add what stands, until nothing significant is left or as many as can be told were added.
+
+    Where errors of the cogging map explain more than the best effect, they are re-tuned too (`free_map`).
+    """
     progress("re-tuning the model")
     nominal, evidence = fit_null(logs, model)
+    if free_map:
+        nominal, evidence = freed(nominal, evidence)
     quick = all(source.quick_starts for source in evidence.sources)
-    confirm_evidence = None
-    if confirm:
-        try:
-            confirm_evidence = retuned(confirm, nominal.model, model, quick=quick)
-        except (DivergedError, ValueError):
-            confirm_evidence = None
     estimate = nominal
+
+    def elsewhere() -> Evidence | None:
+        """The confirm logs under the present model; None where they cannot be predicted."""
+        try:
+            return retuned(confirm, estimate.model, model, estimate.paths, quick=quick) if confirm else None
+        except (DivergedError, ValueError):
+            return None
+
+    confirm_evidence = elsewhere()
     levels = [gap_source(log, nominal.model) for log in logs]
     tuned_nominal = tuned_before = with_levels(nominal.model, nominal.paths, levels)
     added: list[Added] = []
@@ -134,6 +146,9 @@ def search(
         names = {one.finding.name for one in added}
         if len(added) == TERMS_MAX:
             break
+        wrong_map = None if free_map else map_error(estimate, evidence)
+        if wrong_map is not None and wrong_map.beats(max((f.score for f in findings), default=0.0)):
+            return search(logs, model, confirm, progress, free_map=True)
         barred = {finding.name for finding, _ in refused}
         if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
             barred |= set(EFFECTS) - names
@@ -179,13 +194,10 @@ def search(
                 continue
             tuned = tuned_or_none
         estimate, tuned_before = fitted, tuned
-        added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned))
+        or_map = wrong_map is not None and wrong_map.rivals(step_rivals[0].score)
+        added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned, or_map))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
-        if confirm_evidence is not None:
-            try:
-                confirm_evidence = retuned(confirm, estimate.model, model, quick=quick)
-            except (DivergedError, ValueError):
-                confirm_evidence = None
+        confirm_evidence = elsewhere()
     left = with_events(evidence, left)
     return Search(
         nominal,

@@ -170,6 +170,8 @@ def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> 
             if not shapes["period"]:
                 return
         length = knots
+    elif listed and not fixed:  # amplitudes at places of the user's own choice: nothing to look for
+        return
     else:
         length = NODES
     for field, role in roles.items():

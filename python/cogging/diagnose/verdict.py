@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from cogging.diagnose.bursts import bursts, variance_jumps
 from cogging.diagnose.events import JUMPS, SPELLS, with_events
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import FORMLESS
-from cogging.diagnose.rest import Shape, shapes, variance_jumps
+from cogging.diagnose.rest import Shape, shapes
 from cogging.diagnose.result import NamedEffect
 from cogging.diagnose.search import LEFT_OVER, Search
 
@@ -22,7 +23,9 @@ JUMPS_TOGETHER = -12.0  # the same of both logs
 SPELL = -12.0  # the same of spells of friction: what friction laws differ by comes in spells too
 SPELLS_TOGETHER = -60.0  # the same of both logs
 LONELY = -100.0  # ln of the chance of a shape in time, which other motion need not show
-VARIANCE = -80.0  # ln of the chance of a burst; where an encoder is coarse, the noise goes with speed
+VARIANCE = -80.0  # ln of the chance of a burst at any frequency; where an encoder is coarse, the noise goes with speed
+BURST = -12.0  # the same of bursts: noise has its own
+BURSTS_TOGETHER = -60.0  # the same of both logs
 
 
 def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) -> dict[str, Any] | None:
@@ -45,15 +48,24 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
         shape = max(added.shapes, key=lambda one: one.score)
         if confidence[added.finding.name] < DOUBTED and shape.score > added.finding.score + FORMLESS:
             return _entry(shape, None)
-    burst = variance_jumps(found.evidence)
-    if burst > VARIANCE:
-        return None
+    return _bursts(found, checked)
+
+
+def _bursts(found: Search, checked: bool) -> dict[str, Any] | None:
+    """Noise that comes in bursts: at frequencies of forces on both logs, or so loud that nothing else is."""
+    mine = bursts(found.evidence)
+    its = bursts(found.confirm_evidence) if found.confirm_evidence is not None else 0.0
+    both = max(mine, its) < BURST and mine + its < BURSTS_TOGETHER
+    if not both:
+        mine = min(variance_jumps(found.evidence), mine if not checked and mine < LONELY else 0.0)
+        if mine > VARIANCE:
+            return None
     return {
         "coordinate": "time",
-        "shape": f"bursts: the residual's power jumps (ln chance {burst:.0f})",
+        "shape": f"bursts: in some tenths of a second the residual is louder than elsewhere (ln chance {mine:.0f})",
         "share": None,
-        "statistic": -2.0 * burst,
-        "confirmed": None,
+        "statistic": -2.0 * mine,
+        "confirmed": True if both else None,
     }
 
 

@@ -16,6 +16,7 @@
 #include "cogging/plant/effects/coulomb_asymmetry.hpp"
 #include "cogging/plant/effects/disturbance_step.hpp"
 #include "cogging/plant/effects/disturbance_tone.hpp"
+#include "cogging/plant/effects/empirical_force.hpp"
 #include "cogging/plant/effects/encoder_periodic_error.hpp"
 #include "cogging/plant/effects/encoder_scale_error.hpp"
 #include "cogging/plant/effects/end_effect.hpp"
@@ -53,7 +54,8 @@ using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             Backlash<Scalar>,                   // lost motion between motor and load
                             FlexibleMode<Scalar>,               // resonance between motor and load
                             DisturbanceStep<Scalar>,            // from one time to another
-                            DisturbanceTone<Scalar>             // a sinusoid in time
+                            DisturbanceTone<Scalar>,            // a sinusoid in time
+                            EmpiricalForce<Scalar>              // of any shape, of no known cause
                             >;
 
 /// A copy of the effects, each having taken from the plant what it needs of it.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cogging/plant/effect.hpp"
+#include "cogging/plant/piecewise_linear.hpp"
 
 namespace cogging {
 
@@ -24,23 +25,10 @@ struct PositionDependentFriction {
                       Field<E, std::vector<double>>{"levels", &E::levels, "V", "added to Fc, one a node",
                                                     amplitude(Quantity::friction, 2.0)}};
   }
-  void validate() const {
-    require_finite("nodes", nodes);
-    require_finite("levels", levels);
-    for (std::size_t i = 1; i < nodes.size(); ++i)
-      require(nodes[i] > nodes[i - 1], "nodes", "must increase: above " + format(nodes[i - 1]), nodes[i]);
-    require(nodes.size() == levels.size(), "levels",
-            "must have as many values as nodes = " + format(double(nodes.size())), double(levels.size()));
-  }
+  void validate() const { require_piecewise_linear("nodes", nodes, "levels", levels); }
 
   Scalar friction_level(const Motion<Scalar>& motion) const {
-    if (nodes.empty()) return 0.0;
-    Scalar level = levels[0];
-    for (std::size_t i = 1; i < nodes.size(); ++i) {
-      const Scalar share = (motion.position - nodes[i - 1]) / (nodes[i] - nodes[i - 1]);
-      level += (levels[i] - levels[i - 1]) * clamp(share, Scalar(0.0), Scalar(1.0));
-    }
-    return level;
+    return piecewise_linear<Scalar>(nodes, levels, motion.position);
   }
 };
 
