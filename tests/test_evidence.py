@@ -14,7 +14,7 @@ from cogging.diagnose import waves
 from cogging.diagnose.bursts import bursts, variance_jumps
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
-from cogging.diagnose.evidence import likely, orthonormal
+from cogging.diagnose.evidence import orthonormal
 from cogging.diagnose.level_changes import changes, look_alikes
 from cogging.diagnose.location_words import shape_text
 from cogging.diagnose.naming import named
@@ -22,7 +22,7 @@ from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances, starts_fit
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
-from cogging.diagnose.rest import shapes
+from cogging.diagnose.rest import coordinates, of_the_gap, shapes
 from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import choose, needed, plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
@@ -269,20 +269,27 @@ def test_an_error_of_the_map_is_retuning_where_no_effect_explains_more():
     )
 
 
-def test_friction_close_to_rest_has_a_size():
-    """Of a shape that would have to be many times the Coulomb level, little is taken; of a likely one, nearly all."""
-    rows = np.random.default_rng(4).normal(size=(3, 4000))
-    basis, share = likely(rows[:1], np.vstack([100.0 * rows[1], 0.001 * rows[2]]))
-    np.testing.assert_allclose(basis @ basis.T, np.eye(len(basis)), atol=1e-9)
-    assert np.sort(share) == pytest.approx([0.002, 1.0, 1.0], abs=2e-3)
-    covariance = np.eye(4000) + 1e4 * np.outer(rows[1], rows[1]) + 1e-6 * np.outer(rows[2], rows[2])
-    free = rows[0] / np.linalg.norm(rows[0])
-    one = np.random.default_rng(5).normal(size=4000)
-    left = one - (basis @ one * share) @ basis
-    # A free row is one of endless variance: the likelihood beside it is that of generalised least squares.
-    inverse = np.linalg.solve(covariance, np.column_stack([one, free]))
-    expected = one @ inverse[:, 0] - (free @ inverse[:, 0]) ** 2 / (free @ inverse[:, 1])
-    assert left @ left == pytest.approx(expected, rel=1e-6)
+def test_what_is_slow_and_large_is_measured_against_the_gap_itself():
+    """Filters take it for noise: a force of time that anyone sees in the gap is then hardly seen in the evidence."""
+
+    def drift(t, x, v):
+        return 0.06 * np.sin(2.0 * np.pi * t / 3.0)
+
+    evidence = fit_null([pushed(drift, 21)], machine())[1]
+    (source,), (part,) = evidence.sources, evidence.parts
+    _, _, columns, _ = coordinates(source, evidence.model)["time"]
+    table = source.rows_of_forces(evidence.alongs[0], columns, evidence.model.axis.mass)
+    _, share = of_the_gap(evidence, [table])
+    rows = source.counts > 0
+    both = np.linalg.lstsq(np.vstack([part.columns, table])[:, rows].T, part.residual[rows], rcond=None)[0]
+    alone = np.linalg.lstsq(part.columns[:, rows].T, part.residual[rows], rcond=None)[0]
+    left = part.residual[rows] - both @ np.vstack([part.columns, table])[:, rows]
+    tuned = part.residual[rows] - alone @ part.columns[:, rows]
+    assert share == pytest.approx(1.0 - (left @ left) / (tuned @ tuned), abs=0.01)
+    assert share > 0.2
+    found = {shape.coordinate: shape for shape in shapes(evidence)}["time"]
+    test = evidence.test(evidence.whitened([table]))
+    assert found.test.statistic > 1.5 * evidence.bounded(test)
 
 
 def test_drag_over_the_pitch_is_its_own_coordinate():

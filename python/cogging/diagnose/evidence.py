@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -20,8 +20,6 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
-SLOW = 1.0  # of the Coulomb level, assumed: 1-sigma of each shape of friction close to rest
-SHAPES = 6  # of friction close to rest
 GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect
 
 
@@ -34,8 +32,7 @@ class Evidence:
         sources: one a log.
         filters: that make each log's residual white.
         residual: whitened to rms 1, rows of all logs one after the other, 0 where none counts, (n,).
-        basis: orthonormal, spans what the free parameters and the shapes of slow friction could explain, (q, n).
-        share: of each row of the basis, which is taken: 1 of the free parameters, less of what has a size, (q,).
+        basis: orthonormal, spans what the free parameters could explain, (q, n).
         columns: whitened, of the free parameters and of the shapes of slow friction, (p + 6, n).
         block: number of the block of each row, (n,).
         parts: what was whitened, one a log.
@@ -47,7 +44,6 @@ class Evidence:
     filters: tuple[Filter, ...]
     residual: FloatArray
     basis: FloatArray
-    share: FloatArray
     columns: FloatArray
     block: npt.NDArray[np.int64]
     parts: tuple[Unweighted, ...]
@@ -67,13 +63,9 @@ class Evidence:
         """The evidence with filters from what an effect leaves: a strong effect would else be taken for noise.
 
         Args:
-            explained: V, one (n,) a log, taken from the residual before the filters are estimated, less what re-tuning
-                could make of it: an effect may be little else.
+            explained: V, one (n,) a log, taken from the residual before the filters are estimated.
         """
-        white = self.whitened([row[None, :] for row in explained])[0]
-        weights = least_squares(self.columns, white)
-        beyond = [row - weights @ part.columns for row, part in zip(explained, self.parts, strict=True)]
-        return weighed(self.model, self.sources, self.parts, beyond, self.memory)
+        return weighed(self.model, self.sources, self.parts, explained, self.memory)
 
     @cached_property
     def freedom(self) -> tuple[tuple[list[slice], FloatArray], ...]:
@@ -84,8 +76,8 @@ class Evidence:
             length = fast_length(n)
             parts = bands(np.asarray(np.fft.rfftfreq(length, source.scales.sample_time)))
             taken = np.zeros(length // 2 + 1)
-            for row, share in zip(self.basis, self.share, strict=True):
-                taken += 2.0 * share / length * np.abs(np.fft.rfft(row[start : start + n], length)) ** 2
+            for row in self.basis:
+                taken += 2.0 / length * np.abs(np.fft.rfft(row[start : start + n], length)) ** 2
             lines = 2.0 * float(source.counts.sum()) / length
             free = [lines * (part.stop - part.start) - float(taken[part].sum()) for part in parts]
             result.append((parts, np.maximum(np.array(free), 1.0)))
@@ -119,7 +111,7 @@ class Evidence:
     @cached_property
     def free_residual(self) -> FloatArray:
         """The whitened residual freed of what the free parameters explain, (n,)."""
-        return np.asarray(self.project(self.residual[None, :])[0])
+        return self.residual - (self.basis @ self.residual) @ self.basis
 
     @cached_property
     def excess(self) -> float:
@@ -147,17 +139,8 @@ class Evidence:
         return np.concatenate(parts, axis=1)
 
     def project(self, columns: FloatArray) -> FloatArray:
-        """Take from whitened rows (p, n) what the free parameters could explain, and of slow friction what is likely.
-
-        It is the square root of the inverse covariance of noise and slow friction: what is left is white.
-        """
-        return columns - (columns @ self.basis.T * self.share) @ self.basis
-
-    def beside(self, columns: FloatArray) -> Evidence:
-        """The evidence with whitened columns (p, n) among what is free."""
-        rows = np.vstack([columns, self.columns])
-        basis, share = likely(rows[:-SHAPES], SLOW * rows[-SHAPES:])
-        return replace(self, columns=rows, basis=basis, share=share)
+        """Take from whitened columns (p, n) what the free parameters could explain."""
+        return columns - (columns @ self.basis.T) @ self.basis
 
     def test(self, columns: FloatArray) -> Test:
         """Score test of whitened columns (p, n): how much of the residual they explain that re-tuning cannot."""
@@ -216,16 +199,6 @@ def orthonormal(columns: FloatArray) -> FloatArray:
     return np.asarray((vectors[:, good] / np.sqrt(values[good])).T @ rows)
 
 
-def likely(free: FloatArray, sized: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Basis (q, n) and shares (q,) of free rows (p, n) and of rows whose weights are of 1-sigma 1, (m, n)."""
-    basis = orthonormal(free)
-    rest = sized - (sized @ basis.T) @ basis
-    values, vectors = np.linalg.eigh(rest @ rest.T)
-    good = values > 1e-6
-    rows = (vectors[:, good] / np.sqrt(values[good])).T @ rest
-    return np.vstack([basis, rows]), np.concatenate([np.ones(len(basis)), 1.0 - 1.0 / np.sqrt(1.0 + values[good])])
-
-
 def slow_friction(source: Innovations, model: Model) -> FloatArray:
     """Forces (V) of shapes that friction may have close to rest, odd in velocity, (6, n): nobody states them so well.
 
@@ -235,7 +208,7 @@ def slow_friction(source: Innovations, model: Model) -> FloatArray:
     velocity = source.along.middle_velocity
     width = max(model.axis.coulomb_width, source.rest)
     shapes = [np.sign(velocity) * np.exp(-((velocity / (factor * width)) ** 2)) for factor in (0.5, 1.0, 2.0, 4.0)]
-    shapes += [2.0 * velocity * w / (velocity**2 + w**2) for w in (width, 3.0 * width)]  # SHAPES in all
+    shapes += [2.0 * velocity * w / (velocity**2 + w**2) for w in (width, 3.0 * width)]
     return np.array(shapes) * max(model.axis.coulomb, 1e-12)
 
 
@@ -310,14 +283,12 @@ def weighed(
         offset += int(block[-1]) + 1
         filters.append(filter_)
     columns = np.concatenate(bases, axis=1)
-    basis, share = likely(columns[:-SHAPES], SLOW * columns[-SHAPES:])
     return Evidence(
         model,
         tuple(sources),
         tuple(filters),
         np.concatenate(rows),
-        basis,
-        share,
+        orthonormal(columns),
         columns,
         np.concatenate(blocks),
         tuple(parts),

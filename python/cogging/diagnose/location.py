@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, DivergedError
 from cogging.audit import check_against_model
 from cogging.diagnose.events import with_events
-from cogging.diagnose.evidence import Evidence
+from cogging.diagnose.evidence import Evidence, orthonormal
 from cogging.diagnose.given_logs import Logs, read_logs
 from cogging.diagnose.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnose.null import fit_null
@@ -213,7 +213,8 @@ def waves_of(evidence: Evidence) -> list[Wave]:
                 min(1.0, best.test.statistic / power),
             )
         )
-        evidence = evidence.beside(evidence.whitened(tables(evidence, [best.candidate])[0]))
+        columns = evidence.project(evidence.whitened(tables(evidence, [best.candidate])[0]))
+        evidence = replace(evidence, basis=np.vstack([evidence.basis, orthonormal(columns)]))
     return sorted(found, key=lambda wave: -wave.share)
 
 

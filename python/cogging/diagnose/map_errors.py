@@ -14,7 +14,7 @@ from cogging._core import DivergedError
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, Test, gather
 from cogging.diagnose.null import width_floor
-from cogging.estimation import Estimate, columns_of, fit
+from cogging.estimation import Estimate, columns_of, fit, least_squares
 from cogging.model import Model
 from cogging.parameters import parameters_of
 
@@ -72,11 +72,17 @@ def map_error(estimate: Estimate, evidence: Evidence) -> MapError | None:
     deviations = np.array(list(paths.values()))[:, None]
     columns = [table * deviations for table in columns]
     test, spread = likeliest(evidence, columns)
-    quiet = evidence.cleaned([test.amplitudes @ table for table in columns])
+    quiet = evidence.cleaned(beyond_tuning(evidence, [test.amplitudes @ table for table in columns]))
     test, spread = max((test, spread), likeliest(quiet, columns), key=lambda one: one[0].statistic)
     if not log_survival(test.statistic, test.freedom) < SHOWN:
         return None
     return MapError(test.statistic, test.statistic - spread)
+
+
+def beyond_tuning(evidence: Evidence, explained: list[FloatArray]) -> list[FloatArray]:
+    """What is explained (V, one (n,) a log) less what re-tuning could: errors of a map are largely its size."""
+    weights = least_squares(evidence.columns, evidence.whitened([row[None, :] for row in explained])[0])
+    return [row - weights @ part.columns for row, part in zip(explained, evidence.parts, strict=True)]
 
 
 def likeliest(evidence: Evidence, columns: list[FloatArray]) -> tuple[Test, float]:

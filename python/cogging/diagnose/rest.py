@@ -19,6 +19,7 @@ from cogging.residuals import Innovations, quiet_plant
 FloatArray = npt.NDArray[np.float64]
 
 PHASES = 8  # places in a pitch
+ANSWERS = ("command", "acceleration", "gain")  # coordinates in which the loop answers what the gap, noise too, does
 PLAIN = 0.1  # of the gap's power, from which a shape that explains it is judged against the noise that it leaves
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
@@ -146,8 +147,10 @@ def shapes(evidence: Evidence) -> list[Shape]:
             return None
         test, statistic = first, evidence.bounded(first)
         starts = [first.amplitudes] if statistic > first.freedom + PROMISING else []
-        plain, part_of_gap = of_the_gap(evidence, parts)
-        for amplitudes in [*starts, *([plain] if part_of_gap > PLAIN else [])]:
+        if not any(word in name for word in ANSWERS):
+            plain, share = of_the_gap(evidence, parts)
+            starts += [plain] if share > PLAIN else []
+        for amplitudes in starts:
             quiet = evidence.cleaned([amplitudes @ part for part in parts])
             again = quiet.test(quiet.whitened(parts))
             if quiet.bounded(again) > statistic:
