@@ -410,6 +410,7 @@ def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
     assert told["gap_after"] < 0.8 * told["gap_before"]
     assert told["confirm_after"] < 0.9 * told["confirm_before"]
     assert "empirical and names no cause" in result.text()
+    assert "empirical and names no cause" in result.html()
     within = np.linspace(0.1, 0.38, 57)
     found = sum(effect.force_at(position=within) for effect in result.model.effects)
     assert np.corrcoef(found, np.interp(within, places, bump))[0, 1] > 0.95

@@ -20,6 +20,7 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
+PLAIN = 0.15  # of the gap's power, from which what explains it is judged against the noise that it leaves
 GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect
 
 
@@ -66,6 +67,23 @@ class Evidence:
             explained: V, one (n,) a log, taken from the residual before the filters are estimated.
         """
         return weighed(self.model, self.sources, self.parts, explained, self.memory)
+
+    def of_the_gap(self, tables: Sequence[FloatArray]) -> tuple[FloatArray, float]:
+        """Amplitudes (p,) of columns (p, n of a log) that make the gap itself smallest, and the share they explain.
+
+        Nothing is whitened here: what is slow and large is taken for noise by filters, and hardly seen beside what is
+        fast.
+        """
+        rows, right = [], []
+        for source, part, table in zip(self.sources, self.parts, tables, strict=True):
+            rows.append(np.vstack([part.columns, table]) * source.counts)
+            right.append(part.residual * source.counts)
+        columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
+        p = len(tables[0])
+        tuned = gap - least_squares(columns[:-p], gap) @ columns[:-p]
+        weights = least_squares(columns, gap)
+        left = gap - weights @ columns
+        return weights[-p:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
 
     @cached_property
     def freedom(self) -> tuple[tuple[list[slice], FloatArray], ...]:

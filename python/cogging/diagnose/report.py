@@ -15,7 +15,7 @@ from cogging._core import EFFECTS
 from cogging.diagnose.events import JUMPS, MOMENTS, SPELLS
 from cogging.diagnose.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnose.location import Location, locate_gap
-from cogging.diagnose.result import Diagnosis, NamedEffect, Value
+from cogging.diagnose.result import Diagnosis, NamedEffect, Value, term_text
 from cogging.files import to_toml
 from cogging.model import Model
 from cogging.parameters import parameters_of
@@ -94,6 +94,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "confirmed": confirmed(result),
         "effects": [_effect(result, effect) for effect in result.effects],
         "unlisted": result.unlisted,
+        "term": _term(result),
         "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in MOMENTS,
         "where": location.lines() if location is not None else list(result.where_text),
         "next": _next(result),
@@ -105,6 +106,13 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "figures": {"time": "", "coordinates": "", "shapes": "", "folded": "", **_figures(result, location)},
         "measured": "gap_before" in result.series,
     }
+
+
+def _term(result: Diagnosis) -> str:
+    """What an empirical term makes of the gap; empty where none was added."""
+    if result.unlisted is None or "added" not in result.unlisted:
+        return ""
+    return term_text(result.unlisted["added"], result.gap.unit)
 
 
 def located(result: Diagnosis) -> Location | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -11,16 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.diagnose.chances import log_survival
-from cogging.diagnose.evidence import Evidence, Test
-from cogging.estimation import least_squares
+from cogging.diagnose.evidence import PLAIN, Evidence, Test
 from cogging.model import Model
 from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
 PHASES = 8  # places in a pitch
-ANSWERS = ("command", "acceleration", "gain")  # coordinates in which the loop answers what the gap, noise too, does
-PLAIN = 0.1  # of the gap's power, from which a shape that explains it is judged against the noise that it leaves
+ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
 
@@ -124,8 +121,12 @@ def one_way(velocity: FloatArray) -> FloatArray:
     return np.asarray(np.quantile(up, np.linspace(0.0, 1.0, 7)))
 
 
-def shapes(evidence: Evidence) -> list[Shape]:
-    """The generic shapes, the likeliest first, each against the noise that it would leave (see scan.profiled)."""
+def shapes(evidence: Evidence, *, plain: bool = False) -> list[Shape]:
+    """The generic shapes, the likeliest first, each against the noise that it would leave (see scan.profiled).
+
+    `plain`: also where it is the gap itself that asks for them, not only what is left of it when filters have taken
+    for noise what is slow and large. That sees more; it would doubt names, which are not looked at so.
+    """
     model = evidence.model
     tables: dict[str, list[FloatArray]] = {}
     facts: dict[str, tuple[str, FloatArray]] = {}
@@ -147,9 +148,9 @@ def shapes(evidence: Evidence) -> list[Shape]:
             return None
         test, statistic = first, evidence.bounded(first)
         starts = [first.amplitudes] if statistic > first.freedom + PROMISING else []
-        if not any(word in name for word in ANSWERS):
-            plain, share = of_the_gap(evidence, parts)
-            starts += [plain] if share > PLAIN else []
+        if plain and not any(word in name for word in ANSWERS):
+            amplitudes, share = evidence.of_the_gap(parts)
+            starts += [amplitudes] if share > PLAIN else []
         for amplitudes in starts:
             quiet = evidence.cleaned([amplitudes @ part for part in parts])
             again = quiet.test(quiet.whitened(parts))
@@ -170,23 +171,6 @@ def shapes(evidence: Evidence) -> list[Shape]:
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         found = [one for one in threads.map(shape, tables) if one is not None]
     return sorted(found, key=lambda one: one.log_chance)
-
-
-def of_the_gap(evidence: Evidence, tables: Sequence[FloatArray]) -> tuple[FloatArray, float]:
-    """Amplitudes (p,) of columns (p, n of a log) that make the gap itself smallest, and by which share of its power.
-
-    Nothing is whitened here: what is slow and large is taken for noise by filters, and hardly seen beside what is fast.
-    """
-    rows, right = [], []
-    for source, part, table in zip(evidence.sources, evidence.parts, tables, strict=True):
-        rows.append(np.vstack([part.columns, table]) * source.counts)
-        right.append(part.residual * source.counts)
-    columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
-    p = len(tables[0])
-    tuned = gap - least_squares(columns[:-p], gap) @ columns[:-p]
-    weights = least_squares(columns, gap)
-    left = gap - weights @ columns
-    return weights[-p:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
 
 
 def low_power(evidence: Evidence) -> float:

@@ -110,7 +110,8 @@ class Diagnosis:
     Attributes:
         verdict: no_gap, named, ambiguous, unlisted, controller_mismatch or insufficient_excitation.
         effects: that are missing.
-        unlisted: a gap that no effect explains: coordinate, shape, share; or None.
+        unlisted: a gap that no effect explains: coordinate, shape, share, and as `added` what an empirical term makes
+            of it where one was asked for; or None.
         gap: before, after, floor.
         separating_experiment: the motion that would tell the alternatives apart, or None.
         model: refitted, with the effects that were found.

@@ -198,7 +198,7 @@ def search(
         added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned, or_map))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         confirm_evidence = elsewhere()
-    left = with_events(evidence, left)
+    left = with_events(evidence, shapes(evidence, plain=True))
     return Search(
         nominal,
         nominal_evidence,

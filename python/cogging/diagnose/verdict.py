@@ -35,7 +35,7 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
     """
     others: dict[str, Shape] = {}
     if found.confirm_evidence is not None:
-        again = with_events(found.confirm_evidence, shapes(found.confirm_evidence))
+        again = with_events(found.confirm_evidence, shapes(found.confirm_evidence, plain=True))
         others = {shape.coordinate: shape for shape in again}
     for shape in found.left:
         confirmed = standing(shape, others.get(shape.coordinate), checked)
