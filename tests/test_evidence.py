@@ -27,7 +27,7 @@ from cogging.diagnose.scan import Finding, judged, profiled, scan
 from cogging.diagnose.search import choose, needed, plainer, search, that_pays, with_levels_of
 from cogging.diagnose.signatures import Candidate, candidates, tables
 from cogging.diagnose.twins import twins
-from cogging.diagnose.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, standing
+from cogging.diagnose.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, standing, unlisted
 from cogging.diagnose.waves import is_wave
 from cogging.estimation import Estimate
 from cogging.inverse_dynamics import fast_length
@@ -237,8 +237,9 @@ def test_a_burst_is_told_from_noise_that_goes_with_speed():
 
 def test_bursts_of_force_are_louder_than_noise_of_any_tails():
     def rattle(t, x, v):
-        noise = np.convolve(np.random.default_rng(8).normal(size=len(t)), np.ones(12) / np.sqrt(12), "same")
-        return 0.15 * noise * (np.mod(t, 2.0) < 0.3)
+        noise = np.convolve(np.random.default_rng(8).normal(size=len(t)), np.ones(6) / np.sqrt(6), "same")
+        noise -= np.convolve(noise, np.ones(60) / 60, "same")
+        return 0.1 * noise * (np.mod(t, 2.0) < 0.3)
 
     def tails(t, x, v):
         return 0.04 * np.random.default_rng(9).standard_t(3.0, size=len(t))
@@ -246,6 +247,10 @@ def test_bursts_of_force_are_louder_than_noise_of_any_tails():
     loud, even = (bursts(fit_null([pushed(force, 23)], machine())[1]) for force in (rattle, tails))
     assert loud < 0.5 * BURSTS_TOGETHER
     assert even > BURST
+    told = unlisted(search([pushed(rattle, 23)], machine(), [pushed(rattle, 24)]), [], checked=True)
+    assert told["shape"].startswith("bursts: ")
+    assert told["confirmed"]
+    assert unlisted(search([pushed(tails, 23)], machine(), [pushed(tails, 24)]), [], checked=True) is None
 
 
 def test_an_error_of_the_map_is_retuning_where_no_effect_explains_more():

@@ -37,8 +37,10 @@ def with_term(
     coordinate = str(rest["coordinate"])
     nodes, forces = f"{coordinate}_nodes", f"{coordinate}_forces"
     laws = [law for law in EFFECTS.values() if {nodes, forces} <= set(law.FIELDS)]
-    if not laws or "places" not in rest:
+    if not laws:
         raise NoTerm(f"no empirical term is a function of {coordinate}: it is described, not added")
+    if "places" not in rest:
+        raise NoTerm("no empirical term stands for bursts: they are described, not added")
     places = np.asarray(rest["places"], dtype=float)
     shape = np.asarray(rest["force"], dtype=float)
     if len(shape) == 2 * len(places):  # told apart by direction, of which the term knows nothing

@@ -206,6 +206,12 @@ class Test:
     deviations: FloatArray
 
 
+def cosine(one: FloatArray, other: FloatArray) -> float:
+    """Cosine between two rows, without sign."""
+    size = float(np.sqrt((one @ one) * (other @ other)))
+    return abs(float(one @ other)) / size if size > 0.0 else 0.0
+
+
 def orthonormal(columns: FloatArray) -> FloatArray:
     """An orthonormal basis (q, n) of rows (p, n), directions lost to rounding left out."""
     if len(columns) == 0:

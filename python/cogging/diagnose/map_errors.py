@@ -22,8 +22,6 @@ FloatArray = npt.NDArray[np.float64]
 
 SIZE = 0.3  # of the amplitude, assumed: 1-sigma of a constant error of the map, and of a ratio of sines to cosines
 SHOWN = -5.0  # ln of the chance from which an error of the map is seen
-FORM = 0.05  # of T: how well the form of anything is known
-MARGIN = 9.2  # of 2 ln likelihood: 2 ln 100
 
 
 @dataclass(frozen=True)
@@ -38,13 +36,9 @@ class MapError:
     statistic: float
     score: float
 
-    def beats(self, score: float) -> bool:
-        """Whether an error of the map explains about as much as an effect of this score: re-tuning comes first."""
-        return self.score > score - MARGIN
-
-    def rivals(self, score: float) -> bool:
-        """Whether an error of the map explains nearly as much as an effect of this score."""
-        return self.score > score - max(2.0 * MARGIN, FORM * self.statistic)
+    def rivals(self, score: float, margin: float) -> bool:
+        """Whether an error of the map explains as much as an effect of this score, to within a margin of the score."""
+        return self.score > score - margin
 
 
 def error_paths(model: Model) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.confirmation import INFORMATIVE, Confirmation, confirmation, retuned
 from cogging.diagnose.events import with_events
-from cogging.diagnose.evidence import Evidence, gather
+from cogging.diagnose.evidence import Evidence, cosine, gather
 from cogging.diagnose.gap import gaps
 from cogging.diagnose.gap import source_of as gap_source
 from cogging.diagnose.levels import with_levels
@@ -20,7 +20,7 @@ from cogging.diagnose.refit import refit
 from cogging.diagnose.rest import Shape, low_power, shapes
 from cogging.diagnose.scan import Finding, cleaned, judged, profiled, scan
 from cogging.diagnose.spells import is_spell
-from cogging.diagnose.twins import cosine, twins
+from cogging.diagnose.twins import twins
 from cogging.diagnose.waves import is_spatial_wave, is_wave
 from cogging.estimation import Estimate
 from cogging.logs import Log
@@ -147,7 +147,8 @@ def search(
         if len(added) == TERMS_MAX:
             break
         wrong_map = None if free_map else map_error(estimate, evidence)
-        if wrong_map is not None and wrong_map.beats(max((f.score for f in findings), default=0.0)):
+        # Re-tuning comes first.
+        if wrong_map is not None and wrong_map.rivals(max((f.score for f in findings), default=0.0), RIVAL):
             return search(logs, model, confirm, progress, free_map=True)
         barred = {finding.name for finding, _ in refused}
         if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
@@ -194,7 +195,9 @@ def search(
                 continue
             tuned = tuned_or_none
         estimate, tuned_before = fitted, tuned
-        or_map = wrong_map is not None and wrong_map.rivals(step_rivals[0].score)
+        or_map = wrong_map is not None and wrong_map.rivals(
+            step_rivals[0].score, max(2.0 * RIVAL, FORM * wrong_map.statistic)
+        )
         added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned, or_map))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         confirm_evidence = elsewhere()

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.diagnose.evidence import Evidence, FloatArray, Test
+from cogging.diagnose.evidence import Evidence, Test, cosine
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.scan import Finding, cleaned, judged
 from cogging.diagnose.waves import Gain, is_spatial_wave, peaks
@@ -82,9 +82,3 @@ def wave_test(evidence: Evidence, gain: Gain, period: float) -> Test:
         waves = gain(source, along) * np.array([np.sin(phase), np.cos(phase)])
         tables.append(source.rows_of_forces(along, waves, evidence.model.axis.mass))
     return evidence.test(evidence.whitened(tables))
-
-
-def cosine(one: FloatArray, other: FloatArray) -> float:
-    """Cosine between two rows, without sign."""
-    size = float(np.sqrt((one @ one) * (other @ other)))
-    return abs(float(one @ other)) / size if size > 0.0 else 0.0
