@@ -127,7 +127,7 @@ def search(
     tuned_nominal = tuned_before = with_levels(nominal.model, nominal.paths, levels)
     added: list[Added] = []
     refused: list[tuple[Finding, str]] = []
-    unpaid: set[str] = set()  # of the refused, those that the other motion does show
+    unpaid: set[str] = set()  # of the refused, those that nothing speaks against but what became of the model
     nominal_evidence = evidence
     left: list[Shape] = []
     first_shapes: list[Shape] = []
@@ -184,6 +184,7 @@ def search(
             fitted = refit(estimate, chosen, evidence, len(model.effects))
         except (DivergedError, ValueError) as error:
             refused.append((chosen, f"the model with it cannot be fitted: {error}"))
+            unpaid.add(chosen.name)
             continue
         tuned = with_levels(fitted.model, nominal.paths, levels)
         if confirm and (check is None or check.turn == 0.0):
