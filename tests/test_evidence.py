@@ -295,6 +295,9 @@ def test_what_is_slow_and_large_is_measured_against_the_gap_itself():
     seen = [{shape.coordinate: shape for shape in shapes(evidence, plain=way)}["time"] for way in (True, False)]
     plain, usual = (shape.test.statistic for shape in seen)
     assert plain > 1.5 * usual
+    again = shapes(evidence, plain=True, known=shapes(evidence))
+    anew = shapes(evidence, plain=True)
+    assert {one.coordinate: one.log_chance for one in again} == {one.coordinate: one.log_chance for one in anew}
 
 
 def test_drag_over_the_pitch_is_its_own_coordinate():

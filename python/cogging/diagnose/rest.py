@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -121,20 +122,24 @@ def one_way(velocity: FloatArray) -> FloatArray:
     return np.asarray(np.quantile(up, np.linspace(0.0, 1.0, 7)))
 
 
-def shapes(evidence: Evidence, *, plain: bool = False) -> list[Shape]:
+def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = ()) -> list[Shape]:
     """The generic shapes, the likeliest first, each against the noise that it would leave (see scan.profiled).
 
-    `plain`: also where it is the gap itself that asks for them, not only what is left of it when filters have taken
-    for noise what is slow and large. That sees more; it would doubt names, which are not looked at so.
+    Args:
+        evidence: in which they are looked for.
+        plain: also where it is the gap itself that asks for them, not only what is left of it when filters have taken
+            for noise what is slow and large. That sees more; it would doubt names, which are not looked at so.
+        known: shapes of the same evidence that were not looked at so.
     """
     model = evidence.model
     tables: dict[str, list[FloatArray]] = {}
     facts: dict[str, tuple[str, FloatArray]] = {}
+    usual = {shape.coordinate: shape for shape in known}
     for source, along in zip(evidence.sources, evidence.alongs, strict=True):
         for name, (unit, places, columns, _) in coordinates(source, model).items():
-            table = source.rows_of_forces(along, columns, model.axis.mass)
-            tables.setdefault(name, []).append(table)
             facts[name] = (unit, places)
+            if name not in usual or (plain and not is_answered(name)):
+                tables.setdefault(name, []).append(source.rows_of_forces(along, columns, model.axis.mass))
     power = low_power(evidence)
     _ = evidence.excess, evidence.freedom  # made here once, not by every thread
 
@@ -143,16 +148,17 @@ def shapes(evidence: Evidence, *, plain: bool = False) -> list[Shape]:
         # Each log has its own places, but equally many unless a direction is missing.
         if len({len(part) for part in parts}) != 1:
             return None
+        amplitudes, share = evidence.of_the_gap(parts) if plain and not is_answered(name) else (np.empty(0), 0.0)
+        if name in usual and share <= PLAIN:
+            return usual[name]
         first = evidence.test(evidence.whitened(parts))
         if first.freedom == 0:
             return None
         test, statistic = first, evidence.bounded(first)
         starts = [first.amplitudes] if statistic > first.freedom + PROMISING else []
-        if plain and not any(word in name for word in ANSWERS):
-            amplitudes, share = evidence.of_the_gap(parts)
-            starts += [amplitudes] if share > PLAIN else []
-        for amplitudes in starts:
-            quiet = evidence.cleaned([amplitudes @ part for part in parts])
+        starts += [amplitudes] if share > PLAIN else []
+        for start in starts:
+            quiet = evidence.cleaned([start @ part for part in parts])
             again = quiet.test(quiet.whitened(parts))
             if quiet.bounded(again) > statistic:
                 test, statistic = again, quiet.bounded(again)
@@ -164,13 +170,19 @@ def shapes(evidence: Evidence, *, plain: bool = False) -> list[Shape]:
             places,
             -test.amplitudes,
             test.deviations,
-            min(0.0, log_survival(statistic, test.freedom) + float(np.log(len(tables)))),
+            min(0.0, log_survival(statistic, test.freedom) + float(np.log(len(facts)))),
             float(min(1.0, max(0.0, first.statistic - first.freedom) / power)),
         )
 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         found = [one for one in threads.map(shape, tables) if one is not None]
+    found += [one for one in known if one.coordinate not in tables]
     return sorted(found, key=lambda one: one.log_chance)
+
+
+def is_answered(coordinate: str) -> bool:
+    """Whether the loop answers in this coordinate what the gap does, noise too: then the gap asks for it by itself."""
+    return any(word in coordinate for word in ANSWERS)
 
 
 def low_power(evidence: Evidence) -> float:

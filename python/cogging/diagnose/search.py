@@ -134,7 +134,7 @@ def search(
     while True:
         progress(f"scanning, effect {len(added) + 1}")
         findings = profiled(evidence, scan(evidence))
-        left = shapes(evidence)
+        looked_at, left = evidence, shapes(evidence)
         first_shapes = first_shapes or with_events(evidence, left)
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
         best = max(findings, key=lambda f: f.score, default=None)
@@ -202,7 +202,8 @@ def search(
         added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned, or_map))
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         confirm_evidence = elsewhere()
-    left = with_events(evidence, shapes(evidence, plain=True))
+    known = left if evidence is looked_at else ()
+    left = with_events(evidence, shapes(evidence, plain=True, known=known))
     return Search(
         nominal,
         nominal_evidence,
