@@ -20,7 +20,6 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
-PLAIN = 0.15  # of the gap's power, from which what explains it is judged against the noise that it leaves
 GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.diagnose.chances import log_survival
-from cogging.diagnose.evidence import PLAIN, Evidence, Test
+from cogging.diagnose.evidence import Evidence, Test
 from cogging.model import Model
 from cogging.residuals import Innovations, quiet_plant
 
@@ -19,6 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 
 PHASES = 8  # places in a pitch
 ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too
+PLAIN = 0.15  # of the gap's power, from which what explains it is judged against the noise that it leaves
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
 
