@@ -1,6 +1,6 @@
 """What a map of the cogging may be wrong by beside the size and phase of its harmonics.
 
-Re-tuning, where it explains more than any effect.
+Re-tuning, where it explains as much as any effect.
 """
 
 from __future__ import annotations

@@ -182,7 +182,7 @@ def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = 
 
 
 def is_answered(coordinate: str) -> bool:
-    """Whether the loop answers in this coordinate what the gap does, noise too: then the gap asks for it by itself."""
+    """Whether the loop moves this coordinate in answer to the gap: then noise alone makes the gap go with it."""
     return any(word in coordinate for word in ANSWERS)
 
 

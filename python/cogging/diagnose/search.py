@@ -106,7 +106,7 @@ def search(
 ) -> Search:
     """Scan, add what stands, until nothing significant is left or as many as can be told were added.
 
-    Where errors of the cogging map explain more than the best effect, they are re-tuned too (`free_map`).
+    Where errors of the cogging map explain as much as the best effect, they are re-tuned too (`free_map`).
     """
     progress("re-tuning the model")
     nominal, evidence = fit_null(logs, model)
