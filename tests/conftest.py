@@ -1,5 +1,18 @@
-"""Set before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring."""
+"""What the tests share."""
 
 import os
 
+# Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import pytest
+
+from cogging.diagnose.null import fit_null
+from tests.moving_axis import machine, record
+
+
+@pytest.fixture(scope="session")
+def quiet_evidence():
+    """Evidence of a log in which nothing is hidden."""
+    nominal = machine()
+    return fit_null([record(nominal, 3)], nominal)[1]

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 import cogging
-from cogging import EFFECTS, Model
+from cogging import EFFECTS
 from cogging._core import Predictor
 from cogging.diagnose import evidence as evidence_module
 from cogging.diagnose import waves
@@ -15,79 +15,17 @@ from cogging.diagnose.bursts import bursts, variance_jumps
 from cogging.diagnose.chances import log_survival
 from cogging.diagnose.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnose.evidence import orthonormal
-from cogging.diagnose.level_changes import changes, look_alikes
 from cogging.diagnose.location_words import shape_text
-from cogging.diagnose.naming import named
 from cogging.diagnose.noise_filter import spectrum
 from cogging.diagnose.null import fit_null, nuisances, starts_fit
-from cogging.diagnose.patched import with_intervals
-from cogging.diagnose.refit import conditional_paths
 from cogging.diagnose.rest import coordinates, shapes
-from cogging.diagnose.scan import Finding, judged, profiled, scan
-from cogging.diagnose.search import choose, needed, plainer, search, that_pays, with_levels_of
+from cogging.diagnose.scan import judged, profiled, scan
+from cogging.diagnose.search import search
 from cogging.diagnose.signatures import Candidate, candidates, tables
-from cogging.diagnose.twins import twins
-from cogging.diagnose.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, standing, unlisted
+from cogging.diagnose.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, unlisted
 from cogging.diagnose.waves import is_wave
-from cogging.estimation import Estimate
 from cogging.inverse_dynamics import fast_length
-
-RATE = 1000.0
-
-
-def machine(effects=(), force=0.02):
-    kp, ki, kd = cogging.pid_gains([-80.0] * 3, 2.0)
-    return Model(
-        axis=cogging.AxisParameters(mass=2.0, viscous=3.0, coulomb=1.5, coulomb_width=2e-3),
-        cogging=cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.03, harmonics=[1]), [[0.4]], [[0.2]]),
-        effects=tuple(effects),
-        encoder=cogging.EncoderParameters(resolution=1e-7),
-        noise=cogging.NoiseParameters(force=force, bandwidth=40.0),
-        controller=cogging.PidParameters(sample_rate=RATE, kp=kp, ki=ki, kd=kd),
-        controller_type="pid",
-        uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2},
-    )
-
-
-def motion(seed):
-    random = np.random.default_rng(seed)
-    time = np.arange(int(8.0 * RATE) + 1) / RATE
-    position, at, now = np.zeros(len(time)), 0.0, 0.1
-    while now < 7.9:
-        goal, top = random.uniform(-0.15, 0.15), float(np.exp(random.uniform(np.log(0.02), np.log(0.4))))
-        goal = at + float(np.clip(goal - at, -top, top))
-        length = 1.9 * abs(goal - at) / top + 0.05
-        s = np.clip((time - now) / length, 0.0, 1.0)
-        position += (goal - at) * s**3 * (10 - 15 * s + 6 * s * s)
-        at, now = goal, now + length + 0.02
-    return cogging.Sampled(time, position, None, None)
-
-
-def record(model, seed):
-    return cogging.simulate(model, motion(seed), seed=seed, duration=8.0, steps_per_sample=4)
-
-
-def pushed(force, seed):
-    """A log in which `force` (V) of reference position and velocity acts beside the command, and nobody knows of it."""
-    model, reference = machine(), motion(seed)
-    log = record(model, seed)
-    added = force(log.time, log.reference, np.gradient(log.reference, log.time))
-    columns = cogging.closed_loop(
-        model.plant(),
-        model.make_controller(),
-        reference,
-        seed=seed,
-        duration=8.0,
-        steps_per_sample=4,
-        added_command=added,
-    )
-    return cogging.Log(columns["time"], columns["position"], columns["command"] - added)
-
-
-@pytest.fixture(scope="module")
-def quiet_evidence():
-    nominal = machine()
-    return fit_null([record(nominal, 3)], nominal)[1]
+from tests.moving_axis import machine, pushed, record
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 3, 7, 12, 24])
@@ -308,34 +246,6 @@ def test_drag_over_the_pitch_is_its_own_coordinate():
     assert best.force - best.force.mean() == pytest.approx(shape, abs=0.3)
 
 
-@pytest.mark.parametrize(
-    ("coordinate", "mine", "its", "checked", "told"),
-    [
-        ("position", -13.0, -6.0, True, True),
-        ("position", -9.0, -18.0, True, True),
-        ("position", -7.0, -18.0, True, None),
-        ("position", -7.0, -9.0, True, None),
-        ("drag over time", -10.0, -24.0, True, True),
-        ("drag over time", -13.0, -6.0, True, True),
-        ("position", -4.0, -90.0, True, None),
-        ("position", -13.0, 0.0, True, None),
-        ("position", -13.0, 0.0, False, False),
-        ("time", -101.0, 0.0, True, False),
-        ("time", -99.0, 0.0, True, None),
-        (JUMPS, -19.0, 0.0, True, False),
-        (JUMPS, -17.0, -4.0, True, None),
-        (JUMPS, -8.0, -6.0, True, True),
-        (SPELLS, -19.0, -9.0, True, None),
-        (SPELLS, -25.0, -14.0, True, None),
-        (SPELLS, -45.0, -20.0, True, True),
-        (SPELLS, -101.0, 0.0, False, True),
-    ],
-)
-def test_what_is_left_stands_by_both_motions(coordinate, mine, its, checked, told, quiet_evidence):
-    shape = replace(shapes(quiet_evidence)[0], coordinate=coordinate, log_chance=mine)
-    assert standing(shape, replace(shape, log_chance=its), checked) is told
-
-
 def test_a_fast_tone_is_the_first_peak_however_few_bins_there_are(monkeypatch):
     """Bins longer than the rows would fold what is faster into lines that are not there."""
     truth = machine([EFFECTS["disturbance_tone"](frequency=103.0, sine=0.03)])
@@ -361,119 +271,6 @@ def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):
             assert name == candidate.effect([0.0] * len(candidate.amplitudes)).NAME
 
 
-def test_nothing_is_found_where_nothing_is_hidden(quiet_evidence):
-    assert all(finding.log_chance > -9.5 for finding in scan(quiet_evidence))
-    assert all(shape.log_chance > -12.0 for shape in shapes(quiet_evidence))
-
-
-def test_a_scan_on_many_threads_finds_what_one_finds(quiet_evidence, monkeypatch):
-    names = ["cable_spring", "command_delay", "flexible_mode", "force_constant_ripple", "coulomb_asymmetry"]
-    found = []
-    for threads in (1, 4):
-        monkeypatch.setattr("os.cpu_count", lambda threads=threads: threads)
-        quiet_evidence.memory.clear()
-        found.append([(f.candidate, f.score, list(f.amplitudes)) for f in scan(quiet_evidence, names)])
-    assert len(found[0]) > 1
-    assert found[0] == found[1]
-
-
-@pytest.mark.parametrize(
-    ("effect", "others"),
-    [
-        (EFFECTS["cable_spring"](stiffness=1.5), set()),
-        (EFFECTS["cogging_harmonic"](period=0.0113, sine=0.12, cosine=-0.05), set()),
-        (EFFECTS["viscous_asymmetry"](difference=1.2), set()),
-        (EFFECTS["disturbance_tone"](frequency=7.3, sine=0.05, cosine=0.05), set()),
-        (EFFECTS["force_constant_ripple"](period=0.021, sine=0.03, cosine=0.0), set()),
-        (EFFECTS["quadratic_drag"](coefficient=4.0), {"stribeck_friction"}),
-        pytest.param(
-            EFFECTS["command_delay"](delay=1.5e-3),
-            {"actuator_lag"},
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="a logged command carries the noise that the loop fed back, and so do columns made of it: a "
-                "delay above a sample comes out too small here, and other motion refutes it",
-            ),
-        ),
-    ],
-    ids=lambda value: getattr(value, "NAME", ""),
-)
-def test_a_hidden_effect_is_found_first(effect, others):
-    truth, nominal = machine([effect]), machine()
-    found = search([record(truth, 11)], nominal, [record(truth, 12)])
-    assert found.added
-    assert found.added[0].finding.name in {effect.NAME} | others
-
-
-@pytest.mark.parametrize(
-    ("effect", "field"),
-    [
-        (EFFECTS["cable_spring"](stiffness=1.5, center=0.03), "center"),
-        (EFFECTS["force_constant_drift"](change=0.2, time_constant=1.7), "time_constant"),
-    ],
-    ids=lambda value: getattr(value, "NAME", value),
-)
-def test_centres_and_time_constants_are_fitted_and_leave_nothing_to_add(effect, field):
-    found = search([record(machine([effect]), 11)], machine(), [record(machine([effect]), 12)])
-    assert [added.finding.name for added in found.added] == [effect.NAME]
-    (place,) = [i for i, path in enumerate(found.estimate.paths) if path.endswith(f"{effect.NAME}.{field}")]
-    error = found.estimate.values[place] - getattr(effect, field)
-    assert abs(error) < 2.0 * found.estimate.half_width[place]
-    assert np.isfinite(found.estimate.half_width[place])
-
-
-def test_an_effect_pays_with_levels_tuned_or_as_they_were():
-    spring, wrong = EFFECTS["cable_spring"](stiffness=1.5), EFFECTS["cable_spring"](stiffness=-1.5)
-    logs, confirm = [record(machine([spring]), 11)], [record(machine([spring]), 12)]
-    good, nominal = machine([spring]), machine()
-    bent = good.replace(axis=good.axis.replace(viscous=12.0))
-    assert that_pays(logs, confirm, nominal, good, bent)[0] is good
-    assert that_pays(logs, confirm, nominal, bent, good)[0] is good
-    neither, reason = that_pays(logs, confirm, nominal, bent, machine([wrong]))
-    assert neither is None
-    assert reason.startswith("the gap on the other motion grows from")
-
-
-def test_levels_of_an_earlier_model_leave_what_was_added():
-    before = machine().replace(axis=machine().axis.replace(viscous=4.0, mass=2.1))
-    kept = with_levels_of(before, machine([EFFECTS["cable_spring"](stiffness=1.5)]), nuisances(before))
-    assert kept.axis == before.axis
-    assert [effect.NAME for effect in kept.effects] == ["cable_spring"]
-
-
-def test_what_hangs_on_an_assumed_contact_has_no_interval():
-    model = machine([EFFECTS["backlash"](gap=1e-5, mass_ratio=0.2), EFFECTS["cable_spring"](stiffness=1.5)])
-    paths = ("effects.backlash.gap", "effects.backlash.mass_ratio", "effects.cable_spring.stiffness")
-    values = np.array([1e-5, 0.2, 1.5])
-    assert conditional_paths(model) == set(paths[:2])
-    estimate = Estimate(paths, values, np.diag((0.01 * values) ** 2), np.full(3, 1e6), model, (), (), 1)
-    intervals = with_intervals(model, estimate).intervals
-    assert intervals[paths[0]] == intervals[paths[1]] == (-np.inf, np.inf)
-    assert intervals[paths[2]] == pytest.approx((1.5 * (1 - 0.0196), 1.5 * (1 + 0.0196)), rel=1e-4)
-
-
-def test_few_amplitudes_that_explain_nearly_as_much_come_first():
-    def finding(name, count, statistic):
-        amplitudes = tuple(("sine", i) for i in range(count))
-        candidate = Candidate(name, {}, amplitudes, (1.0,) * count)
-        test = evidence_module.Test(statistic, count, np.ones(count), np.ones(5), np.ones(count))
-        return Finding(candidate, test, np.ones(count), 1.0, -20.0, statistic)
-
-    many, few, far = finding("cogging_modulation", 10, 100.0), finding("cable_spring", 1, 91.0), finding("x", 1, 89.0)
-    assert plainer([many, few]) is few
-    assert plainer([many, far]) is many
-    assert plainer([few, many]) is few
-
-
-def test_a_level_below_nothing_is_no_change():
-    truth = machine().replace(axis=machine().axis.replace(viscous=9.0))
-    found = search([record(truth, 11)], machine())
-    (change,) = [one for one in changes(found, machine()) if one[0] == "viscous"]
-    assert change[1] == pytest.approx(2.0, abs=0.2)
-    lower = replace(found, estimate=replace(found.estimate, values=found.estimate.values - 1e3))
-    assert changes(lower, machine()) == []
-
-
 def test_nuisances_are_levels_and_known_amplitudes():
     assert set(nuisances(machine())) == {
         "axis.mass", "axis.viscous", "axis.coulomb", "axis.coulomb_width", "cogging.sine[0][0]", "cogging.cosine[0][0]",
@@ -490,26 +287,6 @@ def test_rows_soon_after_a_start_count_only_where_they_fit():
     assert not starts_fit(nominal, [calm], [calm])  # no row more
 
 
-def test_a_loose_load_is_named_whatever_its_contact():
-    """In the log the contact is four times as stiff, and rebounds: gap and mass must not hang on that."""
-    hidden = EFFECTS["backlash"](gap=3e-5, mass_ratio=0.06, contact_frequency=1500.0, contact_damping_ratio=0.6)
-    result = cogging.diagnose(record(machine([hidden]), 1), machine(), confirm=record(machine([hidden]), 2))
-    found = next(effect for effect in result.effects if effect.name == "backlash")
-    assert found.alternatives == ()
-    assert found.parameters["gap"].value == pytest.approx(hidden.gap, rel=0.2)
-    assert found.parameters["mass_ratio"].value == pytest.approx(hidden.mass_ratio, rel=0.2)
-
-
-def test_where_other_motion_cannot_show_it_friction_must_stand_out_further():
-    def finding(name, **shape):
-        return Finding(Candidate(name, shape, (), ()), None, np.ones(1), 1.0, -30.0, 60.0)
-
-    spell = {"start": 1.0, "stop": 2.0}
-    assert needed(finding("stribeck_friction", velocity=0.01)) < needed(finding("command_saturation", limit=10.0))
-    assert needed(finding("disturbance_step", **spell)) == needed(finding("coulomb_asymmetry"))
-    assert needed(finding("cable_spring", center=0.0)) == needed(finding("command_saturation", limit=10.0))
-
-
 def test_friction_that_falls_with_time_is_a_drag_over_time():
     hidden = pushed(lambda t, x, v: 1.5 * v * np.exp(-t / 2.0), 4)  # as oil that warms up: less drag in the end
     left = shapes(fit_null([hidden], machine())[1])
@@ -518,73 +295,28 @@ def test_friction_that_falls_with_time_is_a_drag_over_time():
     assert found.log_chance <= left[0].log_chance + 5.0
 
 
-def test_a_force_with_the_square_of_the_command_is_no_ripple():
-    """As reluctance makes it: on one log nearly a ripple of some other period, and no effect of the vocabulary."""
-    nominal, reference = machine(), motion(23)
-    log = record(nominal, 23)
-    added = -0.5 * (log.command / np.abs(log.command).max()) ** 2 * np.sin(2.0 * np.pi * log.position / 0.02 + 0.4)
-    columns = cogging.closed_loop(
-        nominal.plant(), nominal.make_controller(), reference, seed=23, duration=8.0, steps_per_sample=4,
-        added_command=added,
-    )  # fmt: skip
-    logged = cogging.Log(columns["time"], columns["position"], columns["command"] - added)
-    evidence = fit_null([logged], nominal)[1]
-    best = max(scan(evidence, ["force_constant_ripple", "cogging_harmonic"]), key=lambda one: one.score)
-    found = {shape.coordinate.split(" every ")[0]: shape for shape in twins(evidence, best)}
-    square = found.pop("square of the command")
-    assert square.coordinate.endswith(" mm")
-    assert float(square.coordinate.split()[-2]) == pytest.approx(20.0, rel=0.15)  # few places see a large command
-    assert square.score > best.score + 6.0
-    assert all(square.test.statistic > other.test.statistic for other in found.values())
-    assert np.ptp(square.force) == pytest.approx(2.0 * 0.5, rel=0.3)
-    spring = max(scan(evidence, ["cable_spring"]), key=lambda one: one.score)
-    assert twins(evidence, spring) == []
+def test_a_wave_beside_a_known_period_is_looked_at_though_retuning_takes_most_of_it():
+    hidden = EFFECTS["encoder_periodic_error"](period=0.0304, cosine=4e-6)
+    evidence = fit_null([record(machine([hidden]), 5)], machine())[1]
+    spectral = [one.shape["period"] for one in waves.peaks(evidence, "encoder_periodic_error")[0]]
+    assert all(abs(period / hidden.period - 1.0) > 0.02 for period in spectral)
+    near = waves.beside_known(evidence, "encoder_periodic_error")
+    turns = evidence.scales.position / np.array([one.shape["period"] for one in near])
+    assert len(near) == 5
+    np.testing.assert_allclose(turns - evidence.scales.position / 0.03, [-0.7, -0.35, 0.0, 0.35, 0.7], atol=1e-9)
+    assert waves.beside_known(evidence, "disturbance_tone") == []
+    best = scan(evidence)[0]
+    assert best.name == "encoder_periodic_error"
+    assert best.candidate.shape["period"] == pytest.approx(hidden.period, rel=0.01)
 
 
-def test_a_true_ripple_has_no_better_twin():
-    hidden = machine([EFFECTS["force_constant_ripple"](period=0.02, sine=0.05)])
-    evidence = fit_null([record(hidden, 24)], machine())[1]
-    (ripple,) = profiled(evidence, scan(evidence, ["force_constant_ripple"]))
-    assert ripple.candidate.shape["period"] == pytest.approx(0.02, rel=0.01)
-    assert all(twin.score < ripple.score for twin in twins(evidence, ripple))
-
-
-def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
-    explained = np.array([1.0, 2.0, 0.5])
-
-    def finding(name, score):
-        test = evidence_module.Test(score + 4.0, 1, np.ones(1), explained, np.ones(1))
-        return Finding(Candidate(name, {}, (), ()), test, np.ones(1), 1.0, -30.0, score)
-
-    unpaid, found = finding("constant_force", 85.0), finding("viscous_asymmetry", 70.0)
-    rivals, chosen, _ = choose([unpaid, found], found, None, None, set(), {}, {"constant_force"})
-    assert chosen is found
-    assert [rival.name for rival in rivals] == ["viscous_asymmetry", "constant_force"]
-    _, chosen, _ = choose([unpaid, found], found, None, None, set(), {})
-    assert chosen is unpaid
-
-
-@pytest.mark.parametrize(("force", "expected"), [(0.02, ()), (0.3, ("quadratic_drag",))])
-def test_a_change_that_noise_does_not_tell_from_drag_has_it_as_an_alternative(force, expected):
-    nominal, noisy = machine(), machine(force=force)
-    log = record(noisy.replace(axis=noisy.axis.replace(viscous=6.0)), 32)
-    told = search([log], nominal)
-    assert [change[0] for change in changes(told, nominal) if abs(change[3]) > 4.0] == ["viscous"]
-    assert look_alikes(told, nominal, "viscous") == expected
-    assert look_alikes(told, nominal, "mass") == ()
-
-
-def test_a_name_is_doubted_where_more_was_refused_than_added():
-    told = search([record(machine([EFFECTS["cable_spring"](stiffness=1.5)]), 33)], machine())
-    plain, finding = named(told, 0, []), told.added[0].finding
-    largest = max(added.finding.test.statistic for added in told.added)
-    for factor, doubted in ((1.1, True), (0.9, False)):
-        test = replace(finding.test, statistic=factor * largest)
-        refused = replace(finding, test=test, log_chance=-60.0)
-        again = named(replace(told, unused=[refused]), 0, [])
-        assert again.confidence == pytest.approx(plain.confidence * (0.75 if doubted else 1.0), abs=0.002)
-    faint = replace(finding, test=replace(finding.test, statistic=1.1 * largest), log_chance=-20.0)
-    assert named(replace(told, unused=[faint]), 0, []).confidence == plain.confidence
+def test_tables_are_whitened_together_as_they_are_alone(quiet_evidence):
+    random = np.random.default_rng(8)
+    tables = [[random.normal(size=(count, len(quiet_evidence.residual)))] for count in (1, 5, 4, 1, 12, 2)]
+    together = list(quiet_evidence.whitened_each(tables))
+    assert [len(one) for one in together] == [1, 5, 4, 1, 12, 2]
+    for one, table in zip(together, tables, strict=True):
+        np.testing.assert_allclose(one, quiet_evidence.whitened(table), rtol=1e-9, atol=1e-12)
 
 
 def test_an_error_of_the_reading_repeats_in_the_travel(quiet_evidence):

@@ -2,6 +2,7 @@
 // An autoregressive filter that makes a correlated residual white.
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -11,22 +12,32 @@
 namespace cogging {
 
 /// Coefficients a of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e (Yule and Walker's equations, solved by
-/// Levinson's recursion). Only pairs of rows that both count are looked at.
+/// Levinson's recursion). Only pairs of rows that both count (1, else 0) are looked at.
 inline std::vector<double> autoregression(std::span<const double> residual, std::span<const double> counts, int order) {
   const std::size_t rows = residual.size();
   require(order >= 1 && static_cast<std::size_t>(order) * 4 < rows, "order", "must be from 1 to a quarter of the rows",
           order);
   const std::size_t lags = static_cast<std::size_t>(order) + 1;
-  std::vector<double> covariance(lags, 0.0), pairs(lags, 0.0);
-  for (std::size_t lag = 0; lag < lags; ++lag)
-    for (std::size_t k = lag; k < rows; ++k) {
-      const double weight = counts[k] * counts[k - lag];
-      covariance[lag] += weight * residual[k] * residual[k - lag];
-      pairs[lag] += weight;
-    }
-  require(pairs[0] > 0.0 && covariance[0] > 0.0, "residual", "must have rows that count and differ from 0", pairs[0]);
+  std::vector<double> counted(rows);
+  double count = 0.0;
+  for (std::size_t k = 0; k < rows; ++k) {
+    counted[k] = counts[k] * residual[k];
+    count += counts[k];
+  }
+  std::vector<double> covariance(lags);
+  constexpr std::size_t together = 8;  // lags whose sums grow side by side: one waits for the other's additions
+  for (std::size_t first = 0; first < lags; first += together) {
+    std::array<double, together> sum{};
+    const std::size_t last = first + together - 1;
+    for (std::size_t k = first; k < std::min(last, rows); ++k)
+      for (std::size_t i = 0; i <= k - first; ++i) sum[i] += counted[k] * counted[k - first - i];
+    for (std::size_t k = last; k < rows; ++k)
+      for (std::size_t i = 0; i < together; ++i) sum[i] += counted[k] * counted[k - first - i];
+    std::copy_n(sum.begin(), std::min(together, lags - first), covariance.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  require(count > 0.0 && covariance[0] > 0.0, "residual", "must have rows that count and differ from 0", count);
   // The biased estimate (all lags over the same count) keeps the filter stable; a trace of white noise keeps it finite.
-  for (double& value : covariance) value /= pairs[0];
+  for (double& value : covariance) value /= count;
   covariance[0] *= 1.0 + 1e-9;
 
   std::vector<double> a(static_cast<std::size_t>(order), 0.0), previous;

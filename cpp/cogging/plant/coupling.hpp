@@ -44,7 +44,20 @@ class Coupling {
   double load_mass() const { return load_mass_; }
   double rate() const { return rate_; }  // 1/s, the fastest that it answers with
 
-  bool is_free(double deflection) const { return pushes_only_ && std::abs(deflection) < half_gap_; }
+  /// A law that holds about one deflection and rate: force = stiffness (deflection - origin) + damping rate.
+  struct Piece {
+    double stiffness, damping, origin;
+    bool operator==(const Piece&) const = default;
+  };
+
+  /// The piece of `force` at a deflection and rate.
+  Piece piece(double deflection, double rate) const {
+    const double origin = clamp(deflection, -half_gap_, half_gap_);
+    const double spring = stiffness_ * (deflection - origin), damper = damping_ * rate;
+    if (spring == 0.0) return {0.0, 0.0, 0.0};
+    if (!pushes_only_ || std::abs(damper) <= std::abs(spring)) return {stiffness_, damping_, origin};
+    return spring * damper > 0.0 ? Piece{2.0 * stiffness_, 0.0, origin} : Piece{0.0, 0.0, 0.0};
+  }
 
   /// The force by which the load pulls the motor towards +x, V.
   ///

@@ -90,23 +90,53 @@ class SpringLoad {
   Oscillator moving_, resting_;
 };
 
-/// A load with play: Runge-Kutta of fourth order, in substeps as in BodyWithStates.
+/// A load with play: the exact solution while it stays in one piece of the contact's law, Runge-Kutta of fourth order
+/// over a row in which it passes from one to another, in substeps as in BodyWithStates.
 class LooseLoad {
  public:
   LooseLoad(const CouplingParameters& coupling, double mass, double viscous_rate)
       : coupling_(coupling, mass), viscous_rate_(viscous_rate) {}
 
-  void prepare(double, bool) {}
+  void prepare(double h, bool rests) {
+    half_ = 0.5 * h;
+    damping_ = rests ? 0.0 : viscous_rate_;
+    inverse_ = 1.0 / coupling_.load_mass() + (rests ? 0.0 : 1.0 / coupling_.motor_mass());
+  }
   Deflection pushed(double h) const { return {0.5 * h * h, h}; }  // while it is free
-  Deflection advance(Deflection z, double push, double h, bool rests) const {
-    const double inverse = 1.0 / coupling_.load_mass() + (rests ? 0.0 : 1.0 / coupling_.motor_mass());
-    const double damping = rests ? 0.0 : viscous_rate_;
+
+  Deflection advance(const Deflection& z, double push, double h, bool rests) {
+    const Coupling::Piece piece = coupling_.piece(z.value, z.rate);
+    Oscillator& solution = solution_of(piece, rests);
+    solution.prepare(half_);
+    Deflection next{z.value - piece.origin, z.rate};
+    for (int half = 0; half < 2; ++half) {
+      next = solution.advance(next, push);
+      if (coupling_.piece(next.value + piece.origin, next.rate) != piece) return in_steps(z, push, h);
+    }
+    return {next.value + piece.origin, next.rate};
+  }
+
+ private:
+  struct Solution {
+    double stiffness;
+    bool rests;
+    Oscillator oscillator;
+  };
+
+  /// Of a piece of the law; there are few, each known by its stiffness.
+  Oscillator& solution_of(const Coupling::Piece& piece, bool rests) {
+    for (Solution& one : solutions_)
+      if (one.stiffness == piece.stiffness && one.rests == rests) return one.oscillator;
+    solutions_.push_back(
+        {piece.stiffness, rests, Oscillator(piece.stiffness * inverse_, piece.damping * inverse_ + damping_)});
+    return solutions_.back().oscillator;
+  }
+
+  Deflection in_steps(Deflection z, double push, double h) const {
     const auto slope = [&](const Deflection& at) {
-      return Deflection{at.rate, push - damping * at.rate - coupling_.force(at.value, at.rate) * inverse};
+      return Deflection{at.rate, push - damping_ * at.rate - coupling_.force(at.value, at.rate) * inverse_};
     };
-    const auto is_free = [&](double t) { return coupling_.is_free(z.value + t * (z.rate + 0.5 * t * push)); };
-    const bool flies = is_free(0.0) && is_free(0.5 * h) && is_free(h);
-    const int pieces = flies ? 1 : std::max(1, static_cast<int>(std::ceil(4.0 * coupling_.rate() * h)));
+    const int pieces = std::max(1, static_cast<int>(std::ceil(4.0 * coupling_.rate() * h)));
     const double step = h / pieces;
     for (int piece = 0; piece < pieces; ++piece) {
       const Deflection k1 = slope(z);
@@ -119,9 +149,9 @@ class LooseLoad {
     return z;
   }
 
- private:
   Coupling coupling_;
-  double viscous_rate_;
+  double viscous_rate_, half_ = 0.0, damping_ = 0.0, inverse_ = 0.0;
+  std::vector<Solution> solutions_;
 };
 
 /// Of the gap that is meant: what a load with play does is the mean over them (see expected_prediction).

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import nuisances, sources_of, width_floor
 from cogging.diagnose.scan import Finding
@@ -20,7 +21,6 @@ from cogging.model import Model
 from cogging.parameters import effect_paths
 
 INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
-GAIN = 6.0  # of 2 ln likelihood with frozen amplitudes, from which the confirm logs alone are evidence
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,18 @@ class Confirmation:
         return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
 
     @property
-    def sure(self) -> bool:
-        """Whether the other motion alone would be evidence: by chance, 1 in 300 gains as much at lambda 15."""
-        return self.confirmed and self.gain > GAIN
+    def shown(self) -> float:
+        """T that this motion shows of the effect, chi-square with one degree of freedom where there is none."""
+        return self.ratio**2 * self.foreseen
+
+    @property
+    def log_chance(self) -> float:
+        """ln of the chance that noise alone shows as much of it, or more; 0 where the other motion does not show it."""
+        if not self.confirmed:
+            return 0.0
+        if self.turn:
+            return log_survival(self.shown, 2)
+        return log_survival(self.shown, 1) - float(np.log(2.0))
 
     @property
     def confirmed(self) -> bool:

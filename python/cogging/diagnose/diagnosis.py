@@ -13,7 +13,7 @@ from cogging.controller_check import check_controller
 from cogging.controller_recovery import recover_controller
 from cogging.diagnose.empirical import NoTerm, with_term
 from cogging.diagnose.events import SPELLS
-from cogging.diagnose.gap import floor_of, gaps, source_of
+from cogging.diagnose.gap import floor_of, follows, gaps, source_of
 from cogging.diagnose.given_logs import Logs, read_logs
 from cogging.diagnose.level_changes import CHANGED, changes, look_alikes
 from cogging.diagnose.levels import with_levels
@@ -33,7 +33,6 @@ from cogging.parameters import parameters_of, with_values
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
-FOLLOWED = 3.0  # floors of noise: a replay that is farther off than that measures something else
 WHERE = -7.0  # ln of the chance from which a coordinate is told
 
 
@@ -86,7 +85,8 @@ def diagnose(
         notes.append(f"the axis moves for {moving:.2g} s only: at rest, friction hides every force")
         return _nothing("insufficient_excitation", given, model, notes)
     try:
-        found = search(given, model, others, progress)
+        loops = replay and all(_obeys(log, model) for log in others)
+        found = search(given, model, others, progress, loops)
     except NothingCounts as error:
         notes.append(str(error))
         return _nothing("insufficient_excitation", given, model, notes)
@@ -171,8 +171,8 @@ def _assemble(
     nominal = _as_stated(found, nominal, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(_file_form(added.model, model) for added in found.added[:-1]), final]
     seen = gaps(logs, models, replay=replay)
-    if replay and seen[-1].rms > FOLLOWED * floor_of(seen[-1], logs, final):
-        replay = False  # what the loop makes of friction at each reversal would be the gap
+    if replay and not follows(logs, final):
+        replay = False
         seen = gaps(logs, models, replay=False)
         notes.append("the replayed loop does not follow the log closely enough to measure with: friction at reversals")
     loops = replay and all(_obeys(log, found.nominal.model) for log in others)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -20,6 +20,7 @@ from cogging.residuals import Innovations, quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
 
+TOGETHER = 8  # columns that are whitened at once
 GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect
 
 
@@ -155,24 +156,33 @@ class Evidence:
         ]
         return np.concatenate(parts, axis=1)
 
+    def whitened_each(self, made: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
+        """`whitened` of many tables; TOGETHER columns and more at a time, which is quicker than a few."""
+        for first, last in groups([len(tables[0]) for tables in made], TOGETHER):
+            parts = zip(*made[first:last], strict=True)
+            white = self.whitened([np.concatenate(part) for part in parts])
+            ends = np.cumsum([len(tables[0]) for tables in made[first:last]])
+            yield from np.split(white, ends[:-1])
+
     def project(self, columns: FloatArray) -> FloatArray:
         """Take from whitened columns (p, n) what the free parameters could explain."""
         return columns - (columns @ self.basis.T) @ self.basis
 
     def test(self, columns: FloatArray) -> Test:
         """Score test of whitened columns (p, n): how much of the residual they explain that re-tuning cannot."""
-        free = self.project(columns)
-        size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
-        left = np.sqrt(np.einsum("ij,ij->i", free, free))
+        shares = columns @ self.basis.T  # of what the free parameters could explain, (p, q)
+        gram = columns @ columns.T
+        size = np.sqrt(np.diag(gram))
+        gram -= shares @ shares.T
+        left = np.sqrt(np.maximum(np.diag(gram), 0.0))
         seen = left > 2e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
         amplitudes = np.zeros(len(columns))
         if not seen.any():
             return Test(0.0, 0, amplitudes, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
-        gram = free[seen] @ free[seen].T / np.outer(left[seen], left[seen])
-        values, vectors = np.linalg.eigh(gram)
+        values, vectors = np.linalg.eigh(gram[np.ix_(seen, seen)] / np.outer(left[seen], left[seen]))
         good = values > 1e-4
         inverse = (vectors[:, good] / values[good]) @ vectors[:, good].T
-        score = free[seen] @ self.free_residual / left[seen]
+        score = (columns @ self.free_residual)[seen] / left[seen]
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
         deviations = np.full(len(columns), np.inf)
@@ -181,7 +191,7 @@ class Evidence:
             float(score @ solution) / self.excess,
             int(good.sum()),
             amplitudes,
-            solution / left[seen] @ free[seen],
+            amplitudes @ columns - (amplitudes @ shares) @ self.basis,
             deviations,
         )
 
@@ -203,6 +213,16 @@ class Test:
     amplitudes: FloatArray
     explained: FloatArray
     deviations: FloatArray
+
+
+def groups(sizes: Sequence[int], together: int) -> Iterator[tuple[int, int]]:
+    """First and last number (excluded) of neighbours that sum up to `together` or more, the last fewer."""
+    first, total = 0, 0
+    for i, size in enumerate(sizes):
+        total += size
+        if total >= together or i + 1 == len(sizes):
+            yield first, i + 1
+            first, total = i + 1, 0
 
 
 def cosine(one: FloatArray, other: FloatArray) -> float:

@@ -19,6 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 FEW = 0.1  # of the rows, which must be in motion for the slow observer
 FAST = 50.0  # Hz
 STEADY = 0.01  # of the sample time: more than what a microsecond of resolution does
+FOLLOWED = 3.0  # floors of noise: a replay that is farther off than that measures something else
 BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are the gap where no controller is known
 
 
@@ -105,6 +106,15 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
 def _rms(rows: Sequence[FloatArray], counts: Sequence[npt.NDArray[np.bool_]]) -> float:
     moving = np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)])
     return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
+
+
+def follows(logs: Sequence[Log], model: Model) -> bool:
+    """Whether the replayed loop follows the logs closely enough to measure with.
+
+    What the loop makes of friction at each reversal would else be the gap.
+    """
+    seen = gaps(logs, [model], replay=True)[0]
+    return seen.position is not None and seen.rms <= FOLLOWED * floor_of(seen, logs, model)
 
 
 def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:

@@ -47,7 +47,9 @@ def coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatAr
     length = fast_length(n + n // 8)  # what runs over the end comes back into the padding
     frequency = np.fft.rfftfreq(length, source.scales.sample_time)
     gain = 1.0 / np.sqrt(np.interp(frequency, filter_.frequency, filter_.level))
-    return np.asarray(np.fft.irfft(np.fft.rfft(white, length) * gain, length)[:, :n])
+    spectrum = np.fft.rfft(white, length)
+    spectrum *= gain
+    return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
 
 
 def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:

@@ -17,6 +17,8 @@ from cogging.residuals import Innovations, moving_average
 
 QUICK = 100.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
 CALM = 50.0  # Hz, where rows soon after a start are left out
+FIRST = 2  # iterations, after which the other form of friction is fitted no further where it is hopelessly behind:
+HOPELESS = 1000.0  # of 2 ln likelihood; all that 40 blind logs had left to gain then was under 200
 STARTS = 1.5  # times the power of the other rows, or under 1 / STARTS, where those soon after a start are unlike them
 
 
@@ -80,7 +82,12 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     for form in forms:
         try:
             sources = sources_of(logs, form, rest=rest)
-            estimate = fit(form, nuisances(form), sources, floors=width_floor(sources))
+            floors = width_floor(sources)
+            if best is not None and fit(form, nuisances(form), sources, iterations=FIRST, floors=floors).cost > (
+                best[0].cost + HOPELESS
+            ):
+                continue
+            estimate = fit(form, nuisances(form), sources, floors=floors)
         except (DivergedError, ValueError) as error:
             failure = error
             continue

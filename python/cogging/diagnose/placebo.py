@@ -5,9 +5,10 @@ from __future__ import annotations
 from cogging.diagnose.confirmation import confirmation
 from cogging.diagnose.result import Placebo
 from cogging.diagnose.scan import Finding
-from cogging.diagnose.search import SUSPECTED, Search, alike
+from cogging.diagnose.search import Search, alike
 
 PLACEBOS = 5
+SUSPECTED = -6.0  # ln of the chance: what is significant and was refused is no placebo
 DISTINCT = 0.3  # cosine with another placebo, above which it would say the same again
 
 
@@ -19,7 +20,7 @@ def placebos(found: Search) -> tuple[Placebo, ...]:
     named = {added.finding.name for added in found.added}
     chosen: list[Finding] = []
     for finding in sorted(found.unused, key=lambda one: -one.test.statistic):
-        if finding.name in named or finding.log_chance < SUSPECTED:  # what is significant and was refused is no placebo
+        if finding.name in named or finding.log_chance < SUSPECTED:
             continue
         if any(alike(finding, other) > DISTINCT for other in chosen):
             continue

@@ -16,14 +16,14 @@ from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, Test
 from cogging.diagnose.signatures import Candidate, candidates, quantities, shape_range, tables
 from cogging.diagnose.spells import long_enough, spells
-from cogging.diagnose.waves import is_spatial_wave, is_wave, peaks, refine
+from cogging.diagnose.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 
 FloatArray = npt.NDArray[np.float64]
 
 STANDS_OUT = -3.0  # ln of the chance
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
 ROUNDS = {False: 3, True: 6}  # of moving one shape; where the shape alone makes the effect, it is also its size
-COUNTS = 0.15  # of the encoder, that a wave in its reading must have
+COUNTS = 0.06  # of the encoder, that a wave in its reading must have: on 281 blind nulls rounding made one of 0.03
 REFINED = 4  # peaks of a spectrum whose width is looked through
 PROFILED = 8  # findings that are judged against the noise that they leave
 PROMISING = 6.0  # T from which that is worth the time
@@ -187,6 +187,7 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
 def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
     if is_wave(EFFECTS[name]):
         found, looked = peaks(evidence, name)
+        found += beside_known(evidence, name)
         first = sorted(judged(evidence, found, looked), key=lambda f: -f.score)
         return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), looked)
     grid = list(candidates(evidence, name, list(periods)))
@@ -219,7 +220,7 @@ def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact:
         if len(found) == 1:
             return []
         return [f for one in found for f in judged(evidence, [one], looked, exact)]
-    columns = [evidence.whitened(table) for table in made]
+    columns = evidence.whitened_each(made)
     results = [judge(evidence, c, w, looked, exact) for c, w in zip(found, columns, strict=True)]
     return [result for result in results if result is not None]
 

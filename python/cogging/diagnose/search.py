@@ -11,7 +11,7 @@ from cogging._core import EFFECTS, DivergedError
 from cogging.diagnose.confirmation import INFORMATIVE, Confirmation, confirmation, retuned
 from cogging.diagnose.events import with_events
 from cogging.diagnose.evidence import Evidence, cosine, gather
-from cogging.diagnose.gap import gaps
+from cogging.diagnose.gap import follows, gaps
 from cogging.diagnose.gap import source_of as gap_source
 from cogging.diagnose.levels import with_levels
 from cogging.diagnose.map_errors import freed, map_error
@@ -30,10 +30,12 @@ from cogging.parameters import parameters_of, with_values
 # Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
-SUSPECTED = -6.0  # the same for what the confirm logs show by themselves
+HINTED = -1.5  # the same, from which the confirm logs are asked
+JOINT = -15.0  # the same for both logs together, where that alone is not enough
 UNSHOWN = -20.0  # the same for what the confirm logs cannot show
 SLIPPERY = -60.0  # the same for a level of friction or a spell of force: odd friction near rest looks like them
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
+NEAR_BEST = -5.0  # the same for a rival of what stands by itself
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
 PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
 WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
@@ -102,11 +104,18 @@ def search(
     model: Model,
     confirm: Sequence[Log] = (),
     progress: Callable[[str], None] = lambda step: None,
+    replay: bool = False,
     free_map: bool = False,
 ) -> Search:
     """Scan, add what stands, until nothing significant is left or as many as can be told were added.
 
-    Where errors of the cogging map explain as much as the best effect, they are re-tuned too (`free_map`).
+    Args:
+        logs: that are searched.
+        model: what is believed.
+        confirm: logs of other motion.
+        progress: is told what is being done.
+        replay: an effect must pay by the gap of the replayed loop, where that follows the logs.
+        free_map: errors of the cogging map are re-tuned; tried by itself where they explain as much as the best effect.
     """
     progress("re-tuning the model")
     nominal, evidence = fit_null(logs, model)
@@ -125,6 +134,7 @@ def search(
     confirm_evidence = elsewhere()
     levels = [gap_source(log, nominal.model) for log in logs]
     tuned_nominal = tuned_before = with_levels(nominal.model, nominal.paths, levels)
+    by_loop: bool | None = None
     added: list[Added] = []
     refused: list[tuple[Finding, str]] = []
     unpaid: set[str] = set()  # of the refused, those that nothing speaks against but what became of the model
@@ -140,7 +150,7 @@ def search(
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
             raw, evidence = evidence, cleaned(evidence, best)
-            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < -1.5}
+            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < HINTED}
             sharper = profiled(raw, scan(evidence, sorted(near)))
             findings = [*sharper, *(f for f in findings if f.name not in near)]
         names = {one.finding.name for one in added}
@@ -149,21 +159,22 @@ def search(
         wrong_map = None if free_map else map_error(estimate, evidence)
         # Re-tuning comes first.
         if wrong_map is not None and wrong_map.rivals(max((f.score for f in findings), default=0.0), RIVAL):
-            return search(logs, model, confirm, progress, free_map=True)
+            return search(logs, model, confirm, progress, replay, free_map=True)
         barred = {finding.name for finding, _ in refused}
         if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
             barred |= set(EFFECTS) - names
         barred |= {name for name in names if sum(one.finding.name == name for one in added) == HARMONICS_MAX}
         step = None
         power = low_power(evidence)
+        other_power = low_power(confirm_evidence) if confirm_evidence is not None else 0.0
         worth = worths(estimate, evidence, findings)
         for finding in sorted(findings, key=lambda f: -worth.get(f.name, f.score if not worth else 0.0)):
-            if finding.log_chance > SUSPECTED or finding.name in barred or finding.test.statistic < WORTH * power:
+            if finding.log_chance > (HINTED if confirm else DETECTED) or finding.name in barred:
                 continue
             check = confirmation(confirm_evidence, finding)
             if confirm and check is None:  # the other logs cannot be predicted: they show nothing
                 check = Confirmation(0.0, 0.0, 0.0)
-            if finding.log_chance > DETECTED and not (check is not None and check.sure):
+            if not is_seen(finding, check, power, other_power):
                 continue
             if check is not None and check.refuted:
                 refused.append((finding, f"other motion shows {check.ratio:.2f} of what was foreseen"))
@@ -189,7 +200,9 @@ def search(
         tuned = with_levels(fitted.model, nominal.paths, levels)
         if confirm and (check is None or check.turn == 0.0):
             kept = with_levels_of(tuned_before, fitted.model, nominal.paths)
-            tuned_or_none, growth = that_pays(logs, confirm, tuned_before, tuned, kept)
+            if by_loop is None:
+                by_loop = replay and follows(logs, tuned_nominal)
+            tuned_or_none, growth = that_pays(logs, confirm, tuned_before, tuned, kept, by_loop)
             if tuned_or_none is None:
                 refused.append((chosen, growth))
                 unpaid.add(chosen.name)
@@ -219,6 +232,21 @@ def search(
     )
 
 
+def is_seen(finding: Finding, check: Confirmation | None, power: float, other_power: float) -> bool:
+    """Whether an effect stands out of the logs, or of both motions together, and is worth a name there.
+
+    Args:
+        finding: in the logs.
+        check: on the other motion.
+        power, other_power: of the residuals below 60 Hz, of the logs and of the other motion (low_power).
+    """
+    if finding.log_chance <= DETECTED:
+        return finding.test.statistic >= WORTH * power
+    if check is None or finding.log_chance + check.log_chance > JOINT:
+        return False
+    return check.shown >= WORTH * other_power
+
+
 def needed(finding: Finding) -> float:
     """ln of the chance by which an effect must stand out where the confirm logs cannot show it."""
     effect = EFFECTS[finding.name]
@@ -232,18 +260,18 @@ def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
 
 
 def that_pays(
-    logs: Sequence[Log], confirm: Sequence[Log], before: Model, tuned: Model, kept: Model
+    logs: Sequence[Log], confirm: Sequence[Log], before: Model, tuned: Model, kept: Model, replay: bool = False
 ) -> tuple[Model | None, str]:
     """The model with which the gap on the confirm logs does not grow: its levels re-tuned, or as they were before.
 
     Levels that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself may
     then pay where it is added alone. None, and why, where it does not pay either way.
     """
-    other = gaps(confirm, [before, tuned, kept], replay=False)
+    other = gaps(confirm, [before, tuned, kept], replay=replay)
     if other[1].rms <= PAYS * other[0].rms:
         return tuned, ""
     if other[2].rms < other[0].rms:
-        own = gaps(logs, [before, kept], replay=False)
+        own = gaps(logs, [before, kept], replay=replay)
         if own[1].rms <= PAYS * own[0].rms:
             return kept, ""
     return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"
@@ -279,11 +307,12 @@ def choose(
     One that was refused because it does not pay (`unpaid`) is not chosen again, but what comes in its place may be it.
     """
     reach = max(REACH, FORM * best.test.statistic)
+    seen = NEAR_BEST if best.log_chance < DETECTED else HINTED
     near = [
         f
         for f in findings
         if f is best
-        or (f.score > best.score - reach and f.name not in barred and f.log_chance < -5.0 and alike(f, best) > 0.5)
+        or (f.score > best.score - reach and f.name not in barred and f.log_chance < seen and alike(f, best) > 0.5)
     ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 

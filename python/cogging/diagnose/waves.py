@@ -12,7 +12,7 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, AxisParameters, Plant, Prediction, Predictor, whiten
 from cogging.diagnose.evidence import Evidence
 from cogging.diagnose.noise_filter import Filter, coloured
-from cogging.diagnose.signatures import Candidate, quantities
+from cogging.diagnose.signatures import Candidate, known_periods, quantities
 from cogging.residuals import Innovations
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,6 +22,7 @@ PEAKS = 5  # of each view of the spectrum, that are looked at exactly
 PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
 TURNS = 1.5  # over the travel, that an error of the reading must make to be told from one of its scale
 PERIOD = 32.0  # counts of the encoder: at a steady speed, what rounding does repeats itself over some of them
+BESIDE = np.array([-0.7, -0.35, 0.0, 0.35, 0.7])  # turns in the travel, more than what is known
 STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
@@ -180,6 +181,26 @@ def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) 
     frequency = np.asarray(np.fft.rfftfreq(PROBE, h))
     level = np.interp(frequency, filter_.frequency, filter_.level)
     return frequency, np.asarray(np.abs(source.scale * np.fft.rfft(white) / filter_.rms) ** 2 / level)
+
+
+def beside_known(evidence: Evidence, name: str) -> list[Candidate]:
+    """Waves along the travel about the periods of the known cogging.
+
+    Re-tuning it takes most of what they do, and a spectrum does not allow for that: it would hardly show them.
+    """
+    if not is_spatial_wave(EFFECTS[name]):
+        return []
+    field, role = next((f, r) for f, r in EFFECTS[name].ROLES.items() if r["role"] == "shape")
+    sizes = quantities(evidence)
+    span = evidence.scales.position
+    unit = 0.02 * abs(EFFECTS[name].ROLES["sine"]["high"]) * sizes[EFFECTS[name].ROLES["sine"]["quantity"]]
+    found = []
+    for period in known_periods(evidence.model):
+        for turns in span / period + BESIDE:
+            if turns > TURNS and role["low"] < span / turns / sizes[role["quantity"]] < role["high"]:
+                shape = {field: float(span / turns)}
+                found.append(Candidate(name, shape, (("sine", None), ("cosine", None)), (unit, unit)))
+    return found
 
 
 def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
