@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from cogging.estimation import Whitened, jackknife, spread_of
 
@@ -41,6 +42,20 @@ def test_covariance_of_white_rows_is_the_inverse_of_the_curvature():
     seen = [np.diag(jackknife([whitened(columns, random.normal(size=ROWS))])[0]) for _ in range(200)]
     white = np.diag(np.linalg.inv(columns @ columns.T))
     assert np.mean(seen, axis=0) == pytest.approx(white, rel=0.15)
+
+
+@pytest.mark.parametrize("elsewhere", [0.0, 0.02])
+def test_what_one_block_shows_has_the_covariance_of_white_rows(elsewhere):
+    random = np.random.default_rng(6)
+    columns = random.normal(size=(2, ROWS))
+    columns[1, ROWS // BLOCKS :] *= elsewhere
+    inside = []
+    for _ in range(300):
+        residual = random.normal(size=ROWS)
+        error = np.linalg.lstsq(columns.T, residual, rcond=None)[0]
+        covariance, freedom = jackknife([whitened(columns, residual - error @ columns)])
+        inside.append(np.abs(error) < stats.t.ppf(0.975, freedom) * np.sqrt(np.diag(covariance)))
+    assert np.all(np.abs(np.mean(inside, axis=0) - 0.95) < 0.04)
 
 
 def test_what_no_row_determines_has_an_infinite_variance(table):

@@ -51,6 +51,9 @@ template <class E>
 concept HasBristle = requires(const E& effect) { effect.bristle(); };
 template <class E>
 concept HasCoupling = requires(const E& effect) { effect.coupling(); };
+/// A load that is loose: its coupling has play, of which the effect's own `gap` is the width.
+template <class E>
+concept HasPlay = HasCoupling<E> && requires(E& effect) { effect.gap *= 1.0; };
 template <class E>
 concept HasEvents = requires(const E& effect, double time) { effect.next_event(time); };
 template <class E>

@@ -20,8 +20,14 @@ namespace cogging {
 inline Prediction expected_prediction(const Plant<double>& plant, const Recording& log,
                                       const PredictionOptions& options, bool with_slopes) {
   const auto has_play = [](const Effect<double>& effect) {
-    const auto* backlash = std::get_if<Backlash<double>>(&effect);
-    return backlash != nullptr && !backlash->coupling().rigid();
+    return std::visit(
+        []<class E>(const E& law) {
+          if constexpr (HasPlay<E>)
+            return !law.coupling().rigid();
+          else
+            return false;
+        },
+        effect);
   };
   const auto loose = std::find_if(plant.effects.begin(), plant.effects.end(), has_play);
   if (loose == plant.effects.end()) return predict(plant, log, options, with_slopes);
@@ -39,7 +45,11 @@ inline Prediction expected_prediction(const Plant<double>& plant, const Recordin
   Prediction result;
   for (const double share : play_shares) {
     Plant<double> other = plant;
-    std::get<Backlash<double>>(other.effects[static_cast<std::size_t>(place)]).gap *= share;
+    std::visit(
+        [share]<class E>(E& law) {
+          if constexpr (HasPlay<E>) law.gap *= share;
+        },
+        other.effects[static_cast<std::size_t>(place)]);
     const bool first = result.innovation.empty();
     Prediction one = predict(other, log, options, with_slopes && first);
     if (first) {
