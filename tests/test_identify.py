@@ -131,6 +131,8 @@ def test_correlation_and_covariance_are_those_of_the_intervals(fitted):
 def test_text_and_json_tell_what_was_found(fitted):
     found = fitted[3]
     text = found.text()
+    assert str(found) == text
+    assert len(repr(found)) < 1000
     for p in found.parameters:
         assert p.path in text
     assert "mass: determined to" in text

@@ -131,9 +131,8 @@ def test_an_effect_pays_with_levels_tuned_or_as_they_were():
 def test_what_an_effect_must_pay_is_measured_by_the_replayed_loop_where_it_follows():
     logs, confirm = [record(machine(), 11)], [record(machine(), 12)]
     wrong = machine().replace(axis=machine().axis.replace(coulomb=4.5))
-    assert follows(logs, machine())
-    assert not follows(logs, wrong)
-    assert not follows(logs, machine().replace(controller=None, controller_type=None))
+    for model, expected in ((machine(), True), (wrong, False)):
+        assert follows(gaps(logs, [model], replay=True)[0], logs, model) is expected
     slight = machine([EFFECTS["cable_spring"](stiffness=0.03)])
     assert that_pays(logs, confirm, machine(), slight, wrong, replay=True)[0] is slight
     before, after = gaps(confirm, [machine(), slight], replay=True)

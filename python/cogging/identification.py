@@ -74,9 +74,9 @@ class LogFit:
     instruments: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification:
-    """The fit of a model to logs.
+    """The fit of a model to logs. Printed, it is its `text`.
 
     Attributes:
         model: with the fitted values and their intervals in `[bounds]`.
@@ -101,6 +101,12 @@ class Identification:
     cutoff: float
     estimator: str
     controller: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"Identification(estimator={self.estimator!r}, parameters={[p.path for p in self.parameters]})"
+
+    def __str__(self) -> str:
+        return self.text()
 
     def __getitem__(self, path: str) -> ParameterEstimate:
         """The parameter at a path.

@@ -171,7 +171,7 @@ def _assemble(
     nominal = _as_stated(found, nominal, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(_file_form(added.model, model) for added in found.added[:-1]), final]
     seen = gaps(logs, models, replay=replay)
-    if replay and not follows(logs, final):
+    if replay and not follows(seen[-1], logs, final):
         replay = False
         seen = gaps(logs, models, replay=False)
         notes.append("the replayed loop does not follow the log closely enough to measure with: friction at reversals")

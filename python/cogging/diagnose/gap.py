@@ -108,13 +108,12 @@ def _rms(rows: Sequence[FloatArray], counts: Sequence[npt.NDArray[np.bool_]]) ->
     return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 
 
-def follows(logs: Sequence[Log], model: Model) -> bool:
-    """Whether the replayed loop follows the logs closely enough to measure with.
+def follows(seen: Seen, logs: Sequence[Log], model: Model) -> bool:
+    """Whether a model's replayed loop follows the logs closely enough to measure with.
 
     What the loop makes of friction at each reversal would else be the gap.
     """
-    seen = gaps(logs, [model], replay=True)[0]
-    return seen.position is not None and seen.rms <= FOLLOWED * floor_of(seen, logs, model)
+    return seen.rms <= FOLLOWED * floor_of(seen, logs, model)
 
 
 def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:

@@ -103,9 +103,9 @@ class Gap:
     position_after: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """What `diagnose` found; see `../contract` of the results: `to_dict` is what `--json` writes.
+    """What `diagnose` found. Printed, it is its `text`; `to_dict` is what `--json` writes.
 
     Attributes:
         verdict: no_gap, named, ambiguous, unlisted, controller_mismatch or insufficient_excitation.
@@ -137,6 +137,12 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Diagnosis(verdict={self.verdict!r}, effects={[effect.name for effect in self.effects]})"
+
+    def __str__(self) -> str:
+        return self.text()
 
     def to_dict(self) -> dict[str, Any]:
         """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""

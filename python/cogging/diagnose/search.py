@@ -201,7 +201,7 @@ def search(
         if confirm and (check is None or check.turn == 0.0):
             kept = with_levels_of(tuned_before, fitted.model, nominal.paths)
             if by_loop is None:
-                by_loop = replay and follows(logs, tuned_nominal)
+                by_loop = replay and follows(gaps(logs, [tuned_nominal], replay=True)[0], logs, tuned_nominal)
             tuned_or_none, growth = that_pays(logs, confirm, tuned_before, tuned, kept, by_loop)
             if tuned_or_none is None:
                 refused.append((chosen, growth))
