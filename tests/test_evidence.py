@@ -305,9 +305,18 @@ def test_a_wave_beside_a_known_period_is_looked_at_though_retuning_takes_most_of
     assert len(near) == 5
     np.testing.assert_allclose(turns - evidence.scales.position / 0.03, [-0.7, -0.35, 0.0, 0.35, 0.7], atol=1e-9)
     assert waves.beside_known(evidence, "disturbance_tone") == []
+    # A force there is the known cogging itself, changing along the travel.
+    assert waves.beside_known(evidence, "cogging_harmonic") == []
+    forces = [one.shape["period"] for one in waves.peaks(evidence, "cogging_harmonic")[0]]
+    assert all(abs(1.0 / period - 1.0 / 0.03) * evidence.scales.position > 0.99 for period in forces)
     best = scan(evidence)[0]
     assert best.name == "encoder_periodic_error"
     assert best.candidate.shape["period"] == pytest.approx(hidden.period, rel=0.01)
+    assert not best.faint
+    # Of an encoder whose counts are a hundred times as large, rounding may have made it.
+    coarse = replace(evidence, model=evidence.model.replace(encoder=cogging.EncoderParameters(resolution=1e-4)))
+    (faint,) = judged(coarse, [best.candidate], 1.0)
+    assert faint.faint
 
 
 def test_tables_are_whitened_together_as_they_are_alone(quiet_evidence):

@@ -1,6 +1,7 @@
 """What `diagnose` adds, refuses and says: search, choice, names and verdict."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,17 +10,27 @@ from scipy import stats
 import cogging
 from cogging import EFFECTS
 from cogging.diagnose import evidence as evidence_module
-from cogging.diagnose.confirmation import Confirmation
+from cogging.diagnose.confirmation import Confirmation, retuned
 from cogging.diagnose.events import JUMPS, SPELLS
 from cogging.diagnose.gap import follows, gaps
 from cogging.diagnose.level_changes import changes, look_alikes
-from cogging.diagnose.naming import named
+from cogging.diagnose.naming import fully_named, named
 from cogging.diagnose.null import fit_null, nuisances
 from cogging.diagnose.patched import with_intervals
 from cogging.diagnose.refit import conditional_paths
 from cogging.diagnose.rest import shapes
 from cogging.diagnose.scan import Finding, profiled, scan
-from cogging.diagnose.search import choose, is_seen, needed, plainer, search, that_pays, with_levels_of
+from cogging.diagnose.search import (
+    choose,
+    is_rounding,
+    is_seen,
+    needed,
+    plainer,
+    search,
+    that_pays,
+    told_apart,
+    with_levels_of,
+)
 from cogging.diagnose.signatures import Candidate
 from cogging.diagnose.twins import twins
 from cogging.diagnose.verdict import standing
@@ -163,6 +174,41 @@ def test_both_motions_together_may_show_what_neither_shows_alone(alone, foreseen
     finding = Finding(Candidate("cable_spring", {}, (), ()), test, np.ones(1), 1.0, alone, 10.0)
     check = None if foreseen is None else Confirmation(foreseen, 1.0, foreseen)
     assert is_seen(finding, check, 1000.0, other_power) is told
+
+
+def test_a_wave_may_turn_where_the_zeros_of_position_differ():
+    log, other = record(machine(), 11), record(machine(), 12)
+    moved = cogging.Log(other.time, other.position + 0.01, other.command)
+    fitted, _ = fit_null([log], machine())
+    assert not retuned([other], fitted.model, machine(), fitted.paths).turns
+    assert retuned([moved], fitted.model, machine(), fitted.paths).turns
+    bare = machine().replace(cogging=None)
+    fitted, _ = fit_null([log], bare)
+    assert retuned([other], fitted.model, bare, fitted.paths).turns
+
+
+def test_what_rounding_explains_better_is_no_effect():
+    def finding(name, score, explained, faint=False):
+        test = evidence_module.Test(score, 2, np.ones(2), np.array(explained), np.ones(2))
+        return Finding(Candidate(name, {"period": 0.01}, (), ()), test, np.ones(2), 1.0, -30.0, score, faint)
+
+    force = finding("cogging_harmonic", 50.0, [1.0, 2.0, 0.0])
+    stronger = finding("encoder_periodic_error", 60.0, [1.0, 1.9, 0.1], faint=True)
+    weaker = finding("encoder_periodic_error", 40.0, [1.0, 1.9, 0.1], faint=True)
+    unlike = finding("encoder_periodic_error", 60.0, [0.0, 0.1, 5.0], faint=True)
+    assert told_apart([force, stronger]) == ([force], [stronger])
+    assert is_rounding(force, [stronger])
+    assert not is_rounding(force, [weaker, unlike])
+    assert not is_rounding(force, [])
+
+
+@pytest.mark.parametrize(("terms", "expected"), [(3, ["encoder_periodic_error"]), (2, [])])
+def test_a_wave_beside_as_many_terms_as_a_name_may_have_is_doubtful(terms, expected):
+    names = [*["encoder_periodic_error"] * terms, "disturbance_tone", "cable_spring"]
+    found = SimpleNamespace(added=[SimpleNamespace(finding=SimpleNamespace(name=name)) for name in names])
+    assert fully_named(found, terms) == expected
+    assert fully_named(found, terms + 1) == []  # no wave
+    assert fully_named(found, 0) == []
 
 
 def test_levels_of_an_earlier_model_leave_what_was_added():

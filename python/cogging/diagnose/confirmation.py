@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,14 +12,16 @@ from cogging.diagnose.chances import log_survival
 from cogging.diagnose.evidence import Evidence, gather
 from cogging.diagnose.null import nuisances, sources_of, width_floor
 from cogging.diagnose.scan import Finding
-from cogging.diagnose.signatures import tables
+from cogging.diagnose.signatures import place, tables
 from cogging.diagnose.spells import is_spell
-from cogging.diagnose.waves import is_wave
+from cogging.diagnose.waves import is_spatial_wave, is_wave
 from cogging.estimation import fit
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.parameters import effect_paths
 
+PLACES, SHIFTS = 2000, 97  # along the travel, and of one cogging against another
+SHIFTED = 1.0 / 12.0  # of the longest period, from which the zeros differ
 INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
 
 
@@ -86,7 +88,24 @@ def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str
     paths = [p for p in tuned if not p.startswith("effects.")]
     paths += [p for p in nuisances(model) if p.startswith("effects.") and p.rpartition(".")[0] in own]
     sources = sources_of(logs, model, quick=quick)
-    return gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
+    evidence = gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
+    return replace(evidence, turns=not same_zero(evidence, model))
+
+
+def same_zero(evidence: Evidence, before: Model) -> bool:
+    """Whether logs have the zero of position of those to which a model was fitted `before`.
+
+    Its cogging, re-tuned on these logs, then lies where it lay. Where the model knows none, nobody can tell.
+    """
+    mine, its = evidence.model.cogging, before.cogging
+    if mine is None or its is None or len(its.basis.wavenumbers) == 0:
+        return False
+    period = 2.0 * np.pi / float(np.min(its.basis.wavenumbers))
+    places = np.linspace(*place(evidence), PLACES)
+    shifts = period * np.linspace(-0.5, 0.5, SHIFTS)
+    force = np.asarray(its.force(places))
+    alike = [float(force @ np.asarray(mine.force(places + shift))) for shift in shifts]
+    return bool(max(alike) > 0.0 and abs(shifts[int(np.argmax(alike))]) < SHIFTED * period)
 
 
 def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
@@ -99,13 +118,14 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         return None
     columns = evidence.project(evidence.whitened(made))
     # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
-    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if is_wave(EFFECTS[finding.name]) else [0.0]
+    turned = is_wave(EFFECTS[finding.name]) and (evidence.turns or not is_spatial_wave(EFFECTS[finding.name]))
+    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if turned else [0.0]
     best = Confirmation(0.0, 0.0, -np.inf)
     for turn in turns:
         amplitudes = finding.amplitudes
         if turn:
-            turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-            amplitudes = turned @ amplitudes
+            rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            amplitudes = rotation @ amplitudes
         foreseen = amplitudes @ columns
         size = float(foreseen @ foreseen) / evidence.excess
         if size <= 0.0:

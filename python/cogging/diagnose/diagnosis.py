@@ -50,8 +50,8 @@ def diagnose(
 
     The model is driven by the logged command and held to the readings by an observer; its innovations are made white
     and freed of all that re-tuning the model could explain. Every effect of the vocabulary is then tried at all its
-    shapes, by what the simulator says it does. What stands is added and refitted, up to four effects; what other
-    motion (`confirm`) refutes is not.
+    shapes, by what the simulator says it does. What stands in the logs, or in them and other motion (`confirm`)
+    together, is added and refitted, up to four effects; what other motion refutes is not.
 
     Args:
         logs: one or several, or their files.

@@ -38,6 +38,7 @@ class Evidence:
         block: number of the block of each row, (n,).
         parts: what was whitened, one a log.
         memory: what effects with a memory do, as predicted under an earlier model of these logs.
+        turns: whether a wave along the travel may come with another phase than in the logs it was found in.
     """
 
     model: Model
@@ -49,6 +50,7 @@ class Evidence:
     block: npt.NDArray[np.int64]
     parts: tuple[Unweighted, ...]
     memory: dict[Any, list[FloatArray]]
+    turns: bool = True
 
     @property
     def residuals(self) -> tuple[FloatArray, ...]:

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from cogging._core import EFFECTS
 from cogging.diagnose.confirmation import INFORMATIVE
 from cogging.diagnose.effect_range import where_of
 from cogging.diagnose.refit import conditional_paths, effect_parameters
 from cogging.diagnose.rest import Shape
 from cogging.diagnose.result import NamedEffect, Value
 from cogging.diagnose.scan import Finding
-from cogging.diagnose.search import FORM, RIVAL, Added, Search, alike
+from cogging.diagnose.search import FORM, HARMONICS_MAX, RIVAL, Added, Search, alike
 from cogging.diagnose.signatures import known_periods
+from cogging.diagnose.waves import is_wave
 from cogging.parameters import effect_paths, parameters_of
 
 SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
@@ -34,6 +36,8 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
     confidence = _confidence(added, odds, bool(left) or unexplained(found))
+    others = fully_named(found, place)
+    confidence = round(0.5 * confidence, 3) if others else confidence
     known = parameters_of(found.estimate.model)
     free = set(effect_parameters(found.estimate.model)) - conditional_paths(found.estimate.model)
     values: dict[str, Value] = {}
@@ -58,13 +62,25 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
             values[name] = Value(numbers[0], unit, (low[0], high[0]))
     return NamedEffect(
         effect.NAME,
-        tuple(r.name for r in rivals),
+        tuple(dict.fromkeys([*(r.name for r in rivals), *others])),
         confidence,
         values,
         where_of(effect, found.evidence),
         added.finding.test.statistic,
         added.finding.log_chance,
     )
+
+
+def fully_named(found: Search, place: int) -> list[str]:
+    """For a wave, other waves of which as many terms were added as one name may have: it may be a further one of those.
+
+    A triangular error of an encoder, say, has more harmonics than that.
+    """
+    if not is_wave(EFFECTS[found.added[place].finding.name]):
+        return []
+    names = [added.finding.name for added in found.added]
+    others = [name for name in names if name != names[place] and is_wave(EFFECTS[name])]
+    return [name for name in dict.fromkeys(others) if others.count(name) >= HARMONICS_MAX]
 
 
 def margin(best: Finding, rival: Finding) -> float:

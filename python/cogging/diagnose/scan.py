@@ -41,6 +41,7 @@ class Finding:
         looked: independent shapes that were tried.
         log_chance: ln of the chance that noise alone shows as much anywhere in this scan.
         score: 2 ln likelihood, less what the free parameters and the looking cost.
+        faint: whether it is a wave in the reading so small that rounding may have made it: no effect, but a rival.
     """
 
     candidate: Candidate
@@ -49,6 +50,7 @@ class Finding:
     looked: float
     log_chance: float
     score: float
+    faint: bool = False
 
     @property
     def name(self) -> str:
@@ -82,16 +84,15 @@ def judge(
             role = EFFECTS[candidate.name].ROLES[field]
             if not role["low"] <= value / sizes[role["quantity"]] <= role["high"]:
                 return None
-        # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
-        count = evidence.model.encoder.resolution if "reading" in EFFECTS[candidate.name].HOOKS else 0.0
-        if len(amplitudes) > 1 and np.linalg.norm(amplitudes) < COUNTS * count:
-            return None
     elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
         return None  # the finite size that was tried is not what the log shows
-    return _finding(candidate, test, amplitudes, looked)
+    # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
+    count = evidence.model.encoder.resolution if "reading" in EFFECTS[candidate.name].HOOKS else 0.0
+    faint = len(amplitudes) > 1 and bool(np.linalg.norm(amplitudes) < COUNTS * count)
+    return _finding(candidate, test, amplitudes, looked, faint)
 
 
-def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, looked: float) -> Finding:
+def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, looked: float, faint: bool) -> Finding:
     shapes = sum(
         1
         for field, role in EFFECTS[candidate.name].ROLES.items()
@@ -105,13 +106,16 @@ def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, looked: f
         looked,
         min(0.0, log_survival(test.statistic, test.freedom) + looking),
         test.statistic - 2.0 * test.freedom - 2.0 * looking - shapes,
+        faint,
     )
 
 
 def bounded(evidence: Evidence, finding: Finding) -> Finding:
     """The finding with what its statistic is worth when the level of the noise is known from few lines only."""
     value = min(finding.test.statistic, evidence.bounded(finding.test))
-    return _finding(finding.candidate, replace(finding.test, statistic=value), finding.amplitudes, finding.looked)
+    return _finding(
+        finding.candidate, replace(finding.test, statistic=value), finding.amplitudes, finding.looked, finding.faint
+    )
 
 
 def cleaned(evidence: Evidence, finding: Finding) -> Evidence:
@@ -152,12 +156,12 @@ def size_range(candidate: Candidate) -> tuple[float, float]:
 
 
 def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
-    """The best shape of each effect, best score first.
+    """The best shape of each effect, best score first; beside it the best faint one, where there is one.
 
     Effects are tried on as many threads as there are cores (core, FFT and BLAS let others go on); what is found does
     not depend on how many.
     """
-    best: dict[str, Finding] = {}
+    best: dict[tuple[str, bool], Finding] = {}
     wanted = list(EFFECTS if names is None else names)
     periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
     _ = evidence.scales, evidence.excess  # made here once, not by every thread
@@ -166,14 +170,17 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
             tried = [name for name in wanted if is_wave(EFFECTS[name]) == waves]
             for name, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
                 for finding in found:
-                    if name not in best or finding.score > best[name].score:
-                        best[name] = finding
+                    kind = (name, finding.faint)
+                    if kind not in best or finding.score > best[kind].score:
+                        best[kind] = finding
             for name in tried if waves else ():
-                if name in best and is_spatial_wave(EFFECTS[name]) and best[name].log_chance < STANDS_OUT:
-                    periods[float(next(iter(best[name].candidate.shape.values())))] = best[name].looked
-        ranked = sorted(best.values(), key=lambda f: -f.score)
+                wave = best.get((name, False))
+                if wave is not None and is_spatial_wave(EFFECTS[name]) and wave.log_chance < STANDS_OUT:
+                    periods[float(next(iter(wave.candidate.shape.values())))] = wave.looked
+        faint = [finding for finding in best.values() if finding.faint]
+        ranked = sorted((finding for finding in best.values() if not finding.faint), key=lambda f: -f.score)
         if not ranked:
-            return []
+            return faint
         top = ranked[0].score
         sharpened = list(
             threads.map(
@@ -181,14 +188,14 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
                 ranked,
             )
         )
-    return sorted(sharpened, key=lambda f: -f.score)
+    return sorted([*sharpened, *faint], key=lambda f: -f.score)
 
 
 def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
     if is_wave(EFFECTS[name]):
         found, looked = peaks(evidence, name)
         found += beside_known(evidence, name)
-        first = sorted(judged(evidence, found, looked), key=lambda f: -f.score)
+        first = sorted(judged(evidence, found, looked), key=lambda f: (f.faint, -f.score))
         return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), looked)
     grid = list(candidates(evidence, name, list(periods)))
     chosen = [one for one in grid if one.shape.get("period") in periods]  # by the waves, which looked at many

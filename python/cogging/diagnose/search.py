@@ -43,6 +43,7 @@ OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of wh
 REACH = 60.0  # of the score: what is farther from the best is no rival
 FORM = 0.05  # of T: how well the form of anything is known
 SAME = 0.01  # of a period
+LIKE = 0.5  # cosine between what two findings explain
 MOSTLY, NEARLY = 0.7, 0.9  # of T
 MANY = 4  # amplitudes
 AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
@@ -143,7 +144,7 @@ def search(
     first_shapes: list[Shape] = []
     while True:
         progress(f"scanning, effect {len(added) + 1}")
-        findings = profiled(evidence, scan(evidence))
+        findings, faint = told_apart(profiled(evidence, scan(evidence)))
         looked_at, left = evidence, shapes(evidence)
         first_shapes = first_shapes or with_events(evidence, left)
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
@@ -151,8 +152,9 @@ def search(
         if best is not None and best.log_chance < 0.6 * DETECTED:
             raw, evidence = evidence, cleaned(evidence, best)
             near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < HINTED}
-            sharper = profiled(raw, scan(evidence, sorted(near)))
+            sharper, still_faint = told_apart(profiled(raw, scan(evidence, sorted(near))))
             findings = [*sharper, *(f for f in findings if f.name not in near)]
+            faint = [*still_faint, *(f for f in faint if f.name not in near)]
         names = {one.finding.name for one in added}
         if len(added) == TERMS_MAX:
             break
@@ -170,6 +172,8 @@ def search(
         worth = worths(estimate, evidence, findings)
         for finding in sorted(findings, key=lambda f: -worth.get(f.name, f.score if not worth else 0.0)):
             if finding.log_chance > (HINTED if confirm else DETECTED) or finding.name in barred:
+                continue
+            if is_rounding(finding, faint):
                 continue
             check = confirmation(confirm_evidence, finding)
             if confirm and check is None:  # the other logs cannot be predicted: they show nothing
@@ -232,6 +236,16 @@ def search(
     )
 
 
+def told_apart(findings: Sequence[Finding]) -> tuple[list[Finding], list[Finding]]:
+    """Findings, and those that rounding may have made."""
+    return [f for f in findings if not f.faint], [f for f in findings if f.faint]
+
+
+def is_rounding(finding: Finding, faint: Sequence[Finding]) -> bool:
+    """Whether a wave in the reading that rounding may have made explains more of what a finding does."""
+    return any(other.score > finding.score and alike(other, finding) > LIKE for other in faint)
+
+
 def is_seen(finding: Finding, check: Confirmation | None, power: float, other_power: float) -> bool:
     """Whether an effect stands out of the logs, or of both motions together, and is worth a name there.
 
@@ -265,7 +279,8 @@ def that_pays(
     """The model with which the gap on the confirm logs does not grow: its levels re-tuned, or as they were before.
 
     Levels that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself may
-    then pay where it is added alone. None, and why, where it does not pay either way.
+    then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the replayed
+    loop where it is asked for (`replay`) and can be had.
     """
     other = gaps(confirm, [before, tuned, kept], replay=replay)
     if other[1].rms <= PAYS * other[0].rms:
@@ -312,7 +327,7 @@ def choose(
         f
         for f in findings
         if f is best
-        or (f.score > best.score - reach and f.name not in barred and f.log_chance < seen and alike(f, best) > 0.5)
+        or (f.score > best.score - reach and f.name not in barred and f.log_chance < seen and alike(f, best) > LIKE)
     ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 

@@ -83,6 +83,11 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
         norm = power if norm is None else norm + power
     statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
+    cogging = evidence.model.cogging
+    if spatial and gain is None and "force" in effect.HOOKS and cogging is not None and cogging.sine.shape[1] == 1:
+        # Its sine and cosine are re-tuned: within a turn of them it is no other wave, but they change along the travel.
+        for period in known_periods(evidence.model):
+            statistic[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     even = levelled(statistic)
     looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
     unit = 0.02 * abs(effect.ROLES["sine"]["high"]) * sizes[effect.ROLES["sine"]["quantity"]]
@@ -184,11 +189,12 @@ def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) 
 
 
 def beside_known(evidence: Evidence, name: str) -> list[Candidate]:
-    """Waves along the travel about the periods of the known cogging.
+    """Waves along the travel about the periods of the known cogging, of what is no force itself.
 
-    Re-tuning it takes most of what they do, and a spectrum does not allow for that: it would hardly show them.
+    Re-tuning the cogging takes most of what they do, and a spectrum does not allow for that: it would hardly show them.
+    A force there is no other harmonic but the known one, changing along the travel.
     """
-    if not is_spatial_wave(EFFECTS[name]):
+    if not is_spatial_wave(EFFECTS[name]) or "force" in EFFECTS[name].HOOKS:
         return []
     field, role = next((f, r) for f, r in EFFECTS[name].ROLES.items() if r["role"] == "shape")
     sizes = quantities(evidence)
