@@ -33,7 +33,7 @@ from cogging.diagnose.search import (
 )
 from cogging.diagnose.signatures import Candidate
 from cogging.diagnose.twins import twins
-from cogging.diagnose.verdict import standing
+from cogging.diagnose.verdict import standing, unlisted
 from cogging.estimation import Estimate
 from tests.moving_axis import machine, motion, record
 
@@ -185,6 +185,25 @@ def test_a_wave_may_turn_where_the_zeros_of_position_differ():
     bare = machine().replace(cogging=None)
     fitted, _ = fit_null([log], bare)
     assert retuned([other], fitted.model, bare, fitted.paths).turns
+
+
+def test_where_an_encoder_is_coarse_what_is_left_must_stand_out_twice_as_far():
+    told = search([record(machine(), 34)], machine())
+    source, part = told.evidence.sources[0], told.evidence.parts[0]
+    power = np.mean((part.residual[source.counts > 0] / source.scale) ** 2)
+    assert told.evidence.rounding == pytest.approx(1e-14 / 12.0 / power, rel=1e-9)
+
+    def seen_with(resolution):
+        encoder = cogging.EncoderParameters(resolution=resolution)
+        return replace(told.evidence, model=told.evidence.model.replace(encoder=encoder))
+
+    fine, coarse = seen_with(1e-9), seen_with(1e-5)
+    assert fine.rounding < 1e-4
+    assert coarse.rounding == 1.0
+    shape = replace(shapes(told.evidence)[0], coordinate="position", log_chance=-20.0)
+    for evidence, log_chance, expected in ((fine, -20.0, True), (coarse, -20.0, False), (coarse, -30.0, True)):
+        left = replace(told, evidence=evidence, left=[replace(shape, log_chance=log_chance)])
+        assert (unlisted(left, [], checked=False) is not None) is expected
 
 
 def test_what_rounding_explains_better_is_no_effect():

@@ -129,6 +129,18 @@ class Evidence:
         return Scales.largest(source.scales for source in self.sources)
 
     @cached_property
+    def rounding(self) -> float:
+        """Share of the residual's power that the encoder's rounding makes, q^2 / 12 a reading, of the log with most.
+
+        It goes with the motion: it is no noise that comes as it likes.
+        """
+        shares = [0.0]
+        for source, part in zip(self.sources, self.parts, strict=True):
+            power = float(np.mean((part.residual[source.counts > 0] / source.scale) ** 2))
+            shares.append(self.model.encoder.resolution**2 / 12.0 / max(power, 1e-300))
+        return min(1.0, max(shares))
+
+    @cached_property
     def free_residual(self) -> FloatArray:
         """The whitened residual freed of what the free parameters explain, (n,)."""
         return self.residual - (self.basis @ self.residual) @ self.basis

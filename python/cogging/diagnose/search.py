@@ -30,7 +30,8 @@ from cogging.parameters import parameters_of, with_values
 # Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
 #: ln of the chance that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
 DETECTED = -9.5
-HINTED = -1.5  # the same, from which the confirm logs are asked
+HINTED = -3.0  # the same, from which the confirm logs are asked
+POSSIBLE = -1.5  # the same, from which a rival counts
 JOINT = -15.0  # the same for both logs together, where that alone is not enough
 UNSHOWN = -20.0  # the same for what the confirm logs cannot show
 SLIPPERY = -60.0  # the same for a level of friction or a spell of force: odd friction near rest looks like them
@@ -151,7 +152,7 @@ def search(
         best = max(findings, key=lambda f: f.score, default=None)
         if best is not None and best.log_chance < 0.6 * DETECTED:
             raw, evidence = evidence, cleaned(evidence, best)
-            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < HINTED}
+            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < POSSIBLE}
             sharper, still_faint = told_apart(profiled(raw, scan(evidence, sorted(near))))
             findings = [*sharper, *(f for f in findings if f.name not in near)]
             faint = [*still_faint, *(f for f in faint if f.name not in near)]
@@ -322,7 +323,7 @@ def choose(
     One that was refused because it does not pay (`unpaid`) is not chosen again, but what comes in its place may be it.
     """
     reach = max(REACH, FORM * best.test.statistic)
-    seen = NEAR_BEST if best.log_chance < DETECTED else HINTED
+    seen = NEAR_BEST if best.log_chance < DETECTED else POSSIBLE
     near = [
         f
         for f in findings
