@@ -22,11 +22,12 @@ def machine(effects=(), force=0.02):
     )
 
 
-def motion(seed):
+def motion(seed, rate=RATE, seconds=8.0):
+    """Moves of random length and speed over 0.3 m."""
     random = np.random.default_rng(seed)
-    time = np.arange(int(8.0 * RATE) + 1) / RATE
+    time = np.arange(int(seconds * rate) + 1) / rate
     position, at, now = np.zeros(len(time)), 0.0, 0.1
-    while now < 7.9:
+    while now < seconds - 0.1:
         goal, top = random.uniform(-0.15, 0.15), float(np.exp(random.uniform(np.log(0.02), np.log(0.4))))
         goal = at + float(np.clip(goal - at, -top, top))
         length = 1.9 * abs(goal - at) / top + 0.05

@@ -1,6 +1,6 @@
 """Seconds that `diagnose` takes for 20 s at 5 kHz, beside `identify` on the same log in the same run.
 
-    .venv/bin/python tests/benchmarks/diagnose.py
+    .venv/bin/python -m tests.benchmarks.diagnose
 
 With nothing hidden, one effect, and two; without and with other motion to confirm. Nothing is asserted: times on a
 shared machine say little, their ratios more.
@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
+from tests.moving_axis import motion
 
 import cogging
 from cogging import EFFECTS, Model
@@ -43,24 +43,11 @@ def machine(*effects: object) -> Model:
     )
 
 
-def motion(seed: int) -> cogging.Sampled:
-    """Moves of random length and speed over 0.3 m."""
-    random = np.random.default_rng(seed)
-    moment = np.arange(int(SECONDS * RATE) + 1) / RATE
-    position, at, now = np.zeros(len(moment)), 0.0, 0.1
-    while now < SECONDS - 0.1:
-        goal, top = random.uniform(-0.15, 0.15), float(np.exp(random.uniform(np.log(0.02), np.log(0.4))))
-        goal = at + float(np.clip(goal - at, -top, top))
-        length = 1.9 * abs(goal - at) / top + 0.05
-        s = np.clip((moment - now) / length, 0.0, 1.0)
-        position += (goal - at) * s**3 * (10 - 15 * s + 6 * s * s)
-        at, now = goal, now + length + 0.02
-    return cogging.Sampled(moment, position, None, None)
-
-
 def record(seed: int, *effects: object) -> cogging.Log:
     """A simulated log."""
-    return cogging.simulate(machine(*effects), motion(seed), seed=seed, duration=SECONDS, steps_per_sample=2)
+    return cogging.simulate(
+        machine(*effects), motion(seed, RATE, SECONDS), seed=seed, duration=SECONDS, steps_per_sample=2
+    )
 
 
 def timed(run: Callable[[], Any]) -> tuple[float, Any]:
