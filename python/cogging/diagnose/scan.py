@@ -41,7 +41,7 @@ class Finding:
         looked: independent shapes that were tried.
         log_chance: ln of the chance that noise alone shows as much anywhere in this scan.
         score: 2 ln likelihood, less what the free parameters and the looking cost.
-        faint: whether it is a wave in the reading so small that rounding may have made it: no effect, but a rival.
+        faint: whether it is a wave in the reading so small that rounding may have made it: no effect.
     """
 
     candidate: Candidate

@@ -28,7 +28,7 @@ VARIANCE = -80.0  # ln of the chance of a burst at any frequency; where an encod
 BURST = -12.0  # the same of bursts: noise has its own
 BURSTS_TOGETHER = -60.0  # the same of both logs
 ROUNDING = 0.07  # of the residual's power, from which the encoder's rounding is no white noise beside other noise:
-DOUBT = 2.0  # what is left must then stand out by as many times the ln of the chance
+WEAKENED = 2.0  # what is left must then stand out by as many times the ln of the chance
 
 
 def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) -> dict[str, Any] | None:
@@ -37,12 +37,12 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
     Or what an effect was taken for that hardly anybody would bet on, where a force of any shape explains more.
     """
     others: dict[str, Shape] = {}
-    doubt = DOUBT if found.evidence.rounding > ROUNDING else 1.0
+    factor = WEAKENED if found.evidence.rounding > ROUNDING else 1.0
     if found.confirm_evidence is not None:
         again = with_events(found.confirm_evidence, shapes(found.confirm_evidence, plain=True))
-        others = {shape.coordinate: doubted(shape, doubt) for shape in again}
+        others = {shape.coordinate: weakened(shape, factor) for shape in again}
     for shape in found.left:
-        confirmed = standing(doubted(shape, doubt), others.get(shape.coordinate), checked)
+        confirmed = standing(weakened(shape, factor), others.get(shape.coordinate), checked)
         if confirmed is not None:
             return _entry(shape, confirmed)
     if JUMPS in others and others[JUMPS].log_chance < JUMP:
@@ -52,21 +52,21 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
         shape = max(added.shapes, key=lambda one: one.score)
         if confidence[added.finding.name] < DOUBTED and shape.score > added.finding.score + FORMLESS:
             return _entry(shape, None)
-    return _bursts(found, checked, doubt)
+    return _bursts(found, checked, factor)
 
 
-def doubted(shape: Shape, doubt: float) -> Shape:
-    """The shape with the ln of its chance divided by a doubt of at least 1."""
-    return replace(shape, log_chance=shape.log_chance / doubt)
+def weakened(shape: Shape, factor: float) -> Shape:
+    """The shape with the ln of its chance divided by a factor of at least 1."""
+    return replace(shape, log_chance=shape.log_chance / factor)
 
 
-def _bursts(found: Search, checked: bool, doubt: float) -> dict[str, Any] | None:
+def _bursts(found: Search, checked: bool, factor: float) -> dict[str, Any] | None:
     """Noise that comes in bursts: at frequencies of forces on both logs, or so loud that nothing else is."""
-    mine = bursts(found.evidence) / doubt
-    its = bursts(found.confirm_evidence) / doubt if found.confirm_evidence is not None else 0.0
+    mine = bursts(found.evidence) / factor
+    its = bursts(found.confirm_evidence) / factor if found.confirm_evidence is not None else 0.0
     both = max(mine, its) < BURST and mine + its < BURSTS_TOGETHER
     if not both:
-        mine = min(variance_jumps(found.evidence) / doubt, mine if not checked and mine < LONELY else 0.0)
+        mine = min(variance_jumps(found.evidence) / factor, mine if not checked and mine < LONELY else 0.0)
         if mine > VARIANCE:
             return None
     return {

@@ -50,7 +50,7 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
     `gain`: instead of the effect's own, of a force (the command for one that acts by its gain, else 1).
     """
     effect = EFFECTS[name]
-    field, role = next((f, r) for f, r in effect.ROLES.items() if r["role"] == "shape")
+    role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
     sizes = quantities(evidence)
     low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     spatial = role["quantity"] == "distance"
@@ -90,7 +90,6 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
             statistic[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     even = levelled(statistic)
     looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
-    unit = 0.02 * abs(effect.ROLES["sine"]["high"]) * sizes[effect.ROLES["sine"]["quantity"]]
     found = []
     # Both views, for a few broad peaks may lift the level of their stretch, and loud stretches hide quiet ones.
     for view in (even, statistic) * PEAKS:
@@ -98,10 +97,18 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
         if view[best] <= 2.0:
             continue
         value = 1.0 / float(wave[best]) if spatial else float(wave[best])
-        found.append(Candidate(name, {field: value}, (("sine", None), ("cosine", None)), (unit, unit)))
+        found.append(wave_of(evidence, name, value))
         near = np.abs(wave - wave[best]) < 1.0 / span
         even[near] = statistic[near] = 0.0
     return found, looked
+
+
+def wave_of(evidence: Evidence, name: str, value: float) -> Candidate:
+    """The wave of an effect at one period, or frequency."""
+    roles = EFFECTS[name].ROLES
+    field = next(f for f, role in roles.items() if role["role"] == "shape")
+    unit = 0.02 * abs(roles["sine"]["high"]) * quantities(evidence)[roles["sine"]["quantity"]]
+    return Candidate(name, {field: value}, (("sine", None), ("cosine", None)), (unit, unit))
 
 
 def levelled(statistic: FloatArray) -> FloatArray:
@@ -196,16 +203,14 @@ def beside_known(evidence: Evidence, name: str) -> list[Candidate]:
     """
     if not is_spatial_wave(EFFECTS[name]) or "force" in EFFECTS[name].HOOKS:
         return []
-    field, role = next((f, r) for f, r in EFFECTS[name].ROLES.items() if r["role"] == "shape")
+    role = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")
     sizes = quantities(evidence)
     span = evidence.scales.position
-    unit = 0.02 * abs(EFFECTS[name].ROLES["sine"]["high"]) * sizes[EFFECTS[name].ROLES["sine"]["quantity"]]
     found = []
     for period in known_periods(evidence.model):
         for turns in span / period + BESIDE:
             if turns > TURNS and role["low"] < span / turns / sizes[role["quantity"]] < role["high"]:
-                shape = {field: float(span / turns)}
-                found.append(Candidate(name, shape, (("sine", None), ("cosine", None)), (unit, unit)))
+                found.append(wave_of(evidence, name, float(span / turns)))
     return found
 
 
