@@ -89,6 +89,20 @@ double largest(const Lanes<count>& values) {
   for (double value : values.lane) result = value > result ? value : result;
   return result;
 }
+template <std::size_t count>
+double smallest(const Lanes<count>& values) {
+  return -largest(-values);
+}
+template <std::size_t count>
+inline constexpr std::size_t lanes_of<Lanes<count>> = count;
+template <std::size_t count>
+double lane(const Lanes<count>& value, std::size_t i) {
+  return value.lane[i];
+}
+template <std::size_t count>
+void set_lane(Lanes<count>& value, std::size_t i, double lane_value) {
+  value.lane[i] = lane_value;
+}
 
 template <std::size_t count>
 bool all(const Pack<bool, count>& condition) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "cogging/elementary.hpp"
 
@@ -35,8 +36,30 @@ inline bool all_finite(double value) {
 inline double largest(double value) {
   return value;
 }
+inline double smallest(double value) {
+  return value;
+}
 inline bool all(bool condition) {
   return condition;
+}
+
+/// How many numbers a scalar holds, and each of them.
+template <class Scalar>
+inline constexpr std::size_t lanes_of = 1;
+inline double lane(double value, std::size_t) {
+  return value;
+}
+inline void set_lane(double& value, std::size_t, double lane_value) {
+  value = lane_value;
+}
+
+template <class Scalar>
+Scalar larger(const Scalar& a, const Scalar& b) {
+  return select(a < b, b, a);
+}
+template <class Scalar>
+Scalar smaller(const Scalar& a, const Scalar& b) {
+  return select(b < a, b, a);
 }
 
 /// The integer that goes with a scalar, for table look-up.

@@ -224,6 +224,33 @@ class CoggingModel {
     return basis_.empty() ? Scalar(0.0) : basis_.slope(position, coefficients_.data());
   }
 
+  /// Where its amplitudes have a kink or a jump, m: the knots of B-splines of order 1 and 2, and where those of order 3
+  /// end.
+  std::vector<double> kinks() const {
+    const BSpline& spline = basis_.spline();
+    if (basis_.empty() || spline.constant()) return {};
+    std::vector<double> places;
+    for (int i = 0; i <= spline.spans(); ++i)
+      if (spline.order() <= 2 || i == 0 || i == spline.spans()) places.push_back(spline.origin() + i * spline.pitch());
+    return places;
+  }
+
+  struct Wave {
+    double amplitude, wavenumber;  // unit of the coefficients; rad/m
+  };
+
+  /// How large each term may become, and how quickly it changes along the travel: its own wave and that of the knots.
+  std::vector<Wave> waves() const {
+    std::vector<Wave> list;
+    const double along_knots = basis_.spline().constant() ? 0.0 : 2.0 / basis_.spline().pitch();
+    for (double wavenumber : basis_.wavenumbers()) list.push_back({0.0, wavenumber + along_knots});
+    for (std::size_t i = 0; i < coefficients_.size(); ++i) {  // B-splines do not exceed their coefficients
+      double& size = list[i % static_cast<std::size_t>(basis_.columns()) / 2].amplitude;
+      size = std::max(size, 2.0 * largest(abs(coefficients_[i])));
+    }
+    return list;
+  }
+
  private:
   SplineHarmonics basis_;
   std::vector<Scalar> coefficients_;

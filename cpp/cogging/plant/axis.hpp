@@ -11,6 +11,7 @@
 #include "cogging/plant/body_with_states.hpp"
 #include "cogging/plant/effects/list.hpp"
 #include "cogging/plant/state.hpp"
+#include "cogging/plant/step_control.hpp"
 #include "cogging/plant/sticking.hpp"
 
 namespace cogging {
@@ -69,6 +70,8 @@ class Axis {
             if constexpr (HasFrictionLevel<E, Scalar>) has_friction_ = true;
             if constexpr (HasCommandGain<E, Scalar>) gains_.push_back(effect);
             if constexpr (HasEvents<E>) events_.push_back(effect);
+            if constexpr (HasKinks<E>) accuracy_.add_places(law.kinks());
+            if constexpr (HasVariation<E>) accuracy_.add(law.variation(), smallest(parameters_.mass));
             if constexpr (HasBristle<E>) {
               if (law.bristle().exists()) add_state(E::name, bristle_, law.bristle(), bristle_.exists());
             }
@@ -83,6 +86,11 @@ class Axis {
     }
     has_states_ = bristle_.exists() || coupling_.exists();
     plain_ = !has_states_ && !sticks_ && gains_.empty();
+    if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
+      accuracy_.add({.velocity = bristle_.exists() ? 0.0 : smallest(parameters_.coulomb_width)}, 1.0);
+    accuracy_.add_places(cogging_.kinks());
+    for (const auto& [amplitude, wavenumber] : cogging_.waves())
+      accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
   }
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
@@ -145,22 +153,22 @@ class Axis {
     return gain;
   }
 
-  /// One step of length h from `time` with the drive held: classical Runge-Kutta of fourth order. With
-  /// coulomb_width = 0 the step is cut where the axis stops or breaks away, so that it sticks and slips
-  /// exactly.
+  /// Moves the state on by h from `time` with the drive held: one classical Runge-Kutta step of fourth order where
+  /// that is accurate (StepAccuracy), else as many as it takes. With coulomb_width = 0 the step is cut where the
+  /// axis stops or breaks away, so that it sticks and slips exactly.
   void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
     if (!plain_) {
       advance_other(state, drive, time, h);
-      return;
+    } else {
+      const AxisState<Scalar> start = state;
+      const Scalar excess = move(state, drive, time, 0.0, h);
+      if (!all(excess <= 0.0)) move_in_pieces(state, start, excess, drive, time, h);
     }
-    runge_kutta(state, drive, time, 0.0, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-      // Cogging first: in a Runge-Kutta step the position is known before the velocity.
-      const Scalar cogging = cogging_.force(x);
-      const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
-      const auto [force, friction_level] = forces(cogging, x, v, direction, t);
-      return (u + force - friction_level * direction) * inverse_mass_;
-    });
+    state.speed_max = larger(state.speed_max, abs(state.velocity));
   }
+
+  /// What a step of a body on this axis errs by.
+  const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
  private:
   friend void advance_sticking<Axis>(const Axis&, AxisState<double>&, const Drive<double>&, double, double, double);
@@ -214,31 +222,83 @@ class Axis {
         return;
       }
     }
-    runge_kutta(state, drive, time, 0.0, h, [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-      return acceleration(x, v, u, t, drive.force);
-    });
+    const AxisState<Scalar> start = state;
+    const Scalar excess = move(state, drive, time, 0.0, h);
+    if (!all(excess <= 0.0)) move_in_pieces(state, start, excess, drive, time, h);
   }
 
-  // f(position, velocity, command, time). The new position is stored before a4 is begun, so that the next
-  // reading need not wait for it.
+  // One step with the smooth sign; by how much it errs more than it may.
+  Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h) const {
+    if (gains_.empty())
+      return runge_kutta(
+          state, drive, time, offset, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+            // Cogging first: in a Runge-Kutta step the position is known before the velocity.
+            const Scalar cogging = cogging_.force(x);
+            const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
+            const auto [force, friction_level] = forces(cogging, x, v, direction, t);
+            return (u + force - friction_level * direction) * inverse_mass_;
+          });
+    return runge_kutta(state, drive, time, offset, h,
+                       [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+                         return acceleration(x, v, u, t, drive.force);
+                       });
+  }
+
+  // From the start again, for each lane whose whole step was not accurate; what the others do is left.
+  COGGING_NOINLINE void move_in_pieces(AxisState<Scalar>& state, const AxisState<Scalar>& start, const Scalar& excess,
+                                       const Drive<Scalar>& drive, double time, double h) const {
+    for (std::size_t i = 0; i < lanes_of<Scalar>; ++i) {
+      if (lane(excess, i) <= 0.0) continue;
+      AxisState<Scalar> end = start;
+      StepControl control(h);
+      double done = 0.0;
+      while (done < h && std::isfinite(lane(end.velocity, i))) {
+        const AxisState<Scalar> from = end;
+        const double left = h - done;
+        const double length = control.step(left, [&](double tried) {
+          end = from;
+          return lane(move(end, drive, time, done, tried), i) <= 0.0;
+        });
+        done = length == left ? h : done + length;
+      }
+      set_lane(state.position, i, lane(end.position, i));
+      set_lane(state.velocity, i, lane(end.velocity, i));
+    }
+  }
+
+  // f(position, velocity, command, time); by how much the step errs more than it may. The new position is stored
+  // before a4 is begun, so that the next reading need not wait for it.
   template <class Acceleration>
-  void runge_kutta(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
+  Scalar runge_kutta(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
                    const Acceleration& f) const {
-    const double half = 0.5 * h, sixth = h / 6.0;
+    const double half = 0.5 * h, sixth = h / 6.0, start = time + offset;
     const Scalar u_start = drive.at(offset) + drive.force;
     const Scalar u_middle = drive.lagging ? drive.at(offset + half) + drive.force : u_start;
     const Scalar u_end = drive.lagging ? drive.at(offset + h) + drive.force : u_start;
     const Scalar x = state.position, v1 = state.velocity;
-    const Scalar a1 = f(x, v1, u_start, time);
+    const Scalar a1 = f(x, v1, u_start, start);
     const Scalar v2 = v1 + half * a1;
-    const Scalar a2 = f(x + half * v1, v2, u_middle, time + half);
+    const Scalar a2 = f(x + half * v1, v2, u_middle, start + half);
     const Scalar v3 = v1 + half * a2;
-    const Scalar a3 = f(x + half * v2, v3, u_middle, time + half);
+    const Scalar a3 = f(x + half * v2, v3, u_middle, start + half);
     const Scalar v4 = v1 + h * a3;
     state.position = x + sixth * (v1 + 2.0 * (v2 + v3) + v4);
     // A law that jumps at the end of the step must not be felt in it: look just before.
-    const Scalar a4 = f(x + h * v3, v4, u_end, events_.empty() ? time + h : time + h * (1.0 - 1e-9));
+    const Scalar a4 = f(x + h * v3, v4, u_end, events_.empty() ? start + h : start + h * (1.0 - 1e-9));
     state.velocity = v1 + sixth * (a1 + 2.0 * (a2 + a3) + a4);
+    Scalar excess = accuracy_.excess(h, a1, a2, a3, a4, v1, state.velocity, state.speed_max);
+    if (accuracy_.has_places()) excess = larger(excess, excess_at_kinks(x, state, h, a1, a2, a3, a4));
+    if (!accuracy_.varies() && !drive.lagging) return excess;
+    return larger(excess, accuracy_.excess_of_waves(h, v1, state.velocity, u_start - drive.force,
+                                                    drive.settling(offset) * inverse_mass_, state.speed_max));
+  }
+
+  COGGING_NOINLINE Scalar excess_at_kinks(const Scalar& from, const AxisState<Scalar>& to, double h, const Scalar& a1,
+                                          const Scalar& a2, const Scalar& a3, const Scalar& a4) const {
+    Scalar excess = accuracy_.excess_at_kink(h, a1, a2, a3, a4, larger(to.speed_max, abs(to.velocity)));
+    for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
+      if (!accuracy_.crosses_kink(lane(from, i), lane(to.position, i))) set_lane(excess, i, -1.0);
+    return excess;
   }
 
   // Force balance of an axis that slides in `direction`.
@@ -248,16 +308,16 @@ class Axis {
   }
 
   // What advance_sticking asks of a body.
-  AxisState<double> slide(AxisState<double> state, const Drive<double>& drive, double time, double offset,
-                          double length, double direction) const {
-    runge_kutta(state, drive, time + offset, offset, length,
-                [&](double x, double v, double u, double t) { return sliding(x, v, u, drive.force, t, direction); });
-    return state;
+  bool slide(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double length,
+             double direction) const {
+    return runge_kutta(state, drive, time, offset, length, [&](double x, double v, double u, double t) {
+             return sliding(x, v, u, drive.force, t, direction);
+           }) <= 0.0;
   }
 
-  const AxisState<double>& rest(const AxisState<double>& state, const Drive<double>&, double, double, double) const {
-    return state;
-  }
+  bool rest(AxisState<double>&, const Drive<double>&, double, double, double) const { return true; }
+
+  double quickest() const { return accuracy_.quickest(); }
 
   double breakaway(const AxisState<double>& state, const Drive<double>& drive, double time, double offset) const {
     const double u = drive.at(offset) + drive.force;
@@ -272,6 +332,7 @@ class Axis {
   bool has_friction_ = false, sticks_ = false, has_states_ = false;
   bool plain_ = true;  // smooth friction without states or gains: the fast way
   std::vector<Effect<Scalar>> laws_, gains_, events_;
+  StepAccuracy<Scalar> accuracy_;
   Bristle bristle_;
   Coupling coupling_;
 };

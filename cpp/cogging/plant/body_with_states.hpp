@@ -3,6 +3,7 @@
 // other forces act on the motor; the load feels the coupling alone.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "cogging/plant/bristle.hpp"
@@ -13,9 +14,11 @@
 namespace cogging {
 
 /// Runge-Kutta of fourth order in position, velocity and deflection of the load, in as many substeps as the
-/// fastest of its vibrations needs; the bristle follows the path of each stage exactly.
+/// fastest of its vibrations needs, and more where they would not be accurate; the bristle follows the path of each
+/// stage exactly.
 ///
-/// `Axis` gives balance(position, velocity, direction, drive, held, time): all forces but friction, and its level.
+/// `Axis` gives balance(position, velocity, direction, drive, held, time): all forces but friction, and its level; and
+/// accuracy(): what a step errs by.
 template <class Axis>
 class BodyWithStates {
  public:
@@ -29,19 +32,20 @@ class BodyWithStates {
       if (sticks)
         advance_sticking(*this, state, drive, time, from, until);
       else
-        state = step(state, drive, time, from, until - from, Mode::moves, 0.0);
+        move(state, drive, time, from, until);
     }
   }
 
-  AxisState<double> slide(const AxisState<double>& state, const Drive<double>& drive, double time, double offset,
-                          double length, double direction) const {
+  bool slide(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double length,
+             double direction) const {
     return step(state, drive, time, offset, length, Mode::slides, direction);
   }
 
-  AxisState<double> rest(const AxisState<double>& state, const Drive<double>& drive, double time, double offset,
-                         double length) const {
+  bool rest(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double length) const {
     return step(state, drive, time, offset, length, Mode::rests, 0.0);
   }
+
+  double quickest() const { return axis_.accuracy().quickest(); }
 
   double breakaway(const AxisState<double>& state, const Drive<double>& drive, double time, double offset) const {
     const double coupling = coupling_force(state);
@@ -72,6 +76,20 @@ class BodyWithStates {
     return std::max(1, static_cast<int>(needed));
   }
 
+  void move(AxisState<double>& state, const Drive<double>& drive, double time, double from, double until) const {
+    StepControl control(until - from);
+    double done = from;
+    while (done < until && std::isfinite(state.velocity)) {
+      const AxisState<double> start = state;
+      const double left = until - done;
+      const double length = control.step(left, [&](double tried) {
+        state = start;
+        return step(state, drive, time, done, tried, Mode::moves, 0.0);
+      });
+      done = length == left ? until : done + length;
+    }
+  }
+
   double coupling_force(const AxisState<double>& state) const {
     return coupling_.exists() ? coupling_.force(state.deflection, state.deflection_rate) : 0.0;
   }
@@ -93,25 +111,27 @@ class BodyWithStates {
     return {acceleration, coupling_.exists() ? load - acceleration : 0.0, level};
   }
 
-  AxisState<double> step(const AxisState<double>& start, const Drive<double>& drive, double time, double offset,
-                         double h, Mode mode, double direction) const {
+  // Whether it is accurate.
+  bool step(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double h, Mode mode,
+            double direction) const {
+    const AxisState<double> start = state;
     struct Slope {
       double velocity, acceleration, deflection_rate, relative;
     };
     double levels = 0.0;
-    const auto slope_at = [&](const AxisState<double>& state, double at, double weight) {
-      const Rates r = rates(state, start.bristle, state.position - start.position, drive.at(at) + drive.force,
+    const auto slope_at = [&](const AxisState<double>& here, double at, double weight) {
+      const Rates r = rates(here, start.bristle, here.position - start.position, drive.at(at) + drive.force,
                             drive.force, time + at, mode, direction);
       levels += weight * r.level;
-      return Slope{state.velocity, r.acceleration, state.deflection_rate, r.relative};
+      return Slope{here.velocity, r.acceleration, here.deflection_rate, r.relative};
     };
     const auto moved = [&](const Slope& slope, double length) {
-      AxisState<double> state = start;
-      state.position += length * slope.velocity;
-      state.velocity += length * slope.acceleration;
-      state.deflection += length * slope.deflection_rate;
-      state.deflection_rate += length * slope.relative;
-      return state;
+      AxisState<double> there = start;
+      there.position += length * slope.velocity;
+      there.velocity += length * slope.acceleration;
+      there.deflection += length * slope.deflection_rate;
+      there.deflection_rate += length * slope.relative;
+      return there;
     };
     const double half = 0.5 * h;
     const Slope k1 = slope_at(start, offset, 1.0);
@@ -120,10 +140,36 @@ class BodyWithStates {
     // A law that jumps at the end of the step must not be felt in it: look just before.
     const Slope k4 = slope_at(moved(k3, h), offset + h * (1.0 - 1e-9), 1.0);
     const auto mean = [&](double Slope::* part) { return (k1.*part + 2.0 * (k2.*part + k3.*part) + k4.*part) / 6.0; };
-    AxisState<double> end = moved(
+    state = moved(
         {mean(&Slope::velocity), mean(&Slope::acceleration), mean(&Slope::deflection_rate), mean(&Slope::relative)}, h);
-    if (bristle_.exists()) end.bristle = bristle_.moved(start.bristle, end.position - start.position, levels / 6.0);
-    return end;
+    if (bristle_.exists()) state.bristle = bristle_.moved(start.bristle, state.position - start.position, levels / 6.0);
+    const auto stages = [&](double Slope::* part) { return std::array{k1.*part, k2.*part, k3.*part, k4.*part}; };
+    return loads_accurately(start, state, h, stages(&Slope::relative)) &&
+           (mode == Mode::rests ||
+            moves_accurately(start, state, drive, offset, h, stages(&Slope::acceleration), mode == Mode::slides));
+  }
+
+  using Stages = std::array<double, 4>;
+
+  bool moves_accurately(const AxisState<double>& start, const AxisState<double>& end, const Drive<double>& drive,
+                        double offset, double h, const Stages& a, bool one_way) const {
+    const StepAccuracy<double>& accuracy = axis_.accuracy();
+    const double turned = one_way ? start.velocity : end.velocity;  // friction has one direction, whatever the end
+    const double settling = drive.settling(offset) / coupling_.motor_mass();
+    return accuracy.excess(h, a[0], a[1], a[2], a[3], start.velocity, turned, start.speed_max) <= 0.0 &&
+           accuracy.excess_of_waves(h, start.velocity, end.velocity, drive.at(offset), settling, start.speed_max) <=
+               0.0 &&
+           (!accuracy.crosses_kink(start.position, end.position) ||
+            accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], start.speed_max) <= 0.0);
+  }
+
+  bool loads_accurately(const AxisState<double>& start, const AxisState<double>& end, double h, const Stages& a) const {
+    if (!coupling_.exists()) return true;
+    const StepAccuracy<double>& accuracy = axis_.accuracy();
+    const double speed = std::max({start.speed_max, std::abs(start.velocity), std::abs(end.deflection_rate)});
+    if (coupling_.piece(start.deflection, start.deflection_rate) == coupling_.piece(end.deflection, end.deflection_rate))
+      return accuracy.excess(h, a[0], a[1], a[2], a[3], 0.0, 0.0, speed) <= 0.0;
+    return accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], speed) <= 0.0;
   }
 
   const Axis& axis_;

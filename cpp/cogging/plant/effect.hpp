@@ -18,6 +18,8 @@
 //   Bristle bristle() const;                              // a friction contact with a state, in place of S(v)
 //   CouplingParameters coupling() const;                  // a load that is a mass of its own
 // Beside these it may have
+//   Variation variation() const;                          // how quickly it changes along the travel and in time
+//   std::vector<double> kinks() const;                    // m, places at which it has a kink or a jump
 //   double next_event(double time) const;                 // s, the next time at which its law jumps: steps end there
 //   void bind(const PlantContext&);                       // takes what it needs from the plant; throws where that
 //                                                         // is missing
@@ -27,6 +29,7 @@
 #include "cogging/parameters.hpp"
 #include "cogging/plant/context.hpp"
 #include "cogging/plant/motion.hpp"
+#include "cogging/plant/step_control.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
@@ -54,6 +57,10 @@ concept HasCoupling = requires(const E& effect) { effect.coupling(); };
 /// A load that is loose: its coupling has play, of which the effect's own `gap` is the width.
 template <class E>
 concept HasPlay = HasCoupling<E> && requires(E& effect) { effect.gap *= 1.0; };
+template <class E>
+concept HasVariation = requires(const E& effect) { effect.variation(); };
+template <class E>
+concept HasKinks = requires(const E& effect) { effect.kinks(); };
 template <class E>
 concept HasEvents = requires(const E& effect, double time) { effect.next_event(time); };
 template <class E>

@@ -14,6 +14,7 @@ struct AxisState {
   Scalar bristle = 0.0;          // m, deflection of the friction contact (presliding_friction)
   Scalar deflection = 0.0;       // m, load position less motor position (backlash, flexible_mode)
   Scalar deflection_rate = 0.0;  // m/s
+  Scalar speed_max = 0.0;        // m/s, the largest so far: against it the error of a step is small or not
 };
 
 /// The amplifier's output as it settles, and a held force.
@@ -26,6 +27,11 @@ struct Drive {
   bool lagging = false;
 
   Scalar at(const Scalar& offset) const { return lagging ? target + deviation * exp(-rate * offset) : target; }
+
+  /// Fourth derivative of what the amplifier puts out, V/s^4.
+  Scalar settling(const Scalar& offset) const {
+    return lagging ? abs(deviation) * exp(-rate * offset) * (rate * rate * rate * rate) : Scalar(0.0);
+  }
 };
 
 }  // namespace cogging

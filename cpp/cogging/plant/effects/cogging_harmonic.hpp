@@ -36,6 +36,9 @@ struct CoggingHarmonic {
     sin_cos(motion.position * (2.0 * std::numbers::pi) / period, s, c);
     return -(sine * s + cosine * c);
   }
+  Variation variation() const {
+    return {.force = largest(abs(sine)) + largest(abs(cosine)), .wavenumber = 2.0 * std::numbers::pi / smallest(period)};
+  }
 };
 
 }  // namespace cogging

@@ -82,6 +82,14 @@ struct CoggingModulation {
 
   Scalar force(const Motion<Scalar>& motion) const { return -model_.force(motion.position); }
 
+  std::vector<double> kinks() const { return model_.kinks(); }
+
+  Variation variation() const {
+    if (model_.basis().empty()) return {};
+    const auto wave = model_.waves().front();
+    return {.force = wave.amplitude, .wavenumber = wave.wavenumber};
+  }
+
  private:
   void require_points(int least) const {
     require(sine.size() <= 1 || std::ssize(sine) >= least, "sine",

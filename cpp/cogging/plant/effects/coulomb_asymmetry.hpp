@@ -23,6 +23,10 @@ struct CoulombAsymmetry {
   void validate() const { require_finite("difference", difference); }
 
   Scalar friction_level(const Motion<Scalar>& motion) const { return 0.5 * difference * sign(motion.direction); }
+
+  Variation variation() const {
+    return {.velocity = all(difference == 0.0) ? std::numeric_limits<double>::infinity() : 0.0};
+  }
 };
 
 }  // namespace cogging

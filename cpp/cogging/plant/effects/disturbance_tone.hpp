@@ -37,6 +37,9 @@ struct DisturbanceTone {
     sin_cos(frequency * (2.0 * std::numbers::pi * motion.time), s, c);
     return sine * s + cosine * c;
   }
+  Variation variation() const {
+    return {.force = largest(abs(sine)) + largest(abs(cosine)), .rate = 2.0 * std::numbers::pi * largest(frequency)};
+  }
 };
 
 }  // namespace cogging

@@ -1,6 +1,8 @@
 #pragma once
 // A force that was found in data and that nothing explains yet.
 
+#include <algorithm>
+#include <limits>
 #include <tuple>
 #include <vector>
 
@@ -47,6 +49,13 @@ struct EmpiricalForce {
     return piecewise_linear<Scalar>(position_nodes, position_forces, motion.position) +
            piecewise_linear<Scalar>(velocity_nodes, velocity_forces, motion.velocity) +
            piecewise_linear<Scalar>(time_nodes, time_forces, motion.time);
+  }
+
+  std::vector<double> kinks() const { return position_nodes; }
+
+  double next_event(double time) const {
+    const auto next = std::upper_bound(time_nodes.begin(), time_nodes.end(), time);
+    return next == time_nodes.end() ? std::numeric_limits<double>::infinity() : *next;
   }
 };
 

@@ -29,6 +29,7 @@ struct ForceConstantDrift {
   }
 
   Scalar command_gain(const Scalar&, double time) const { return change * (1.0 - exp(Scalar(-time) / time_constant)); }
+  Variation variation() const { return {.gain = largest(abs(change)), .rate = 1.0 / smallest(time_constant)}; }
 };
 
 }  // namespace cogging

@@ -36,6 +36,9 @@ struct ForceConstantRipple {
     sin_cos(position * (2.0 * std::numbers::pi) / period, s, c);
     return sine * s + cosine * c;
   }
+  Variation variation() const {
+    return {.gain = largest(abs(sine)) + largest(abs(cosine)), .wavenumber = 2.0 * std::numbers::pi / smallest(period)};
+  }
 };
 
 }  // namespace cogging

@@ -30,6 +30,8 @@ struct PositionDependentFriction {
   Scalar friction_level(const Motion<Scalar>& motion) const {
     return piecewise_linear<Scalar>(nodes, levels, motion.position);
   }
+
+  std::vector<double> kinks() const { return nodes; }
 };
 
 }  // namespace cogging

@@ -36,6 +36,8 @@ struct StribeckFriction {
   Scalar friction_level(const Motion<Scalar>& motion) const {
     return static_excess * exp(-pow(abs(motion.velocity / velocity), exponent));
   }
+
+  Variation variation() const { return {.velocity = all(static_excess == 0.0) ? std::numeric_limits<double>::infinity() : smallest(velocity)}; }
 };
 
 }  // namespace cogging

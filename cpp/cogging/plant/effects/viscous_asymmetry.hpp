@@ -23,6 +23,10 @@ struct ViscousAsymmetry {
   void validate() const { require_finite("difference", difference); }
 
   Scalar force(const Motion<Scalar>& motion) const { return -0.5 * difference * abs(motion.velocity); }
+
+  Variation variation() const {
+    return {.velocity = all(difference == 0.0) ? std::numeric_limits<double>::infinity() : 0.0};
+  }
 };
 
 }  // namespace cogging

@@ -1,0 +1,136 @@
+#pragma once
+// How long a step of Runge and Kutta may be, and what a plant says of itself for that.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
+
+namespace cogging {
+
+/// How quickly a law changes along the travel and in time, beside what follows from its slope: a step must not skip it.
+/// `force` (V) and `gain` (relative, of what the amplifier puts out) are its size, `wavenumber` in rad/m, `rate` in
+/// rad/s; of a law without a period, the inverse of the distance or time on which it changes. `velocity` (m/s) is the
+/// speed within which a law changes about rest: 0 for a kink.
+struct Variation {
+  double force = 0.0, gain = 0.0;
+  double wavenumber = 0.0, rate = 0.0;
+  double velocity = std::numeric_limits<double>::infinity();
+};
+
+/// What one Runge-Kutta step of fourth order errs by, as a share of the largest speed so far.
+///
+/// From its own stages: with z = h times the fastest rate of the law, the step errs in velocity by z^5 / 120 of the
+/// transient that it follows, and |a3 - a2| is z / 2 of |a2 - a1|: together h |a3 - a2|^3 / (7.5 |a2 - a1|^2). What
+/// the stages cannot see, forces that go with position or time as waves, is Simpson's error of the wave: z^4 / 2880 of
+/// its impulse. About rest friction may change within less than the step: there the second difference itself is asked.
+template <class Scalar>
+class StepAccuracy {
+ public:
+  StepAccuracy() = default;
+
+  /// A law joins; `mass` in V/(m/s^2).
+  void add(const Variation& law, double mass) {
+    const double along = std::pow(law.wavenumber, 4) / mass, in_time = std::pow(law.rate, 4) / mass;
+    along_ += law.force * along, in_time_ += law.force * in_time;
+    gain_along_ += law.gain * along, gain_in_time_ += law.gain * in_time;
+    turning_ = std::min(turning_, law.velocity * law.velocity + std::numeric_limits<double>::min());
+    quickest_ = std::max(quickest_, law.force > 0.0 || law.gain > 0.0 ? law.rate : 0.0);
+    varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ > 0.0;
+  }
+
+  /// By how much one step of length h errs more than it may, m/s: at most 0 where it is accurate. Of the accelerations
+  /// of the stages, the velocity at start and end, and the largest speed before.
+  COGGING_INLINE Scalar excess(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4,
+                               const Scalar& v1, const Scalar& v_end, const Scalar& speed_max) const {
+    const Scalar tolerance = share * larger(larger(speed_max, abs(v1)), 0.01 * h * abs(a1));
+    const Scalar first = a2 - a1, second = abs(a3 - a2);
+    // A velocity that is no number must not pass: 0 times it is none either.
+    const Scalar stiff = h * (second * second * second) + 0.0 * v_end;
+    const Scalar unseen = stiff - tolerance * (7.5 * (first * first) + second * second);
+    // Within `turning_` of rest the bend of friction is seen by the stages, to the second power of how much.
+    const Scalar change = v_end - v1, square = change * change;
+    const Scalar nearest = select(v1 * v_end < 0.0, Scalar(0.0), smaller(abs(v1), abs(v_end)));
+    const Scalar bend = bend_of(h, a1, a2, a3, a4) * (square / (square + turning_));
+    return larger(unseen, select(nearest < 4.0 * abs(change), bend - tolerance, Scalar(-1.0)));
+  }
+
+  /// The same of a step in which a law has a kink.
+  Scalar excess_at_kink(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4,
+                        const Scalar& speed_max) const {
+    return bend_of(h, a1, a2, a3, a4) - share * speed_max;
+  }
+
+  /// The same of waves; `drive` is what the amplifier puts out, V, `settling` the fourth derivative of it over the
+  /// mass.
+  Scalar excess_of_waves(double h, const Scalar& v1, const Scalar& v_end, const Scalar& drive, const Scalar& settling,
+                         const Scalar& speed_max) const {
+    const Scalar tolerance = share * larger(larger(speed_max, abs(v1)), abs(v_end));
+    const Scalar speed = larger(v1 * v1, v_end * v_end);
+    const Scalar amplified = abs(drive);
+    const Scalar wave = (along_ + gain_along_ * amplified) * (speed * speed) + in_time_ + gain_in_time_ * amplified;
+    return h * h * h * h * h * (wave + settling) - 2880.0 * tolerance;
+  }
+
+  /// Places (m) at which a law has a kink or a jump join those that are known.
+  void add_places(const std::vector<double>& places) {
+    places_.insert(places_.end(), places.begin(), places.end());
+    std::sort(places_.begin(), places_.end());
+  }
+  bool has_places() const { return !places_.empty(); }
+
+  /// Whether such a place lies between two positions.
+  bool crosses_kink(double from, double to) const {
+    const auto next = std::upper_bound(places_.begin(), places_.end(), std::min(from, to));
+    return next != places_.end() && *next <= std::max(from, to);
+  }
+
+  bool varies() const { return varies_; }
+  double quickest() const { return quickest_; }  // rad/s, of what changes in time
+
+ private:
+  static constexpr double share = 1e-9;
+
+  // What a kink between the stages makes of the velocity at the end, m/s.
+  static Scalar bend_of(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4) {
+    return 0.2 * h * abs((a1 - a2) - (a3 - a4));
+  }
+
+  double along_ = 0.0, in_time_ = 0.0;            // m/s^2 times 1/m^4, 1/s^4
+  double gain_along_ = 0.0, gain_in_time_ = 0.0;  // the same for a drive of 1 V
+  double quickest_ = 0.0;
+  double turning_ = std::numeric_limits<double>::infinity();  // (m/s)^2, of the narrowest law about rest
+  bool varies_ = false;
+  std::vector<double> places_;  // m, increasing
+};
+
+/// The lengths of the pieces of one step: halved until a piece is accurate, doubled after.
+class StepControl {
+ public:
+  explicit StepControl(double whole) : next_(whole), shortest_(1e-12 * whole) {}
+
+  /// The length of the next piece, at most `left`. `tried(length)` makes it and says whether it is accurate.
+  template <class Try>
+  double step(double left, const Try& tried) {
+    double length = std::min(next_, left);
+    while (!tried(length) && length > shortest_) {
+      length *= 0.5;
+      if (++refused_ > refused_max) break;
+    }
+    if (++pieces_ > pieces_max)
+      refuse("axis", "must change slowly enough to be integrated in 1e5 steps a sample",
+             "changes at some " + format(1.0 / length) + " 1/s");
+    next_ = length < left ? 2.0 * length : std::max(next_, length);
+    return length;
+  }
+
+ private:
+  static constexpr int pieces_max = 100'000, refused_max = 1'000'000;
+  double next_, shortest_;
+  int pieces_ = 0, refused_ = 0;
+};
+
+}  // namespace cogging
