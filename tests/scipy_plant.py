@@ -44,6 +44,7 @@ class ScipyPlant:
         reduced = self.mass * self.ratio * (1 - self.ratio)
         w = TWO_PI * mode.get("frequency", 0.0)
         self.spring, self.damper = w * w * reduced, 2 * mode.get("damping_ratio", 0.0) * w * reduced
+        self.frequency = self.by_name.get("disturbance_tone", {}).get("frequency", 1e-9)
         self.lag = self.by_name.get("actuator_lag", {}).get("time_constant", 0.0)
 
     def level(self, x, v, direction):
@@ -170,7 +171,7 @@ class ScipyPlant:
                 rtol=RTOL,
                 atol=atol,
                 events=ends if direction is not None else None,
-                max_step=(stop - start) / 4,
+                max_step=min((stop - start) / 4, 0.02 / self.frequency),  # at rest no rate would tell of a wave
             )
             assert solved.success, solved.message
             state, t = solved.y[:, -1], solved.t[-1]

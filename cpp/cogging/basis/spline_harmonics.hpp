@@ -224,14 +224,12 @@ class CoggingModel {
     return basis_.empty() ? Scalar(0.0) : basis_.slope(position, coefficients_.data());
   }
 
-  /// Where its amplitudes have a kink or a jump, m: the knots of B-splines of order 1 and 2, and where those of order 3
-  /// end.
+  /// Where its amplitudes have a kink or a jump, m: the knots of B-splines of order 1 and 2.
   std::vector<double> kinks() const {
     const BSpline& spline = basis_.spline();
-    if (basis_.empty() || spline.constant()) return {};
     std::vector<double> places;
-    for (int i = 0; i <= spline.spans(); ++i)
-      if (spline.order() <= 2 || i == 0 || i == spline.spans()) places.push_back(spline.origin() + i * spline.pitch());
+    if (basis_.empty() || spline.constant() || spline.order() > 2) return places;
+    for (int i = 0; i <= spline.spans(); ++i) places.push_back(spline.origin() + i * spline.pitch());
     return places;
   }
 

@@ -64,14 +64,14 @@ class BodyWithStates {
     double acceleration, relative, level;  // m/s^2, of motor and deflection; V, friction level
   };
 
-  // A quarter of a radian a substep: the vibration then keeps its frequency within 1e-4.
+  // A sixth of a radian a substep: the vibration then keeps its frequency within 1e-5.
   int substeps(double h) const {
     double rate = coupling_.exists() ? coupling_.rate() : 0.0;
     if (bristle_.exists()) {
       const double mass = coupling_.motor_mass();
       rate = std::max(rate, std::sqrt(bristle_.stiffness / mass) + bristle_.damping / mass);
     }
-    const double needed = std::ceil(4.0 * rate * h);
+    const double needed = std::ceil(6.0 * rate * h);
     require(needed <= 1e5, "stiffness, frequency", "must need at most 1e5 substeps a step", needed);
     return std::max(1, static_cast<int>(needed));
   }
@@ -160,7 +160,16 @@ class BodyWithStates {
            accuracy.excess_of_waves(h, start.velocity, end.velocity, drive.at(offset), settling, start.speed_max) <=
                0.0 &&
            (!accuracy.crosses_kink(start.position, end.position) ||
-            accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], start.speed_max) <= 0.0);
+            accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], start.speed_max) <= 0.0) &&
+           (start.velocity * end.velocity >= 0.0 || !bristle_.exists() || turns_accurately(start, end, h));
+  }
+
+  // Where a step turns, the bristle does not feel the way there and back. It bends by as much too little, and pushes
+  // the motor with that for about a radian of its vibration.
+  bool turns_accurately(const AxisState<double>& start, const AxisState<double>& end, double h) const {
+    const double hidden = h * std::min(std::abs(start.velocity), std::abs(end.velocity));
+    return hidden * std::sqrt(bristle_.stiffness / coupling_.motor_mass()) <=
+           StepAccuracy<double>::share * std::max(start.speed_max, std::abs(start.velocity));
   }
 
   bool loads_accurately(const AxisState<double>& start, const AxisState<double>& end, double h, const Stages& a) const {

@@ -15,9 +15,11 @@ namespace cogging {
 /// `force` (V) and `gain` (relative, of what the amplifier puts out) are its size, `wavenumber` in rad/m, `rate` in
 /// rad/s; of a law without a period, the inverse of the distance or time on which it changes. `velocity` (m/s) is the
 /// speed within which a law changes about rest: 0 for a kink.
+/// `stiffness` (V/m) is the largest slope along the travel of a law that is not a wave.
 struct Variation {
   double force = 0.0, gain = 0.0;
   double wavenumber = 0.0, rate = 0.0;
+  double stiffness = 0.0;
   double velocity = std::numeric_limits<double>::infinity();
 };
 
@@ -26,7 +28,8 @@ struct Variation {
 /// From its own stages: with z = h times the fastest rate of the law, the step errs in velocity by z^5 / 120 of the
 /// transient that it follows, and |a3 - a2| is z / 2 of |a2 - a1|: together h |a3 - a2|^3 / (7.5 |a2 - a1|^2). What
 /// the stages cannot see, forces that go with position or time as waves, is Simpson's error of the wave: z^4 / 2880 of
-/// its impulse. About rest friction may change within less than the step: there the second difference itself is asked.
+/// its impulse; and a vibration in the wells of such a wave errs by turns in position and in velocity. About rest
+/// friction may change within less than the step: there the second difference itself is asked.
 template <class Scalar>
 class StepAccuracy {
  public:
@@ -35,11 +38,13 @@ class StepAccuracy {
   /// A law joins; `mass` in V/(m/s^2).
   void add(const Variation& law, double mass) {
     const double along = std::pow(law.wavenumber, 4) / mass, in_time = std::pow(law.rate, 4) / mass;
+    stiffness_ += (law.force * law.wavenumber + law.stiffness) / mass;
+    gain_stiffness_ += law.gain * law.wavenumber / mass;
     along_ += law.force * along, in_time_ += law.force * in_time;
     gain_along_ += law.gain * along, gain_in_time_ += law.gain * in_time;
-    turning_ = std::min(turning_, law.velocity * law.velocity + std::numeric_limits<double>::min());
+    turning_ = std::min(turning_, law.velocity * law.velocity);
     quickest_ = std::max(quickest_, law.force > 0.0 || law.gain > 0.0 ? law.rate : 0.0);
-    varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ > 0.0;
+    varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ + stiffness_ > 0.0;
   }
 
   /// By how much one step of length h errs more than it may, m/s: at most 0 where it is accurate. Of the accelerations
@@ -54,8 +59,8 @@ class StepAccuracy {
     // Within `turning_` of rest the bend of friction is seen by the stages, to the second power of how much.
     const Scalar change = v_end - v1, square = change * change;
     const Scalar nearest = select(v1 * v_end < 0.0, Scalar(0.0), smaller(abs(v1), abs(v_end)));
-    const Scalar bend = bend_of(h, a1, a2, a3, a4) * (square / (square + turning_));
-    return larger(unseen, select(nearest < 4.0 * abs(change), bend - tolerance, Scalar(-1.0)));
+    const Scalar bend = bend_of(h, a1, a2, a3, a4) * square - tolerance * (square + turning_);
+    return larger(unseen, select(nearest < 4.0 * abs(change), bend, Scalar(-1.0)));
   }
 
   /// The same of a step in which a law has a kink.
@@ -72,7 +77,8 @@ class StepAccuracy {
     const Scalar speed = larger(v1 * v1, v_end * v_end);
     const Scalar amplified = abs(drive);
     const Scalar wave = (along_ + gain_along_ * amplified) * (speed * speed) + in_time_ + gain_in_time_ * amplified;
-    return h * h * h * h * h * (wave + settling) - 2880.0 * tolerance;
+    const Scalar ringing = h * h * (stiffness_ + gain_stiffness_ * amplified) - ringing_max;
+    return larger(h * h * h * h * h * (wave + settling) - 2880.0 * tolerance, ringing);
   }
 
   /// Places (m) at which a law has a kink or a jump join those that are known.
@@ -91,18 +97,23 @@ class StepAccuracy {
   bool varies() const { return varies_; }
   double quickest() const { return quickest_; }  // rad/s, of what changes in time
 
- private:
+  /// Of the largest speed so far: what a step may err by. Sums over a run stay below 1e-6 of its motion.
   static constexpr double share = 1e-9;
 
+ private:
   // What a kink between the stages makes of the velocity at the end, m/s.
   static Scalar bend_of(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4) {
     return 0.2 * h * abs((a1 - a2) - (a3 - a4));
   }
 
+  // (h w)^2 up to which a step errs by less than `share` of a vibration at w: (h w)^5 / 120.
+  static constexpr double ringing_max = 1.6e-3;
+
+  double stiffness_ = 0.0, gain_stiffness_ = 0.0;  // 1/s^2; the same for a drive of 1 V
   double along_ = 0.0, in_time_ = 0.0;            // m/s^2 times 1/m^4, 1/s^4
   double gain_along_ = 0.0, gain_in_time_ = 0.0;  // the same for a drive of 1 V
   double quickest_ = 0.0;
-  double turning_ = std::numeric_limits<double>::infinity();  // (m/s)^2, of the narrowest law about rest
+  double turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
   bool varies_ = false;
   std::vector<double> places_;  // m, increasing
 };

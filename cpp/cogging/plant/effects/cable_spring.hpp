@@ -29,6 +29,8 @@ struct CableSpring {
   }
 
   Scalar force(const Motion<Scalar>& motion) const { return stiffness * (center - motion.position); }
+
+  Variation variation() const { return {.stiffness = largest(abs(stiffness))}; }
 };
 
 }  // namespace cogging
