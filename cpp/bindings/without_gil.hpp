@@ -1,0 +1,61 @@
+#pragma once
+// Long work of the core without the interpreter's lock, which Ctrl-C ends all the same.
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <type_traits>
+
+#include "cogging/interruption.hpp"
+
+/// Python's signals, as a stop request: the thread that called, where it is Python's main thread, lets Python run its
+/// handlers every 50 ms; what one of them raises ends the work on all threads.
+class PythonSignals final : public cogging::StopRequest {
+ public:
+  /// With the lock held.
+  PythonSignals() : caller_(std::this_thread::get_id()), next_(Clock::now() + period) {
+    const auto threading = pybind11::module_::import("threading");
+    is_main_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
+  }
+
+  bool requested() override {
+    if (stopped_.load(std::memory_order_relaxed)) return true;
+    // Other threads run no handlers; and one of them may be waiting for the lock for ever once Python has ended.
+    if (!is_main_ || std::this_thread::get_id() != caller_) return false;
+    const auto now = Clock::now();
+    if (now < next_) return false;
+    pybind11::gil_scoped_acquire acquire;
+    const bool raised = PyErr_CheckSignals() != 0;
+    if (raised) raised_.emplace();
+    next_ = Clock::now() + period;
+    stopped_.store(raised, std::memory_order_relaxed);
+    return raised;
+  }
+
+  /// Throws what the handler raised; with the lock held.
+  [[noreturn]] void raise() { throw *raised_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds period{50};
+  std::thread::id caller_;
+  Clock::time_point next_;
+  bool is_main_ = false;
+  std::atomic<bool> stopped_{false};
+  std::optional<pybind11::error_already_set> raised_;
+};
+
+/// Runs work(stop request) without the lock, and raises what Python's signal handlers raised meanwhile.
+template <class Work>
+std::invoke_result_t<const Work&, cogging::StopRequest*> without_gil(const Work& work) {
+  PythonSignals signals;
+  try {
+    pybind11::gil_scoped_release release;
+    return work(static_cast<cogging::StopRequest*>(&signals));
+  } catch (const cogging::Interrupted&) {
+    signals.raise();
+  }
+}
