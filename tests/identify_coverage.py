@@ -6,6 +6,7 @@ Run `python -m tests.identify_coverage --machines 200` from the project's root.
 from __future__ import annotations
 
 import argparse
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -27,6 +28,7 @@ from cogging import (
     pid_gains,
 )
 from cogging.identify import identify
+from cogging_command import run_command
 
 
 @dataclass(frozen=True)
@@ -152,4 +154,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(main))

@@ -57,6 +57,14 @@ RunOptions options_of(double duration, std::uint64_t seed, int steps_per_sample,
 }  // namespace
 
 void bind_simulation(py::module_& module) {
+  py::class_<StopFlag>(module, "StopFlag", R"(What ends the work of the core in other threads than Python's main one.
+
+Python tells its main thread alone of Ctrl-C. A thread that heeds a flag raises KeyboardInterrupt out of the core within
+milliseconds after another thread has set it.)")
+      .def(py::init<>())
+      .def("set", &StopFlag::set, "End what the threads that heed this flag do in the core, now and later.")
+      .def("heed", &StopFlag::heed, "Heed this flag, and no other, in the calling thread.");
+
   module.def(
       "closed_loop",
       [](const Plant<>& plant, const AnyController& controller, const Reference& reference, double duration,

@@ -5,24 +5,42 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <thread>
 #include <type_traits>
 
 #include "cogging/interruption.hpp"
 
+/// Set by one thread to end what others, which heed it, do in the core.
+class StopFlag {
+ public:
+  void set() { stopped_->store(true, std::memory_order_relaxed); }
+  void heed() const { heeded() = stopped_; }
+
+  /// Of the calling thread; none at first.
+  static std::shared_ptr<std::atomic<bool>>& heeded() {
+    static thread_local std::shared_ptr<std::atomic<bool>> flag;
+    return flag;
+  }
+
+ private:
+  std::shared_ptr<std::atomic<bool>> stopped_ = std::make_shared<std::atomic<bool>>(false);
+};
+
 /// Python's signals, as a stop request: the thread that called, where it is Python's main thread, lets Python run its
-/// handlers every 50 ms; what one of them raises ends the work on all threads.
+/// handlers every 50 ms; what one of them raises ends the work on all threads. In any thread, the flag that it heeds.
 class PythonSignals final : public cogging::StopRequest {
  public:
   /// With the lock held.
-  PythonSignals() : caller_(std::this_thread::get_id()), next_(Clock::now() + period) {
+  PythonSignals() : caller_(std::this_thread::get_id()), heeded_(StopFlag::heeded()), next_(Clock::now() + period) {
     const auto threading = pybind11::module_::import("threading");
     is_main_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
   }
 
   bool requested() override {
     if (stopped_.load(std::memory_order_relaxed)) return true;
+    if (heeded_ && heeded_->load(std::memory_order_relaxed)) return true;
     // Other threads run no handlers; and one of them may be waiting for the lock for ever once Python has ended.
     if (!is_main_ || std::this_thread::get_id() != caller_) return false;
     const auto now = Clock::now();
@@ -35,13 +53,18 @@ class PythonSignals final : public cogging::StopRequest {
     return raised;
   }
 
-  /// Throws what the handler raised; with the lock held.
-  [[noreturn]] void raise() { throw *raised_; }
+  /// Throws what the handler raised, or KeyboardInterrupt where the flag was set; with the lock held.
+  [[noreturn]] void raise() {
+    if (raised_) throw *raised_;
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    throw pybind11::error_already_set();
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds period{50};
   std::thread::id caller_;
+  std::shared_ptr<std::atomic<bool>> heeded_;
   Clock::time_point next_;
   bool is_main_ = false;
   std::atomic<bool> stopped_{false};

@@ -88,9 +88,12 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
   const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
+  StopCheck stop(options.stop);
+  stop.ask();
   const ObserverGain gain(options.bandwidth, median_step(log.time));
 
   Prediction result;
+  stop.ask();
   for (auto* column : {&result.innovation, &result.position, &result.velocity}) column->assign(rows, 0.0);
   if (with_slopes)
     for (auto* column : {&result.middle_position, &result.middle_velocity, &result.slope_position,
@@ -101,7 +104,6 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   const auto behind = [&](double reading) { return 2.0 * reading - encoder_position(plant.effects, reading); };
   AxisState<double> state{behind(log.position[0]), options.initial_velocity};
   const double width = std::max(1e-6, 0.3 * plant.axis.coulomb_width);
-  StopCheck stop(options.stop);
   for (std::size_t k = 0; k < rows; ++k) {
     stop.row();
     result.position[k] = state.position;
