@@ -57,6 +57,8 @@ RunOptions options_of(double duration, std::uint64_t seed, int steps_per_sample,
 }  // namespace
 
 void bind_simulation(py::module_& module) {
+  PythonSignals::main_thread =
+      py::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>();
   py::class_<StopFlag>(module, "StopFlag", R"(What ends the work of the core in other threads than Python's main one.
 
 Python tells its main thread alone of Ctrl-C. A thread that heeds a flag raises KeyboardInterrupt out of the core within

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <memory>
 #include <optional>
-#include <thread>
 #include <type_traits>
 
 #include "cogging/interruption.hpp"
@@ -31,20 +30,18 @@ class StopFlag {
 /// Python's signals, as a stop request: the thread that called, where it is Python's main thread, lets Python run its
 /// handlers every 50 ms; what one of them raises ends the work on all threads. In any thread, the flag that it heeds.
 class PythonSignals final : public cogging::StopRequest {
- public:
-  /// With the lock held.
-  PythonSignals() : caller_(std::this_thread::get_id()), heeded_(StopFlag::heeded()), next_(Clock::now() + period) {
-    const auto threading = pybind11::module_::import("threading");
-    is_main_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
-  }
+  using Clock = std::chrono::steady_clock;
 
-  bool requested() override {
+ public:
+  static inline unsigned long main_thread = 0;  // Python's; set when the module is imported
+
+  PythonSignals() : caller_(PyThread_get_thread_ident()), heeded_(StopFlag::heeded()), next_(Clock::now() + period) {}
+
+  bool requested(Clock::time_point now) override {
     if (stopped_.load(std::memory_order_relaxed)) return true;
     if (heeded_ && heeded_->load(std::memory_order_relaxed)) return true;
     // Other threads run no handlers; and one of them may be waiting for the lock for ever once Python has ended.
-    if (!is_main_ || std::this_thread::get_id() != caller_) return false;
-    const auto now = Clock::now();
-    if (now < next_) return false;
+    if (caller_ != main_thread || PyThread_get_thread_ident() != caller_ || now < next_) return false;
     pybind11::gil_scoped_acquire acquire;
     const bool raised = PyErr_CheckSignals() != 0;
     if (raised) raised_.emplace();
@@ -61,12 +58,10 @@ class PythonSignals final : public cogging::StopRequest {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds period{50};
-  std::thread::id caller_;
+  unsigned long caller_;
   std::shared_ptr<std::atomic<bool>> heeded_;
   Clock::time_point next_;
-  bool is_main_ = false;
   std::atomic<bool> stopped_{false};
   std::optional<pybind11::error_already_set> raised_;
 };

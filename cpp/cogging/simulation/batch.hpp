@@ -52,7 +52,7 @@ void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job
   const auto work = [&] {
     for (std::size_t i = next++; i < count; i = next++) {
       try {
-        if (stop != nullptr && stop->requested()) throw Interrupted();
+        if (stop != nullptr && stop->requested_now()) throw Interrupted();
         job(i);
       } catch (const Interrupted&) {
         interrupted = true;
@@ -73,7 +73,7 @@ void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job
   // The caller's thread may be the only one that learns of a request; the others then end by themselves.
   if (stop != nullptr)
     while (!at_work.all_ended(std::chrono::milliseconds(20)))
-      if (stop->requested()) interrupted = true;
+      if (stop->requested_now()) interrupted = true;
   for (std::thread& other : others) other.join();
   if (interrupted) throw Interrupted();
   for (const std::exception_ptr& failure : failures)

@@ -64,37 +64,39 @@ class ObserverLoop {
       if (has_error) x[i] = -error[i][0];
     }
     StopCheck stop(stop_);
-    for (std::size_t k = 0; k < intervals_.size(); ++k) {
-      stop.row();
-      const Interval& interval = intervals_[k];
-      if (has_error)
-        for (std::size_t i = 0; i < width; ++i) wrong[i] = error[i][k + 1];
-      if (interval.kind == Kind::starts_anew) {
-        for (std::size_t i = 0; i < width; ++i) {
-          innovation[i][k + 1] = 0.0;
-          x[i] = -wrong[i];
-          v[i] = 0.0;
+    for (std::size_t k = 0; k < intervals_.size();) {
+      const std::size_t asked_again = stop.rows_until(k, intervals_.size());
+      for (; k < asked_again; ++k) {
+        const Interval& interval = intervals_[k];
+        if (has_error)
+          for (std::size_t i = 0; i < width; ++i) wrong[i] = error[i][k + 1];
+        if (interval.kind == Kind::starts_anew) {
+          for (std::size_t i = 0; i < width; ++i) {
+            innovation[i][k + 1] = 0.0;
+            x[i] = -wrong[i];
+            v[i] = 0.0;
+          }
+          continue;
         }
-        continue;
-      }
-      if (interval.kind == Kind::rests) {
-        v.fill(0.0);
-      } else {
-        const double half = 0.5 * interval.length;
-        std::array<double, width> next;
-        for (std::size_t i = 0; i < width; ++i)
-          next[i] =
-              v[i] * interval.keep + (force[i][k] * inverse_mass + interval.slope_position * x[i]) * interval.push;
-        for (std::size_t i = 0; i < width; ++i) x[i] += half * (v[i] + next[i]);
-        if (has_excess)
-          for (std::size_t i = 0; i < width; ++i) x[i] += excess[i][k] * inverse_mass;
-        v = next;
-      }
-      for (std::size_t i = 0; i < width; ++i) {
-        const double seen = -wrong[i] - x[i];
-        innovation[i][k + 1] = seen;
-        x[i] += interval.position_gain * seen;
-        v[i] += interval.velocity_gain * seen;
+        if (interval.kind == Kind::rests) {
+          v.fill(0.0);
+        } else {
+          const double half = 0.5 * interval.length;
+          std::array<double, width> next;
+          for (std::size_t i = 0; i < width; ++i)
+            next[i] =
+                v[i] * interval.keep + (force[i][k] * inverse_mass + interval.slope_position * x[i]) * interval.push;
+          for (std::size_t i = 0; i < width; ++i) x[i] += half * (v[i] + next[i]);
+          if (has_excess)
+            for (std::size_t i = 0; i < width; ++i) x[i] += excess[i][k] * inverse_mass;
+          v = next;
+        }
+        for (std::size_t i = 0; i < width; ++i) {
+          const double seen = -wrong[i] - x[i];
+          innovation[i][k + 1] = seen;
+          x[i] += interval.position_gain * seen;
+          v[i] += interval.velocity_gain * seen;
+        }
       }
     }
   }
