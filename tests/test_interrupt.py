@@ -346,6 +346,28 @@ sys.exit(run_command(run, unwinds=True))
 )
 
 
+IMPORTS = """
+import os, signal, sys
+from cogging_command import take_signals
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == sys.argv[1]:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+take_signals()
+import cogging.cli
+"""
+
+
+@pytest.mark.parametrize("name", ["numpy", "tomli_w", "tqdm", "cogging.readers.request", "cogging.cli"])
+def test_an_interrupt_while_something_is_imported(name, folder):
+    """Also what cogging.files and the readers import, whose functions are unwound once they run."""
+    done = subprocess.run(
+        [sys.executable, "-c", IMPORTS, name], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr.count("\n")) == (130, 1), done.stderr
+
+
 def test_a_second_signal_does_not_disturb_the_clearing_up(folder):
     process = start(folder, ["-c", CLEARS_UP])
     assert process.stdout.readline() == "begun\n"

@@ -10,18 +10,22 @@ from __future__ import annotations
 
 import _thread
 import os
-import signal
 import sys
 import time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import signal
     from collections.abc import Callable
     from types import FrameType
+else:
+    import _signal as signal  # without the enumerations of `signal`, as long to import as all the rest of this
 
 __all__ = ["Ended", "main", "run_command", "take_signals", "take_signals_of_module"]
 
-WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
+WORDS = {int(signal.SIGINT): "interrupted", int(signal.SIGTERM): "terminated"}
+if hasattr(signal, "SIGHUP"):  # not on Windows
+    WORDS[int(signal.SIGHUP)] = "hung up"
 #: Modules that have something to clear up while a function of theirs runs: part files, children, folders.
 UNWINDING = ("cogging.files", "cogging.readers", "subprocess")
 STUCK = 0.2  # s: after which a library that does not let Python's handlers run is left where it is
@@ -64,18 +68,20 @@ class _Signals:
 
     def must_unwind(self, frame: FrameType | None) -> bool:
         """Whether something that must be cleared up is going on where the main thread is."""
-        while frame is not None and not self.unwinds:
+        found = False
+        while frame is not None:
             name = frame.f_globals.get("__name__") or ""
-            if name.startswith(UNWINDING):
-                return True
+            if name == "importlib._bootstrap":  # what was found is only being imported
+                found = False
+            elif name.startswith(UNWINDING):
+                found = True
             frame = frame.f_back
-        return self.unwinds
+        return found or self.unwinds
 
     def watch(self, arrivals: int) -> None:
         """Leave when a signal came while the main thread is in a library that runs long: in a thread of its own."""
-        ours = {getattr(signal, name, 0) for name in WORDS}
         while came := os.read(arrivals, 1):
-            if came[0] not in ours:
+            if came[0] not in WORDS:
                 continue
             time.sleep(STUCK)
             if not self.number and not self.must_unwind(sys._current_frames().get(self.main_thread)):
@@ -89,9 +95,8 @@ class _Signals:
                 time.sleep(CLEARING_UP)
             os._exit(128 + self.number)  # in the midst of it, once more: what it waits for is left
         self.leaver = _thread.get_ident()
-        word = WORDS[signal.Signals(self.number).name]
         try:  # noqa: SIM105 (contextlib takes 2 ms to import, in which no signal is answered)
-            os.write(2, f"{_clear_bar()}cogging: {word}; no file was left half written\n".encode())
+            os.write(2, f"{_clear_bar()}cogging: {WORDS[self.number]}; no file was left half written\n".encode())
         except OSError:
             pass
         if "multiprocessing" in sys.modules:
@@ -122,9 +127,8 @@ def take_signals(*, unwinds: bool = False) -> None:
     global _taken
     if _taken is None:
         _taken = _Signals()
-        for name in WORDS:
-            number = getattr(signal, name, None)  # no SIGHUP on Windows
-            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+        for number in WORDS:
+            if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, _taken.handle)
         if hasattr(os, "register_at_fork"):
             arrivals, announced = os.pipe()
@@ -153,9 +157,8 @@ def run_command(run: Callable[[], int | None], *, unwinds: bool = False) -> int:
     assert _taken is not None
     try:
         status = run()
-        for name in WORDS:  # all is done and written
-            if hasattr(signal, name):
-                signal.signal(getattr(signal, name), signal.SIG_IGN)
+        for number in WORDS:  # all is done and written
+            signal.signal(number, signal.SIG_IGN)
     except (KeyboardInterrupt, Ended):
         if not _taken.number:
             raise
