@@ -6,6 +6,8 @@ Run `python -m tests.identify_coverage --machines 200` from the project's root.
 from __future__ import annotations
 
 import argparse
+import signal
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -27,6 +29,7 @@ from cogging import (
     pid_gains,
 )
 from cogging.identify import identify
+from cogging_command import run_command
 
 
 @dataclass(frozen=True)
@@ -127,7 +130,8 @@ def standing(seed: int) -> dict[str, Standing | None]:
 def coverage(seeds: range, jobs: int) -> dict[str, list[Standing | None]]:
     """What `standing` says, by parameter, over the seeds."""
     table: dict[str, list[Standing | None]] = {}
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    ignored = {"initializer": signal.signal, "initargs": (signal.SIGINT, signal.SIG_IGN)}  # the parent ends them
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), **ignored) as pool:
         for found in pool.map(standing, seeds):
             for path, entry in found.items():
                 table.setdefault(path, []).append(entry)
@@ -152,4 +156,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(main))

@@ -1,6 +1,7 @@
 #include "bindings.hpp"
 #include "cogging/estimation/whitening.hpp"
 #include "cogging/simulation/batch.hpp"
+#include "without_gil.hpp"
 
 using namespace cogging;
 
@@ -9,9 +10,10 @@ void bind_estimation(py::module_& module) {
       "autoregression",
       [](const Array& residual, const Array& counts, int order) {
         require(counts.size() == residual.size(), "counts", "must be as long as residual", double(counts.size()));
-        py::gil_scoped_release release;
-        return autoregression({residual.data(), std::size_t(residual.size())},
-                              {counts.data(), std::size_t(counts.size())}, order);
+        return without_gil([&](StopRequest* stop) {
+          return autoregression({residual.data(), std::size_t(residual.size())},
+                                {counts.data(), std::size_t(counts.size())}, order, stop);
+        });
       },
       py::arg("residual"), py::arg("counts"), py::kw_only(), py::arg("order"),
       R"(Coefficients a (order,) of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e.
@@ -26,13 +28,12 @@ Raises:
         require(rows.ndim() == 2, "rows", "must be (p, n)", double(rows.ndim()));
         const std::size_t count = std::size_t(rows.shape(0)), length = std::size_t(rows.shape(1));
         std::vector<double> values(count * length);
-        {
-          py::gil_scoped_release release;
-          run_batch(count, threads, [&](std::size_t i) {
-            const std::vector<double> white = whiten({rows.data() + i * length, length}, coefficients);
+        without_gil([&](StopRequest* stop) {
+          run_batch(count, threads, stop, [&](std::size_t i) {
+            const std::vector<double> white = whiten({rows.data() + i * length, length}, coefficients, stop);
             std::copy(white.begin(), white.end(), values.begin() + static_cast<std::ptrdiff_t>(i * length));
           });
-        }
+        });
         return to_array(std::move(values), {rows.shape(0), rows.shape(1)});
       },
       py::arg("rows"), py::arg("coefficients"), py::kw_only(), py::arg("threads") = 0,

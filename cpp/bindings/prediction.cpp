@@ -5,6 +5,7 @@
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/expected_prediction.hpp"
 #include "cogging/simulation/observer_loop.hpp"
+#include "without_gil.hpp"
 
 using namespace cogging;
 
@@ -30,7 +31,7 @@ class Predictor {
         position_(std::move(position)),
         command_(std::move(command)),
         log_(recording_of(time_, position_, command_)),
-        options_{bandwidth, gap, initial_velocity, steps_per_sample} {
+        options_{bandwidth, gap, initial_velocity, steps_per_sample, nullptr} {
     require_positive("bandwidth", bandwidth);
     require_positive("gap", gap);
     require_finite("initial_velocity", initial_velocity);
@@ -41,7 +42,11 @@ class Predictor {
   }
 
   const Recording& log() const { return log_; }
-  const PredictionOptions& options() const { return options_; }
+  PredictionOptions options(StopRequest* stop) const {
+    PredictionOptions options = options_;
+    options.stop = stop;
+    return options;
+  }
 
  private:
   Array time_, position_, command_;
@@ -49,17 +54,16 @@ class Predictor {
   PredictionOptions options_;
 };
 
-// Rows of a table, one a job, filled on threads without the GIL.
+// Rows of a table, one a job (made by row(i, stop request)), filled on threads without the GIL.
 template <class Row>
 py::array_t<double> table(std::size_t count, std::size_t rows, unsigned threads, const Row& row) {
   std::vector<double> values(count * rows);
-  {
-    py::gil_scoped_release release;
-    run_batch(count, threads, [&](std::size_t i) {
-      const std::vector<double> made = row(i);
+  without_gil([&](StopRequest* stop) {
+    run_batch(count, threads, stop, [&](std::size_t i) {
+      const std::vector<double> made = row(i, stop);
       std::copy(made.begin(), made.end(), values.begin() + static_cast<std::ptrdiff_t>(i * rows));
     });
-  }
+  });
   return to_array(std::move(values), {static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(rows)});
 }
 
@@ -99,15 +103,15 @@ Raises:
       .def(
           "predict",
           [](const Predictor& self, const Plant<>& plant) {
-            py::gil_scoped_release release;
-            return expected_prediction(plant, self.log(), self.options(), true);
+            return without_gil(
+                [&](StopRequest* stop) { return expected_prediction(plant, self.log(), self.options(stop), true); });
           },
           py::arg("plant"), "The prediction along the log, with slopes.")
       .def(
           "innovations",
           [](const Predictor& self, const std::vector<Plant<>>& plants, unsigned threads) {
-            return table(plants.size(), self.log().time.size(), threads, [&](std::size_t i) {
-              return expected_prediction(plants[i], self.log(), self.options(), false).innovation;
+            return table(plants.size(), self.log().time.size(), threads, [&](std::size_t i, StopRequest* stop) {
+              return expected_prediction(plants[i], self.log(), self.options(stop), false).innovation;
             });
           },
           py::arg("plants"), py::kw_only(), py::arg("threads") = 0,
@@ -121,8 +125,9 @@ Raises:
             require(middle_velocity.size() == middle_position.size(), "middle_velocity", "must be as long as the log",
                     double(middle_velocity.size()));
             const auto x = view(middle_position), v = view(middle_velocity);
-            return table(plants.size(), self.log().time.size(), threads,
-                         [&](std::size_t i) { return net_force(plants[i], self.log(), x, v); });
+            return table(plants.size(), self.log().time.size(), threads, [&](std::size_t i, StopRequest* stop) {
+              return net_force(plants[i], self.log(), x, v, stop);
+            });
           },
           py::arg("plants"), py::arg("middle_position"), py::arg("middle_velocity"), py::kw_only(),
           py::arg("threads") = 0,
@@ -141,12 +146,10 @@ Raises:
             const double* force = forces.data();
             const double* error = reading_errors ? reading_errors->data() : nullptr;
             const py::ssize_t count = forces.shape(0);
-            std::vector<double> innovation;
-            {
-              py::gil_scoped_release release;
-              const ObserverLoop loop(along, self.log(), self.options());
-              innovation = pass_all(loop, mass, std::size_t(count), force, error, threads);
-            }
+            std::vector<double> innovation = without_gil([&](StopRequest* stop) {
+              const ObserverLoop loop(along, self.log(), self.options(stop));
+              return pass_all(loop, mass, std::size_t(count), force, error, threads);
+            });
             return to_array(std::move(innovation), {count, py::ssize_t(rows)});
           },
           py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
@@ -172,12 +175,10 @@ Raises:
                   },
                   effect);
             }
-            std::vector<double> innovation;
-            {
-              py::gil_scoped_release release;
-              const ObserverLoop loop(along, self.log(), self.options());
-              innovation = added_by(effects, sizes, plant, along, self.log(), loop, threads);
-            }
+            std::vector<double> innovation = without_gil([&](StopRequest* stop) {
+              const ObserverLoop loop(along, self.log(), self.options(stop));
+              return added_by(effects, sizes, plant, along, self.log(), loop, threads);
+            });
             return to_array(std::move(innovation), {count, rows});
           },
           py::arg("along"), py::arg("plant"), py::arg("effects"), py::arg("sizes"), py::kw_only(),
@@ -202,11 +203,9 @@ Raises:
             require(weight.size() == py::ssize_t(self.log().time.size()), "weight", "must be as long as the log",
                     double(weight.size()));
             require_positive("mass", mass);
-            Adjoint adjoint;
-            {
-              py::gil_scoped_release release;
-              adjoint = pass_transposed(ObserverLoop(along, self.log(), self.options()), mass, view(weight));
-            }
+            Adjoint adjoint = without_gil([&](StopRequest* stop) {
+              return pass_transposed(ObserverLoop(along, self.log(), self.options(stop)), mass, view(weight));
+            });
             return std::pair(to_array(std::move(adjoint.force)), to_array(std::move(adjoint.reading)));
           },
           py::arg("along"), py::arg("mass"), py::arg("weight"),

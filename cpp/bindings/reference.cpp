@@ -3,6 +3,7 @@
 #include "cogging/reference/point_to_point.hpp"
 #include "cogging/reference/sampled.hpp"
 #include "cogging/reference/sine.hpp"
+#include "without_gil.hpp"
 
 using namespace cogging;
 
@@ -25,12 +26,16 @@ void bind_reference(py::module_& module) {
           [](const Reference& reference, const Array& times) {
             const std::size_t n = static_cast<std::size_t>(times.size());
             std::vector<double> position(n), velocity(n), acceleration(n);
-            for (std::size_t i = 0; i < n; ++i) {
-              const ReferencePoint point = reference.at(times.data()[i]);
-              position[i] = point.position;
-              velocity[i] = point.velocity;
-              acceleration[i] = point.acceleration;
-            }
+            without_gil([&](StopRequest* request) {
+              StopCheck stop(request);
+              for (std::size_t i = 0; i < n; ++i) {
+                stop.row();
+                const ReferencePoint point = reference.at(times.data()[i]);
+                position[i] = point.position;
+                velocity[i] = point.velocity;
+                acceleration[i] = point.acceleration;
+              }
+            });
             return py::make_tuple(to_array(std::move(position)), to_array(std::move(velocity)),
                                   to_array(std::move(acceleration)));
           },
@@ -70,21 +75,27 @@ Raises:
     ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.)")
       .def(py::init([](const Array& time, const Array& position, const std::optional<Array>& velocity,
                        const std::optional<Array>& acceleration) {
-             return Sampled(to_vector(time), to_vector(position), optional_column(velocity, "velocity", time),
-                            optional_column(acceleration, "acceleration", time));
+             const std::vector<double> times = to_vector(time), positions = to_vector(position),
+                                       velocities = optional_column(velocity, "velocity", time),
+                                       accelerations = optional_column(acceleration, "acceleration", time);
+             return without_gil([&](StopRequest*) { return Sampled(times, positions, velocities, accelerations); });
            }),
            py::arg("time"), py::arg("position"), py::arg("velocity") = py::none(), py::arg("acceleration") = py::none())
       .def_property_readonly(
           "samples",
           [](const Sampled& motion) {
             std::map<std::string, std::vector<double>> columns;
-            for (std::size_t i = 0; i < motion.size(); ++i) {
-              const ReferencePoint point = motion.sample(i);
-              columns["time"].push_back(motion.time(i));
-              columns["reference"].push_back(point.position);
-              columns["reference_velocity"].push_back(point.velocity);
-              columns["reference_acceleration"].push_back(point.acceleration);
-            }
+            without_gil([&](StopRequest* request) {
+              StopCheck stop(request);
+              for (std::size_t i = 0; i < motion.size(); ++i) {
+                stop.row();
+                const ReferencePoint point = motion.sample(i);
+                columns["time"].push_back(motion.time(i));
+                columns["reference"].push_back(point.position);
+                columns["reference_velocity"].push_back(point.velocity);
+                columns["reference_acceleration"].push_back(point.acceleration);
+              }
+            });
             std::map<std::string, py::array_t<double>> arrays;
             for (auto& [name, values] : columns) arrays[name] = to_array(std::move(values));
             return arrays;

@@ -9,6 +9,7 @@
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
 #include "cogging/simulation/replay_controller.hpp"
+#include "without_gil.hpp"
 
 using namespace cogging;
 
@@ -16,8 +17,9 @@ namespace {
 
 using AnyController = std::variant<Pid<>, Cascade<>, Speed<>, Arc<>, Dcarc<>, OutputFeedbackArc<>, ObserverBased<>>;
 
-Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference,
-          const RunOptions& options) {
+Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference, RunOptions options,
+          StopRequest* stop) {
+  options.stop = stop;
   return std::visit([&](const auto& c) { return closed_loop<double>(plant, c, reference, options); }, controller);
 }
 
@@ -48,12 +50,23 @@ RunOptions options_of(double duration, std::uint64_t seed, int steps_per_sample,
           record_estimates,
           initial_position,
           initial_velocity,
-          added_command ? to_vector(*added_command) : std::vector<double>{}};
+          added_command ? to_vector(*added_command) : std::vector<double>{},
+          nullptr};
 }
 
 }  // namespace
 
 void bind_simulation(py::module_& module) {
+  PythonSignals::main_thread =
+      py::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>();
+  py::class_<StopFlag>(module, "StopFlag", R"(What ends the work of the core in other threads than Python's main one.
+
+Python tells its main thread alone of Ctrl-C. A thread that heeds a flag raises KeyboardInterrupt out of the core within
+milliseconds after another thread has set it.)")
+      .def(py::init<>())
+      .def("set", &StopFlag::set, "End what the threads that heed this flag do in the core, now and later.")
+      .def("heed", &StopFlag::heed, "Heed this flag, and no other, in the calling thread.");
+
   module.def(
       "closed_loop",
       [](const Plant<>& plant, const AnyController& controller, const Reference& reference, double duration,
@@ -62,12 +75,9 @@ void bind_simulation(py::module_& module) {
          const std::optional<Array>& added_command) -> std::map<std::string, py::array_t<double>> {
         const RunOptions options = options_of(duration, seed, steps_per_sample, record_estimates, initial_position,
                                               initial_velocity, added_command);
-        Log<> log;
-        {
-          py::gil_scoped_release release;
-          log = run(plant, controller, reference, options);
-        }
-        return to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>();
+        return to_columns(
+                   without_gil([&](StopRequest* stop) { return run(plant, controller, reference, options, stop); }))
+            .cast<std::map<std::string, py::array_t<double>>>();
       },
       py::arg("plant"), py::arg("controller"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
       py::arg("seed") = 0, py::arg("steps_per_sample") = 1, py::arg("record_estimates") = false,
@@ -93,13 +103,12 @@ Raises:
         require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
                 static_cast<double>(seeds.size()));
         std::vector<Log<>> logs(plants.size());
-        {
-          py::gil_scoped_release release;
-          run_batch(plants.size(), threads, [&](std::size_t i) {
+        without_gil([&](StopRequest* stop) {
+          run_batch(plants.size(), threads, stop, [&](std::size_t i) {
             logs[i] = run(plants[i], controllers[i], reference,
-                          options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0));
+                          options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0), stop);
           });
-        }
+        });
         std::vector<std::map<std::string, py::array_t<double>>> result;
         for (Log<>& log : logs)
           result.push_back(to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>());
@@ -122,16 +131,13 @@ Raises:
                                   velocities = optional(reference_velocity),
                                   accelerations = optional(reference_acceleration), readings = to_vector(position),
                                   given = optional(applied);
-        std::vector<double> commands;
-        {
-          py::gil_scoped_release release;
-          commands = std::visit(
+        return to_array(without_gil([&](StopRequest* stop) {
+          return std::visit(
               [&](const auto& c) {
-                return replay_controller(c, times, positions, velocities, accelerations, readings, given);
+                return replay_controller(c, times, positions, velocities, accelerations, readings, given, stop);
               },
               controller);
-        }
-        return to_array(std::move(commands));
+        }));
       },
       py::arg("controller"), py::kw_only(), py::arg("time"), py::arg("reference"),
       py::arg("reference_velocity") = py::none(), py::arg("reference_acceleration") = py::none(), py::arg("position"),

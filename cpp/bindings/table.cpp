@@ -1,6 +1,7 @@
 #include "bindings.hpp"
 #include "cogging/table/number_reader.hpp"
 #include "cogging/table/number_writer.hpp"
+#include "without_gil.hpp"
 
 using namespace cogging;
 
@@ -26,8 +27,7 @@ Raises:
           "feed",
           [](NumberReader& reader, const py::bytes& block) {
             const std::string_view view(block);
-            py::gil_scoped_release release;
-            reader.feed(view);
+            without_gil([&](StopRequest* stop) { reader.feed(view, stop); });
           },
           py::arg("block"), "Take the next block of the file, which may end anywhere.")
       .def("finish", &NumberReader::finish, "Take what stands after the last line end.")
@@ -51,12 +51,7 @@ Raises:
                   "must be from first to the length of every column", static_cast<double>(end));
           views.emplace_back(column.data(), static_cast<std::size_t>(column.size()));
         }
-        std::string text;
-        {
-          py::gil_scoped_release release;
-          text = format_rows(views, first, end);
-        }
-        return py::bytes(text);
+        return py::bytes(without_gil([&](StopRequest* stop) { return format_rows(views, first, end, stop); }));
       },
       py::arg("columns"), py::arg("first"), py::arg("end"),
       "Rows first to end (without) of columns (n,) as comma-separated lines, every number to its last bit.");

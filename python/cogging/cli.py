@@ -15,6 +15,7 @@ from cogging.files import InputError, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.simulation import simulate
+from cogging_command import run_command
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -230,7 +231,7 @@ def _diagnose(options: argparse.Namespace) -> None:
     _refuse_one_target_twice({"--json": options.json, "--report": options.report, "--out": options.out})
     model = Model.read(options.model)
     given, others = _read_logs(options, options.logs), _read_logs(options, options.confirm)
-    with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False) as bar:
+    with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False, disable=None) as bar:
         result = diagnose(
             given,
             model,
@@ -298,4 +299,4 @@ def _schema(options: argparse.Namespace) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,6 +31,7 @@ from cogging.intervals import Interval, Intervals
 from cogging.model import Controller, Model
 from cogging.observer_design import design_observer
 from cogging.reference import read_reference, reference_from
+from cogging.threads import on_threads
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -207,8 +207,8 @@ def predict_error(
         return last.error_rms, last.error_max, float(np.abs(error).max())
 
     jobs = [(controller, place) for controller in chosen.values() for place in range(samples)]
-    with ThreadPoolExecutor(max_workers=int(threads) or os.cpu_count()) as pool:
-        found = np.array(list(pool.map(run, jobs))).reshape(len(chosen), samples, len(INDEXES))
+    found = np.array(on_threads(run, jobs, int(threads) or os.cpu_count()))
+    found = found.reshape(len(chosen), samples, len(INDEXES))
     predictions = []
     for name, values in zip(chosen, found, strict=True):
         indexes = {index: _index(values[:, i]) for i, index in enumerate(INDEXES)}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Protocol
 
 import numpy as np
@@ -24,6 +23,7 @@ from cogging.difference_steps import central, one_sided
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, effect_at
+from cogging.threads import on_threads
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -247,8 +247,7 @@ class Replay:
         Raises:
             DivergedError: a replay diverged.
         """
-        with ThreadPoolExecutor() as threads:  # the loop runs in the core, which lets other threads go on
-            runs = list(threads.map(self.run, models))
+        runs = on_threads(self.run, models)
         commands = np.array([run["command"] for run in runs])
         if not np.isfinite(commands).all():
             raise DivergedError("the replay diverged")

@@ -6,6 +6,7 @@ With nothing hidden, one effect, and two; without and with other motion to confi
 shared machine say little, their ratios more.
 """
 
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -14,6 +15,7 @@ from tests.moving_axis import motion
 
 import cogging
 from cogging import EFFECTS, Model
+from cogging_command import run_command
 
 RATE, SECONDS = 5000.0, 20.0
 HIDDEN = {
@@ -72,4 +74,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(main))

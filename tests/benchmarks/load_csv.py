@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import cogging
+from cogging_command import run_command
 
 PART = 20
 READERS = {
@@ -68,4 +69,4 @@ def write(path: Path, rows: int) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(main, unwinds=True))  # the file in the temporary folder goes

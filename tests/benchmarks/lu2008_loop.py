@@ -14,6 +14,7 @@ import os
 import shutil
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 from collections import namedtuple
@@ -22,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import cogging
+from cogging_command import run_command
 
 COLUMNS = (
     "time",
@@ -199,4 +201,4 @@ def main(repeats):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=int, default=15)
-    main(parser.parse_args().repeats)
+    sys.exit(run_command(lambda: main(parser.parse_args().repeats), unwinds=True))

@@ -7,13 +7,15 @@
 #include <span>
 #include <vector>
 
+#include "cogging/interruption.hpp"
 #include "cogging/require.hpp"
 
 namespace cogging {
 
 /// Coefficients a of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e (Yule and Walker's equations, solved by
 /// Levinson's recursion). Only pairs of rows that both count (1, else 0) are looked at.
-inline std::vector<double> autoregression(std::span<const double> residual, std::span<const double> counts, int order) {
+inline std::vector<double> autoregression(std::span<const double> residual, std::span<const double> counts, int order,
+                                          StopRequest* request = nullptr) {
   const std::size_t rows = residual.size();
   require(order >= 1 && static_cast<std::size_t>(order) * 4 < rows, "order", "must be from 1 to a quarter of the rows",
           order);
@@ -24,9 +26,11 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
     counted[k] = counts[k] * residual[k];
     count += counts[k];
   }
+  StopCheck stop(request);
   std::vector<double> covariance(lags);
   constexpr std::size_t together = 8;  // lags whose sums grow side by side: one waits for the other's additions
   for (std::size_t first = 0; first < lags; first += together) {
+    stop.ask();
     std::array<double, together> sum{};
     const std::size_t last = first + together - 1;
     for (std::size_t k = first; k < std::min(last, rows); ++k)
@@ -43,6 +47,7 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
   std::vector<double> a(static_cast<std::size_t>(order), 0.0), previous;
   double power = covariance[0];
   for (int m = 0; m < order; ++m) {
+    stop.row();
     double reflection = covariance[static_cast<std::size_t>(m) + 1];
     for (int i = 0; i < m; ++i) reflection -= a[i] * covariance[static_cast<std::size_t>(m - i)];
     reflection /= power;
@@ -56,10 +61,13 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
 }
 
 /// e_k = r_k - sum_i a_i r_(k-i); before the first row, r is 0.
-inline std::vector<double> whiten(std::span<const double> row, std::span<const double> a) {
+inline std::vector<double> whiten(std::span<const double> row, std::span<const double> a,
+                                  StopRequest* request = nullptr) {
   std::vector<double> white(row.begin(), row.end());
   constexpr std::size_t cached = 1024;  // rows at a time, so that they stay close while every lag passes over them
+  StopCheck stop(request);
   for (std::size_t first = 0; first < row.size(); first += cached) {
+    stop.row();
     const std::size_t last = std::min(first + cached, row.size());
     std::size_t i = 0;
     for (; i + 4 <= a.size() && first >= i + 4; i += 4) {  // four lags in one pass

@@ -51,7 +51,7 @@ inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, 
   for (std::size_t i = 0; i < count; ++i)
     std::visit([&]<class E>(const E&) { (HasCoupling<E> ? loads : forces).push_back(i); }, effects[i]);
   if (!forces.empty()) {
-    const AddedForce law(plant, log, along.middle_position, along.middle_velocity);
+    const AddedForce law(plant, log, along.middle_position, along.middle_velocity, loop.stop());
     const auto pass = [&]<std::size_t width>(std::integral_constant<std::size_t, width>, std::size_t first) {
       std::vector<double> force(width * rows, 0.0), excess(width * rows, 0.0);
       std::array<double*, width> out;
@@ -66,12 +66,13 @@ inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, 
                        rows_from<width, const double*>(steady ? nullptr : excess_of, 0, rows), {}, out);
     };
     in_blocks(
-        forces.size(), threads, [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
+        forces.size(), threads, loop.stop(),
+        [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
         [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
   }
   if (!loads.empty()) {
-    const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity);
-    run_batch(loads.size(), threads, [&](std::size_t job) {
+    const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity, loop.stop());
+    run_batch(loads.size(), threads, loop.stop(), [&](std::size_t job) {
       const std::size_t effect = loads[job];
       std::visit(
           [&]<class E>(const E& law) {

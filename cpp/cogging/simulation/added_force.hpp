@@ -21,13 +21,15 @@ class AddedForce {
  public:
   /// Position and velocity are those half-way between row k and row k + 1, as in net_force.
   AddedForce(const Plant<double>& plant, const Recording& log, std::span<const double> middle_position,
-             std::span<const double> middle_velocity)
-      : plant_(plant), log_(log), context_(context_of(plant.axis, plant.cogging)) {
+             std::span<const double> middle_velocity, StopRequest* stop = nullptr)
+      : plant_(plant), log_(log), stop_(stop), context_(context_of(plant.axis, plant.cogging)) {
     const std::size_t rows = log.time.size();
     const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
     RecordedAmplifier amplifier(plant.effects, log.time, log.command);
     rows_.reserve(rows - 1);
+    StopCheck check(stop_);
     for (std::size_t k = 0; k + 1 < rows; ++k) {
+      check.row();
       const double start = log.time[k], end = log.time[k + 1];
       const double v = middle_velocity[k];
       const Motion<double> motion{middle_position[k], v, smooth_sign(v, plant.axis.coulomb_width), 0.5 * (start + end)};
@@ -40,10 +42,12 @@ class AddedForce {
   /// ObserverLoop::pass) how early in each interval it does; both per `size` of it.
   void add(Effect<double> effect, double size, std::span<double> force, std::span<double> excess) const {
     const double share = 1.0 / size;
+    StopCheck check(stop_);
     std::visit(
         [&]<class E>(E& law) {
           if constexpr (HasBind<E>) law.bind(context_);
           for (std::size_t k = 0; k < rows_.size(); ++k) {
+            check.row();
             [[maybe_unused]] const Row& row = rows_[k];
             double sum = 0.0;
             if constexpr (HasForce<E, double>) sum += law.force(row.motion);
@@ -73,7 +77,9 @@ class AddedForce {
     std::vector<Effect<double>> effects = plant_.effects;
     effects.push_back(effect);
     RecordedAmplifier amplifier(effects, log_.time, log_.command);
+    StopCheck check(stop_);
     for (std::size_t k = 0; k < rows_.size(); ++k) {
+      check.row();
       const Row& row = rows_[k];
       const CommandMoments acting = amplifier.moments(log_.time[k], log_.time[k + 1]);
       force[k] += (acting.mean - row.acting.mean) * row.gain * share;
@@ -83,6 +89,7 @@ class AddedForce {
 
   const Plant<double>& plant_;
   const Recording& log_;
+  StopRequest* stop_;
   PlantContext context_;
   std::vector<Row> rows_;
 };

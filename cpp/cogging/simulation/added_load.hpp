@@ -172,7 +172,9 @@ void pass_load(Load load, double mass_ratio, const AxisParameters<double>& axis,
   double x = 0.0, v = 0.0;  // of the centre of mass
   Deflection z;
   innovation[0] = 0.0;
+  StopCheck stop(loop.stop());
   for (std::size_t k = 0; k + 1 < loop.rows(); ++k) {
+    stop.row();
     const ObserverLoop::Interval& interval = loop.intervals()[k];
     if (interval.kind == ObserverLoop::Kind::starts_anew) {
       x = v = 0.0;

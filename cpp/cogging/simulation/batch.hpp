@@ -3,35 +3,79 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
+#include "cogging/interruption.hpp"
+
 namespace cogging {
+
+/// Counts threads down as they end, so that who waits for them can look after other things meanwhile.
+class ThreadsAtWork {
+ public:
+  explicit ThreadsAtWork(std::size_t count) : count_(count) {}
+
+  void one_ended() {
+    const std::lock_guard lock(mutex_);  // held over the notification: who waits takes this object away
+    --count_;
+    ended_.notify_one();
+  }
+
+  /// Whether all have ended, waiting for it at most so long.
+  bool all_ended(std::chrono::milliseconds longest) {
+    std::unique_lock lock(mutex_);
+    return ended_.wait_for(lock, longest, [this] { return count_ == 0; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::size_t count_;
+};
 
 /// Calls job(0) to job(count - 1), each once, on `threads` threads (0 = as many as the machine has). What a
 /// job throws is thrown here, of the job with the lowest number, once all threads have ended. The order in
-/// which jobs run has no influence on what each does.
+/// which jobs run has no influence on what each does. Throws Interrupted, with all threads ended, where `stop` (or
+/// none) asks for it: before a job begins, and in jobs that ask it themselves.
 template <class Job>
-void run_batch(std::size_t count, unsigned threads, const Job& job) {
+void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job& job) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   threads = static_cast<unsigned>(std::min<std::size_t>(threads, std::max<std::size_t>(count, 1)));
   std::vector<std::exception_ptr> failures(count);
   std::atomic<std::size_t> next{0};
+  std::atomic<bool> interrupted{false};
   const auto work = [&] {
     for (std::size_t i = next++; i < count; i = next++) {
       try {
+        if (stop != nullptr && stop->requested_now()) throw Interrupted();
         job(i);
+      } catch (const Interrupted&) {
+        interrupted = true;
+        return;
       } catch (...) {
         failures[i] = std::current_exception();
       }
     }
   };
+  ThreadsAtWork at_work(threads - 1);
+  const auto work_and_end = [&] {
+    work();
+    at_work.one_ended();
+  };
   std::vector<std::thread> others;
-  for (unsigned t = 1; t < threads; ++t) others.emplace_back(work);
+  for (unsigned t = 1; t < threads; ++t) others.emplace_back(work_and_end);
   work();
+  // The caller's thread may be the only one that learns of a request; the others then end by themselves.
+  if (stop != nullptr)
+    while (!at_work.all_ended(std::chrono::milliseconds(20)))
+      if (stop->requested_now()) interrupted = true;
   for (std::thread& other : others) other.join();
+  if (interrupted) throw Interrupted();
   for (const std::exception_ptr& failure : failures)
     if (failure) std::rethrow_exception(failure);
 }

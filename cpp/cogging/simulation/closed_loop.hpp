@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cogging/control/controller.hpp"
+#include "cogging/interruption.hpp"
 #include "cogging/plant/amplifier.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/simulation/log.hpp"
@@ -23,6 +24,7 @@ struct RunOptions {
   std::optional<double> initial_position;  // m; the reference's first position when not given
   double initial_velocity = 0.0;           // m/s
   std::vector<double> added_command;       // V, one a row, added to the controller's; empty = none
+  StopRequest* stop = nullptr;             // asked in every few rows whether to end the run
 };
 
 namespace detail {
@@ -36,8 +38,10 @@ inline std::size_t count_samples(const Reference& reference, const RunOptions& o
 }
 
 template <class Scalar>
-void record_reference(Log<Scalar>& log, const Reference& reference, double sample_rate, const Range& travel) {
+void record_reference(Log<Scalar>& log, const Reference& reference, double sample_rate, const Range& travel,
+                      StopCheck& stop) {
   for (std::size_t k = 0; k < log.time.size(); ++k) {
+    stop.row();
     log.time[k] = static_cast<double>(k) / sample_rate;
     const ReferencePoint point = reference.at(log.time[k]);
     if (!(point.position >= travel[0] && point.position <= travel[1]))
@@ -110,12 +114,16 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
 
   Log<Scalar> log;
   const std::size_t rows = detail::count_samples(reference, options, sample_rate);
-  for (auto* column : {&log.time, &log.reference, &log.reference_velocity, &log.reference_acceleration})
-    column->resize(rows);
-  for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) column->resize(rows);
+  StopCheck stop(options.stop);
+  const auto make = [&](auto& column) {
+    stop.ask();  // a column of a long run takes long to clear
+    column.resize(rows);
+  };
+  for (auto* column : {&log.time, &log.reference, &log.reference_velocity, &log.reference_acceleration}) make(*column);
+  for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) make(*column);
   require(options.added_command.empty() || options.added_command.size() >= rows, "added_command",
           "must have an entry for each row", static_cast<double>(options.added_command.size()));
-  detail::record_reference(log, reference, sample_rate, plant.axis.travel);
+  detail::record_reference(log, reference, sample_rate, plant.axis.travel, stop);
   if (options.record_estimates) {
     log.estimate_count = static_cast<int>(controller.estimates().size());
     log.estimates.reserve(rows * controller.estimates().size());
@@ -124,6 +132,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   const double limit = controller.command_limit();
   AxisState<Scalar> state{options.initial_position.value_or(log.reference.front()), options.initial_velocity};
   for (std::size_t k = 0; k < rows; ++k) {
+    stop.row();
     detail::require_bounded(state, plant.axis.travel, log.time[k]);
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);

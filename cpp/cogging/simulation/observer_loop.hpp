@@ -27,7 +27,7 @@ class ObserverLoop {
     Kind kind;
   };
 
-  ObserverLoop(const Prediction& along, const Recording& log, const PredictionOptions& options) {
+  ObserverLoop(const Prediction& along, const Recording& log, const PredictionOptions& options) : stop_(options.stop) {
     const std::size_t rows = log.time.size();
     require(along.moving.size() == rows, "along", "must be a prediction along this log, rows",
             static_cast<double>(along.moving.size()));
@@ -45,6 +45,8 @@ class ObserverLoop {
 
   std::size_t rows() const { return intervals_.size() + 1; }
   const std::vector<Interval>& intervals() const { return intervals_; }
+  /// What passes through this loop asks.
+  StopRequest* stop() const { return stop_; }
 
   /// What the innovations (m) gain from small forces: `width` independent changes side by side, one entry a row each.
   ///
@@ -61,42 +63,47 @@ class ObserverLoop {
       innovation[i][0] = 0.0;
       if (has_error) x[i] = -error[i][0];
     }
-    for (std::size_t k = 0; k < intervals_.size(); ++k) {
-      const Interval& interval = intervals_[k];
-      if (has_error)
-        for (std::size_t i = 0; i < width; ++i) wrong[i] = error[i][k + 1];
-      if (interval.kind == Kind::starts_anew) {
-        for (std::size_t i = 0; i < width; ++i) {
-          innovation[i][k + 1] = 0.0;
-          x[i] = -wrong[i];
-          v[i] = 0.0;
+    StopCheck stop(stop_);
+    for (std::size_t k = 0; k < intervals_.size();) {
+      const std::size_t asked_again = stop.rows_until(k, intervals_.size());
+      for (; k < asked_again; ++k) {
+        const Interval& interval = intervals_[k];
+        if (has_error)
+          for (std::size_t i = 0; i < width; ++i) wrong[i] = error[i][k + 1];
+        if (interval.kind == Kind::starts_anew) {
+          for (std::size_t i = 0; i < width; ++i) {
+            innovation[i][k + 1] = 0.0;
+            x[i] = -wrong[i];
+            v[i] = 0.0;
+          }
+          continue;
         }
-        continue;
-      }
-      if (interval.kind == Kind::rests) {
-        v.fill(0.0);
-      } else {
-        const double half = 0.5 * interval.length;
-        std::array<double, width> next;
-        for (std::size_t i = 0; i < width; ++i)
-          next[i] =
-              v[i] * interval.keep + (force[i][k] * inverse_mass + interval.slope_position * x[i]) * interval.push;
-        for (std::size_t i = 0; i < width; ++i) x[i] += half * (v[i] + next[i]);
-        if (has_excess)
-          for (std::size_t i = 0; i < width; ++i) x[i] += excess[i][k] * inverse_mass;
-        v = next;
-      }
-      for (std::size_t i = 0; i < width; ++i) {
-        const double seen = -wrong[i] - x[i];
-        innovation[i][k + 1] = seen;
-        x[i] += interval.position_gain * seen;
-        v[i] += interval.velocity_gain * seen;
+        if (interval.kind == Kind::rests) {
+          v.fill(0.0);
+        } else {
+          const double half = 0.5 * interval.length;
+          std::array<double, width> next;
+          for (std::size_t i = 0; i < width; ++i)
+            next[i] =
+                v[i] * interval.keep + (force[i][k] * inverse_mass + interval.slope_position * x[i]) * interval.push;
+          for (std::size_t i = 0; i < width; ++i) x[i] += half * (v[i] + next[i]);
+          if (has_excess)
+            for (std::size_t i = 0; i < width; ++i) x[i] += excess[i][k] * inverse_mass;
+          v = next;
+        }
+        for (std::size_t i = 0; i < width; ++i) {
+          const double seen = -wrong[i] - x[i];
+          innovation[i][k + 1] = seen;
+          x[i] += interval.position_gain * seen;
+          v[i] += interval.velocity_gain * seen;
+        }
       }
     }
   }
 
  private:
   std::vector<Interval> intervals_;
+  StopRequest* stop_;
 };
 
 /// Changes that are passed through the observer's loop side by side: one waits for the other's arithmetic.
@@ -104,9 +111,9 @@ inline constexpr std::size_t abreast = 4;
 
 /// Numbers from 0 to count - 1 in blocks of `abreast` and then one by one, a job each, on threads.
 template <class Block, class Single>
-void in_blocks(std::size_t count, unsigned threads, const Block& block, const Single& single) {
+void in_blocks(std::size_t count, unsigned threads, StopRequest* stop, const Block& block, const Single& single) {
   const std::size_t blocks = count / abreast, left = count % abreast;
-  run_batch(blocks + left, threads, [&](std::size_t job) {
+  run_batch(blocks + left, threads, stop, [&](std::size_t job) {
     if (job < blocks)
       block(job * abreast);
     else
@@ -134,7 +141,8 @@ inline std::vector<double> pass_all(const ObserverLoop& loop, double mass, std::
                      rows_from<width>(error, first, rows), rows_from<width>(innovation.data(), first, rows));
   };
   in_blocks(
-      count, threads, [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
+      count, threads, loop.stop(),
+      [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
       [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
   return innovation;
 }
@@ -150,7 +158,9 @@ inline Adjoint pass_transposed(const ObserverLoop& loop, double mass, std::span<
   const std::size_t rows = loop.rows();
   Adjoint result{std::vector<double>(rows, 0.0), std::vector<double>(rows, 0.0)};
   double x = 0.0, v = 0.0;  // sensitivities of the sum to the state after the correction
+  StopCheck stop(loop.stop());
   for (std::size_t k = rows - 1; k-- > 0;) {
+    stop.row();
     const ObserverLoop::Interval& interval = loop.intervals()[k];
     if (interval.kind == ObserverLoop::Kind::starts_anew) {
       result.reading[k + 1] = -x;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "cogging/interruption.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/plant/recorded_amplifier.hpp"
 
@@ -25,6 +26,7 @@ struct PredictionOptions {
   double gap = 1e300;             // s: after a longer step the observer starts anew
   double initial_velocity = 0.0;  // m/s
   int steps_per_sample = 1;
+  StopRequest* stop = nullptr;  // asked in every few rows whether to end
 };
 
 /// One entry a row; entry k of the middle_* and slope_* columns belongs to the interval from row k to k + 1.
@@ -86,9 +88,12 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
   const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
+  StopCheck stop(options.stop);
+  stop.ask();
   const ObserverGain gain(options.bandwidth, median_step(log.time));
 
   Prediction result;
+  stop.ask();
   for (auto* column : {&result.innovation, &result.position, &result.velocity}) column->assign(rows, 0.0);
   if (with_slopes)
     for (auto* column : {&result.middle_position, &result.middle_velocity, &result.slope_position,
@@ -100,6 +105,7 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   AxisState<double> state{behind(log.position[0]), options.initial_velocity};
   const double width = std::max(1e-6, 0.3 * plant.axis.coulomb_width);
   for (std::size_t k = 0; k < rows; ++k) {
+    stop.row();
     result.position[k] = state.position;
     result.velocity[k] = state.velocity;
     if (k + 1 == rows) break;
@@ -154,13 +160,16 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
 /// What pushes the axis along a given motion: command that acts, effects, friction and cogging, V: mass times
 /// acceleration. Position and velocity are those half-way between row k and row k + 1; the last entry repeats.
 inline std::vector<double> net_force(const Plant<double>& plant, const Recording& log,
-                                     std::span<const double> middle_position, std::span<const double> middle_velocity) {
+                                     std::span<const double> middle_position, std::span<const double> middle_velocity,
+                                     StopRequest* request = nullptr) {
   const std::size_t rows = log.time.size();
   require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
   const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
   std::vector<double> force(rows);
+  StopCheck stop(request);
   for (std::size_t k = 0; k + 1 < rows; ++k) {
+    stop.row();
     const double start = log.time[k], end = log.time[k + 1];
     force[k] = plant.axis.mass * axis.acceleration(middle_position[k], middle_velocity[k], amplifier.mean(start, end),
                                                    0.5 * (start + end));

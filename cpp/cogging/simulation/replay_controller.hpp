@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cogging/control/controller.hpp"
+#include "cogging/interruption.hpp"
 #include "cogging/reference/sampled.hpp"
 #include "cogging/scalar.hpp"
 
@@ -19,7 +20,8 @@ std::vector<double> replay_controller(C controller, const std::vector<double>& t
                                       const std::vector<double>& reference,
                                       const std::vector<double>& reference_velocity,
                                       const std::vector<double>& reference_acceleration,
-                                      std::span<const double> position, std::span<const double> applied) {
+                                      std::span<const double> position, std::span<const double> applied,
+                                      StopRequest* request = nullptr) {
   const Sampled motion(time, reference, reference_velocity, reference_acceleration);
   const std::size_t rows = time.size();
   require(position.size() == rows, "position", "must be as long as time", static_cast<double>(position.size()));
@@ -29,7 +31,9 @@ std::vector<double> replay_controller(C controller, const std::vector<double>& t
   for (const double& value : applied) require_finite("applied", value);
   const double limit = controller.command_limit();
   std::vector<double> commands(rows);
+  StopCheck stop(request);
   for (std::size_t k = 0; k < rows; ++k) {
+    stop.row();
     const ReferencePoint point = motion.sample(k);
     double command;
     if constexpr (LooksAhead<C>)

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cogging/interruption.hpp"
 #include "cogging/require.hpp"
 
 namespace cogging {
@@ -73,31 +74,23 @@ class NumberReader {
     for (std::vector<double>& column : columns_) column.reserve(expected_rows);  // pages unused cost nothing
   }
 
-  /// Takes the next block of the file, which may end anywhere.
-  void feed(std::string_view block) {
-    const char* p = block.data();
-    const char* const end = p + block.size();
-    if (!carry_.empty()) {
-      const char* stop = find(p, end, '\n');
-      carry_.append(p, stop);
-      require_line_length(carry_.size());
-      if (stop == end) return;
-      read_line(carry_.data(), carry_.data() + carry_.size());
-      carry_.clear();
-      p = stop + 1;
+  /// Takes the next block of the file, which may end anywhere. Interrupted, it has taken a part of the block that
+  /// nobody knows: a reader that is fed on refuses.
+  void feed(std::string_view block, StopRequest* request = nullptr) {
+    require(!interrupted_, "block", "must not follow one whose reading was interrupted, bytes", double(block.size()));
+    StopCheck stop(request);
+    try {
+      feed(block, stop);
+    } catch (const Interrupted&) {
+      interrupted_ = true;
+      throw;
     }
-    while (p != end && !done()) {
-      const char* stop = find(p, end, '\n');
-      if (stop == end) break;
-      read_line(p, stop);
-      p = stop + 1;
-    }
-    if (!done()) carry_.assign(p, end);
-    require_line_length(carry_.size());
   }
 
   /// Takes what stands after the last line end.
   void finish() {
+    require(!interrupted_, "block", "must not be finished after its reading was interrupted, bytes",
+            double(carry_.size()));
     if (!carry_.empty() && !done()) read_line(carry_.data(), carry_.data() + carry_.size());
     carry_.clear();
   }
@@ -108,6 +101,29 @@ class NumberReader {
   std::vector<std::vector<double>> take() { return std::move(columns_); }
 
  private:
+  void feed(std::string_view block, StopCheck& stop) {
+    const char* p = block.data();
+    const char* const end = p + block.size();
+    if (!carry_.empty()) {
+      const char* line_end = find(p, end, '\n');
+      carry_.append(p, line_end);
+      require_line_length(carry_.size());
+      if (line_end == end) return;
+      read_line(carry_.data(), carry_.data() + carry_.size());
+      carry_.clear();
+      p = line_end + 1;
+    }
+    while (p != end && !done()) {
+      stop.row();
+      const char* line_end = find(p, end, '\n');
+      if (line_end == end) break;
+      read_line(p, line_end);
+      p = line_end + 1;
+    }
+    if (!done()) carry_.assign(p, end);
+    require_line_length(carry_.size());
+  }
+
   static const char* find(const char* begin, const char* end, char what) {
     const void* found = begin == end ? nullptr : std::memchr(begin, what, static_cast<std::size_t>(end - begin));
     return found ? static_cast<const char*>(found) : end;
@@ -211,6 +227,7 @@ class NumberReader {
   TableLayout layout_;
   std::size_t first_row_, end_row_, line_, row_ = 0;
   std::string carry_;
+  bool interrupted_ = false;
   std::vector<std::vector<double>> columns_;
 };
 

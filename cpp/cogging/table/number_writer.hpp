@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "cogging/interruption.hpp"
+
 namespace cogging {
 
 namespace detail {
@@ -29,15 +31,18 @@ inline void append_number(std::string& text, double value) {
 }  // namespace detail
 
 /// Rows `first` to `end` (without) of columns of one length, a line each, separated by commas.
-inline std::string format_rows(const std::vector<std::span<const double>>& columns, std::size_t first,
-                               std::size_t end) {
+inline std::string format_rows(const std::vector<std::span<const double>>& columns, std::size_t first, std::size_t end,
+                               StopRequest* request = nullptr) {
   std::string text;
   text.reserve((end - first) * columns.size() * 20);
-  for (std::size_t row = first; row < end; ++row)
+  StopCheck stop(request);
+  for (std::size_t row = first; row < end; ++row) {
+    stop.row();
     for (std::size_t column = 0; column < columns.size(); ++column) {
       detail::append_number(text, columns[column][row]);
       text += column + 1 < columns.size() ? ',' : '\n';
     }
+  }
   return text;
 }
 

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'smooth_sign', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -1589,6 +1589,23 @@ class ObserverBased:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+class StopFlag:
+    """
+    What ends the work of the core in other threads than Python's main one.
+    
+    Python tells its main thread alone of Ctrl-C. A thread that heeds a flag raises KeyboardInterrupt out of the core within
+    milliseconds after another thread has set it.
+    """
+    def __init__(self) -> None:
+        ...
+    def heed(self) -> None:
+        """
+        Heed this flag, and no other, in the calling thread.
+        """
+    def set(self) -> None:
+        """
+        End what the threads that heed this flag do in the core, now and later.
         """
 class Performance:
     """

@@ -29,6 +29,7 @@ from cogging.papers.lu2008 import (
     reference,
     run,
 )
+from cogging_command import run_command
 
 START = (0.09, 0.06, 0.05)  # V: where the search begins, for both axes
 TOLERANCE = 0.002  # of the largest log-ratio of the three rms values
@@ -75,7 +76,12 @@ def maps_toml() -> str:
     return head + to_toml(document)
 
 
-if __name__ == "__main__":
-    target = sys.argv[1] if len(sys.argv) > 1 else str(Path(__file__).with_name("lu2008_maps.toml"))
+def main(target: str) -> None:
+    """Calibrate and write the file."""
     write_text(target, maps_toml())
     print(f"{target} written")
+
+
+if __name__ == "__main__":
+    own = str(Path(__file__).with_name("lu2008_maps.toml"))
+    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))

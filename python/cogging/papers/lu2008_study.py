@@ -7,6 +7,7 @@ integration step changes, and the smallest eigenvalue of the matrix (29) with th
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -44,6 +45,7 @@ from cogging.papers.lu2008 import (
     shipped_amplitudes,
 )
 from cogging.papers.lu2008_calibration import calibrate
+from cogging_command import run_command
 
 
 @dataclass(frozen=True)
@@ -172,4 +174,4 @@ def main(show: Callable[[str], None] = print) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(main))

@@ -18,6 +18,7 @@ from cogging.files import to_toml, write_text
 from cogging.observer_design import design_observer
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.malaize2009_setup import MOTORS, Calibrated, Motor, accuracy, pid, plant, problem, run
+from cogging_command import run_command
 
 
 def calibrate(motor: Motor) -> Calibrated:
@@ -54,7 +55,12 @@ def gains_toml() -> str:
     return head + to_toml(document)
 
 
-if __name__ == "__main__":
-    target = sys.argv[1] if len(sys.argv) > 1 else str(Path(__file__).with_name("malaize2009_gains.toml"))
+def main(target: str) -> None:
+    """Calibrate and write the file."""
     write_text(target, gains_toml())
     print(f"{target} written")
+
+
+if __name__ == "__main__":
+    own = str(Path(__file__).with_name("malaize2009_gains.toml"))
+    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))

@@ -30,6 +30,7 @@ from cogging._core import (
 from cogging.logs import Log
 from cogging.observer_design import ObserverDesign, design_observer, largest_decay_rate
 from cogging.papers.malaize2009_setup import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
+from cogging_command import run_command
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -182,4 +183,4 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else None)
+    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else None)))

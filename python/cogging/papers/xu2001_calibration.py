@@ -18,6 +18,7 @@ from cogging._core import DivergedError, Pid
 from cogging.files import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.xu2001_setup import INDEXES, SETS, TABLE_1, Unknowns, indexes, pid_parameters, run, to_dict
+from cogging_command import run_command
 
 FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
 
@@ -89,7 +90,12 @@ def plant_toml() -> str:
     return head + to_toml(document)
 
 
-if __name__ == "__main__":
-    target = sys.argv[1] if len(sys.argv) > 1 else str(Path(__file__).with_name("xu2001_plant.toml"))
+def main(target: str) -> None:
+    """Calibrate and write the file."""
     write_text(target, plant_toml())
     print(f"{target} written")
+
+
+if __name__ == "__main__":
+    own = str(Path(__file__).with_name("xu2001_plant.toml"))
+    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))

@@ -47,6 +47,7 @@ from cogging.papers.xu2001_setup import (
     run,
     shipped_unknowns,
 )
+from cogging_command import run_command
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -337,4 +338,4 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else None)
+    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else None)))

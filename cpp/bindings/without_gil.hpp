@@ -1,0 +1,79 @@
+#pragma once
+// Long work of the core without the interpreter's lock, which Ctrl-C ends all the same.
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <type_traits>
+
+#include "cogging/interruption.hpp"
+
+/// Set by one thread to end what others, which heed it, do in the core.
+class StopFlag {
+ public:
+  void set() { stopped_->store(true, std::memory_order_relaxed); }
+  void heed() const { heeded() = stopped_; }
+
+  /// Of the calling thread; none at first.
+  static std::shared_ptr<std::atomic<bool>>& heeded() {
+    static thread_local std::shared_ptr<std::atomic<bool>> flag;
+    return flag;
+  }
+
+ private:
+  std::shared_ptr<std::atomic<bool>> stopped_ = std::make_shared<std::atomic<bool>>(false);
+};
+
+/// Python's signals, as a stop request: the thread that called, where it is Python's main thread, lets Python run its
+/// handlers every 50 ms; what one of them raises ends the work on all threads. In any thread, the flag that it heeds.
+class PythonSignals final : public cogging::StopRequest {
+  using Clock = std::chrono::steady_clock;
+
+ public:
+  static inline unsigned long main_thread = 0;  // Python's; set when the module is imported
+
+  PythonSignals() : caller_(PyThread_get_thread_ident()), heeded_(StopFlag::heeded()), next_(Clock::now() + period) {}
+
+  bool requested(Clock::time_point now) override {
+    if (stopped_.load(std::memory_order_relaxed)) return true;
+    if (heeded_ && heeded_->load(std::memory_order_relaxed)) return true;
+    // Other threads run no handlers; and one of them may be waiting for the lock for ever once Python has ended.
+    if (caller_ != main_thread || PyThread_get_thread_ident() != caller_ || now < next_) return false;
+    pybind11::gil_scoped_acquire acquire;
+    const bool raised = PyErr_CheckSignals() != 0;
+    if (raised) raised_.emplace();
+    next_ = Clock::now() + period;
+    stopped_.store(raised, std::memory_order_relaxed);
+    return raised;
+  }
+
+  /// Throws what the handler raised, or KeyboardInterrupt where the flag was set; with the lock held.
+  [[noreturn]] void raise() {
+    if (raised_) throw *raised_;
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    throw pybind11::error_already_set();
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds period{50};
+  unsigned long caller_;
+  std::shared_ptr<std::atomic<bool>> heeded_;
+  Clock::time_point next_;
+  std::atomic<bool> stopped_{false};
+  std::optional<pybind11::error_already_set> raised_;
+};
+
+/// Runs work(stop request) without the lock, and raises what Python's signal handlers raised meanwhile.
+template <class Work>
+std::invoke_result_t<const Work&, cogging::StopRequest*> without_gil(const Work& work) {
+  PythonSignals signals;
+  try {
+    pybind11::gil_scoped_release release;
+    return work(static_cast<cogging::StopRequest*>(&signals));
+  } catch (const cogging::Interrupted&) {
+    signals.raise();
+  }
+}
