@@ -521,6 +521,8 @@ def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
     finally:
         parent.kill()
         parent.wait()
+        if told.exists() and alive(int(told.read_text())):
+            os.kill(int(told.read_text()), signal.SIGKILL)
 
 
 def test_a_reader_ends_with_its_parent_where_the_system_does_not_end_it(tmp_path):
