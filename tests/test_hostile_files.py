@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import venv
 import warnings
@@ -528,7 +529,7 @@ def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
 def test_a_reader_ends_with_its_parent_where_the_system_does_not_end_it(tmp_path):
     """The second way, alone: the end of its standard input."""
     code = "import sys; sys.platform = 'other'\nfrom cogging.readers.isolated import confine\n"
-    code += "confine({'memory': 8 << 30, 'seconds': 60.0, 'parent': 0})\nprint('ready', flush=True)\n"
+    code += "confine({'memory': 8 << 30, 'seconds': 60.0})\nprint('ready', flush=True)\n"
     code += "import time; time.sleep(600)"
     reader = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     try:
@@ -557,6 +558,22 @@ def test_no_room_for_temporary_files_is_told_as_such_or_no_matter(name, tmp_path
         assert "whole" not in done.stderr
     else:
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("cut", [None, 3000])
+def test_no_temporary_file_is_left(cut, tmp_path, monkeypatch):
+    """asammdf makes one for each file that it opens; cut files are closed by nobody."""
+    path, temporary = made("a.mf4", tmp_path), tmp_path / "temporary"
+    temporary.mkdir()
+    path.write_bytes(path.read_bytes()[:cut])
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    monkeypatch.setattr(apart, "START", "import tempfile; tempfile.mkstemp(dir=job['temporary']); " + apart.START)
+    try:
+        cogging.read_log(path)
+        assert cut is None
+    except InputError:
+        assert cut is not None
+    assert not list(temporary.iterdir())
 
 
 def test_a_temporary_folder_that_is_not_there(tmp_path, monkeypatch):

@@ -74,7 +74,7 @@ def _new_file(part: Path, target: Path) -> IO[bytes]:
     old = target.stat() if target.exists() else None
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     descriptor = os.open(part, flags, 0o666 if old is None else 0o600)
-    if old is not None and hasattr(os, "fchmod"):
+    if old is not None and hasattr(os, "fchown"):
         if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
             with contextlib.suppress(OSError):  # what only an administrator may
                 os.fchown(descriptor, old.st_uid, old.st_gid)

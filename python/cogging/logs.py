@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.columns import read_columns
-from cogging.files import InputError, read_toml, to_toml, write_files
+from cogging.files import InputError, read_toml, target_of, to_toml, write_files
 from cogging.outputs import sidecar
 
 FloatArray = npt.NDArray[np.float64]
@@ -171,7 +171,7 @@ def read_log(
 
 def _require_sidecar(path: str) -> None:
     """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
-    if os.path.exists(path) and "version" not in read_toml(path):
+    if os.path.lexists(path) and target_of(path).exists() and "version" not in read_toml(path):
         raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
 
 

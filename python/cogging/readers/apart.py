@@ -6,12 +6,14 @@ made them end the whole process, loop without end or ask for all memory. What ha
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import json
 import os
 import subprocess
+import tempfile
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import IO, Any
 
 import numpy as np
@@ -36,6 +38,7 @@ BYTES_A_SECOND = 2e6  # slower is no reading
 MEMORY = 8 << 30  # bytes, for a small file
 EXPANSION = 64  # of compressed numbers
 START = "from cogging.readers.apart import serve; serve(job)"
+TEMPORARY = ("mdf",)  # formats whose library wants a temporary file whatever it does
 ANSWER = b"\0cogging: what was read\0\n"  # behind whatever else was written to standard output
 NO_ROOM = (
     errno.ENOSPC,
@@ -69,7 +72,9 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         "rows": [request.rows.start, request.rows.stop],
     }
     late = threading.Event()
-    with isolated(START, job, beside=os.fspath(request.path)) as process:
+    with contextlib.ExitStack() as stack:
+        job["temporary"] = stack.enter_context(_temporary_folder(request)) if kind in TEMPORARY else None
+        process = stack.enter_context(isolated(START, job, beside=os.fspath(request.path)))
 
         def stop() -> None:
             late.set()
@@ -89,6 +94,17 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         raise request.refuse(f"must be a whole {what}, got one that is not read within {seconds:.0f} s")
     how = f"signal {-status}" if status < 0 else f"status {status}"
     raise request.refuse(f"must be a whole {what}, got one that ends its reader ({how})")
+
+
+@contextlib.contextmanager
+def _temporary_folder(request: Request) -> Iterator[str]:
+    """A folder that goes with what a library left there, however its process ended."""
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="cogging", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
+    with folder as name:
+        yield name
 
 
 def _received(process: subprocess.Popen[bytes]) -> dict[str, FloatArray] | None:
@@ -123,6 +139,7 @@ def serve(job: Mapping[str, Any]) -> None:
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # whatever a library says
     confine(job)
+    tempfile.tempdir = job["temporary"]
     request = Request(
         job["path"],
         job["names"],
@@ -162,7 +179,7 @@ def _read(kind: str, request: Request) -> dict[str, FloatArray]:
         raise request.refuse(f"must be a whole {what}, got one that asks for more memory than there is") from None
     except OSError as error:
         if error.errno in NO_ROOM and not error.filename:
-            raise request.refuse(f"cannot be read: {error.strerror} in the folder of temporary files") from None
+            raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
         raise _broken(request, what, error) from None
     except Exception as error:  # whatever a library answers to a broken file
         raise _broken(request, what, error) from None

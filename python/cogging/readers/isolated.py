@@ -31,9 +31,10 @@ package = types.ModuleType("cogging")
 package.__path__ = job["package"]
 sys.modules["cogging"] = package
 """
+OPTIONS = ("-I", "-B") if sys.flags.dont_write_bytecode else ("-I",)
 #: Variables that are handed on as they are: places, language, and what a dynamic linker has already loaded here.
 KEPT: tuple[str, ...] = ("HOME", "LANG", "LC_ALL", "LC_CTYPE", "TMPDIR", "TEMP", "TMP", "LD_PRELOAD")
-KEPT += ("SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "USERPROFILE")
+KEPT += ("HDF5_USE_FILE_LOCKING", "SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "USERPROFILE")
 #: Lists of folders, of which those that are no absolute paths are left out: an empty one is the current folder.
 FOLDERS = ("PATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
 #: Reading columns needs no threads, each of which asks for memory.
@@ -48,12 +49,12 @@ def isolated(code: str, job: Mapping[str, Any], beside: str) -> Iterator[subproc
 
     Args:
         code: what follows BEGIN.
-        job: what JSON can hold; `sys_path`, `package` and `parent` are added.
+        job: what JSON can hold; `sys_path` and `package` are added.
         beside: a file beside which no code is taken from.
     """
-    job = {**job, "sys_path": import_paths(beside), "package": list(cogging.__path__), "parent": os.getpid()}
+    job = {**job, "sys_path": import_paths(beside), "package": list(cogging.__path__)}
     process = subprocess.Popen(
-        [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + code],
+        [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + code],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
@@ -104,11 +105,10 @@ def environment() -> dict[str, str]:
 def confine(job: Mapping[str, Any]) -> None:
     """Bind this process to its parent's life and to the job's `memory` (bytes) and `seconds`."""
     if sys.platform == "linux":
-        import ctypes
+        with contextlib.suppress(ImportError, OSError, AttributeError):  # at once, even out of a loop of a library
+            import ctypes
 
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != job["parent"]:  # which ended before
-            os._exit(1)
+            ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
         import resource

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from typing import Any
 
 from cogging.files import InputError
@@ -32,10 +31,6 @@ def read(request: Request) -> dict[str, Any]:
         ImportError: asammdf is not installed.
         InputError: a channel is missing, or they stand in different groups. What a broken file raises is asammdf's.
     """
-    try:
-        tempfile.gettempdir()  # the library wants a temporary file whatever it does
-    except OSError as error:
-        raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
     formulas = Formulas()  # before the library takes them up
     from asammdf import MDF
 
