@@ -471,10 +471,12 @@ def test_links_within_a_file(tmp_path):
 # --- readers and their parent -----------------------------------------------------------------------------------------
 
 SLOW = (
-    "import cogging.readers.apart as apart; apart.FORMATS['matlab'] = ('MATLAB file', 'matlab', lambda r: exec({!r})); "
+    "import cogging.readers.apart as apart; "
+    "apart.FORMATS = dict.fromkeys(apart.FORMATS, ('file', 'matlab', lambda r: exec({!r}))); "
 )
 PARENT = """
-import os, sys, cogging
+import signal, sys, cogging
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # as the command does
 from cogging.readers import apart
 apart.START = {start!r} + apart.START
 cogging.read_log({log!r})
@@ -500,22 +502,24 @@ def waits(condition, seconds=20.0):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("how", ["SIGKILL", "SIGTERM", "SIGINT"])
 @pytest.mark.parametrize("busy", ["while True: pass", "import time; time.sleep(600)"])
 def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
-    made("a.mat", tmp_path)
+    name = "a.mat" if how == "SIGKILL" else "a.mf4"  # whose reader has a folder for temporary files
+    path = made(name, tmp_path)
     temporary, told = tmp_path / "temporary", tmp_path / "pid"
     temporary.mkdir()
     tell = f"import os, pathlib; p = pathlib.Path({str(told)!r}); q = p.with_suffix('.new'); "
     tell += "q.write_text(str(os.getpid())); q.rename(p)\n"
-    code = PARENT.format(start=SLOW.format(tell + busy), log=str(tmp_path / "a.mat"))
+    code = PARENT.format(start=SLOW.format(tell + busy), log=str(path))
     environment = {**os.environ, "TMPDIR": str(temporary)}
     parent = subprocess.Popen([sys.executable, "-c", code], env=environment, stderr=subprocess.DEVNULL)
     try:
         assert waits(told.exists)
         reader = int(told.read_text())
         assert alive(reader)
-        parent.send_signal(how)
+        assert len(list(temporary.iterdir())) == (name == "a.mf4")
+        parent.send_signal(getattr(signal, how))
         parent.wait(20)
         assert waits(lambda: not alive(reader), 5.0)
         assert not list(temporary.iterdir()), "nothing is left in the temporary folder"

@@ -2,7 +2,11 @@
 
 import os
 import shutil
+import signal
 import stat
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -350,6 +354,32 @@ def test_nothing_is_left_of_what_was_interrupted(thrown, tmp_path):
     with pytest.raises((KeyboardInterrupt, SystemExit, MemoryError, InputError)):
         files.write_files({str(tmp_path / "a"): [b"new"], str(tmp_path / "b"): pieces()})
     assert content(tmp_path) == {str(tmp_path / "a"): b"old"}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_nothing_is_left_after_ctrl_c(tmp_path):
+    code = "import itertools, time\nfrom cogging import files\n"
+    code += "files.write_files({'out': (time.sleep(0.01) or b'x' for _ in itertools.count())})"
+    writer = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.DEVNULL)
+    try:
+        end = time.monotonic() + 30.0
+        while not list(tmp_path.glob(".*.part")) and time.monotonic() < end:
+            time.sleep(0.02)
+        assert len(list(tmp_path.iterdir())) == 1, "it has begun"
+        writer.send_signal(signal.SIGINT)
+        writer.wait(20)
+    finally:
+        writer.kill()
+        writer.wait()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_log_and_its_sidecar_are_two_files(tmp_path):
+    log = cogging.Log(time=np.arange(3.0), position=np.zeros(3), command=np.zeros(3), metadata={"seed": 1})
+    (tmp_path / "a.csv.toml").symlink_to("a.csv")
+    with pytest.raises(InputError, match="must be different files, got one twice"):
+        log.write(tmp_path / "a.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv.toml"]
 
 
 def test_a_long_name(tmp_path):

@@ -45,7 +45,7 @@ def check_folder(path: AnyPath) -> None:
     while not place.exists() and place != place.parent:
         place = place.parent
     if not place.is_dir():
-        raise InputError(f"{path}: cannot be made: {place} is a file")
+        raise InputError(f"{path}: cannot be made: {place} is no folder")
     if not os.access(place, os.W_OK):
         raise InputError(f"{path}: cannot be made: Permission denied")
 
