@@ -52,7 +52,7 @@ def isolated(code: str, job: Mapping[str, Any], beside: str) -> Iterator[subproc
         job: what JSON can hold; `sys_path` and `package` are added.
         beside: a file beside which no code is taken from.
     """
-    job = {**job, "sys_path": import_paths(beside), "package": list(cogging.__path__)}
+    job = {**job, "sys_path": import_paths(beside), "package": [os.path.abspath(folder) for folder in cogging.__path__]}
     process = subprocess.Popen(
         [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + code],
         stdin=subprocess.PIPE,
@@ -109,6 +109,7 @@ def confine(job: Mapping[str, Any]) -> None:
             import ctypes
 
             ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to answer
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
         import resource
