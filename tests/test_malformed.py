@@ -488,6 +488,7 @@ def test_what_is_mutated_can_be_read(name, originals, tmp_path):
         ("import time; time.sleep(60)", "is not read within 2 s"),
         ("bytearray(1 << 46)", "asks for more memory than there is"),
         ("raise RuntimeError('two\\nlines')", "got RuntimeError: two lines"),
+        ("raise OSError(28, 'No space left')", "cannot be read: no room for temporary files: No space left"),
         (
             "raise ModuleNotFoundError('no', name='scipy')",
             "needs scipy to read a MATLAB file: pip install 'cogging[matlab]'",

@@ -6,14 +6,16 @@ import argparse
 import importlib.metadata
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from cogging import _core
 from cogging.columns import read_columns
 from cogging.files import InputError, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
+from cogging.outputs import check_folder, check_outputs, sidecar, with_sidecars
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
+from cogging.reference import files_of_reference
 from cogging.simulation import simulate
 from cogging_command import run_command
 
@@ -126,12 +128,6 @@ def _read_logs(options: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
     return [read_log(path, columns=options.columns, scale=options.scale, rows=options.rows) for path in paths]
 
 
-def _refuse_one_target_twice(named: Mapping[str, str | None]) -> None:
-    targets = [Path(path).resolve() for path in named.values() if path]
-    if len(set(targets)) < len(targets):
-        raise InputError(f"{', '.join(named)}: must be different files, got one twice")
-
-
 def _pairs(text: str) -> dict[str, str]:
     pairs = {}
     for entry in text.split(","):
@@ -164,6 +160,7 @@ def _reproduce(options: argparse.Namespace) -> None:
     for paper in options.papers:
         if paper not in PAPERS:
             raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {paper!r}")
+    check_folder(options.out)
     for paper in options.papers or (() if options.compare else PAPERS):
         _show(reproduce(paper, progress=True), options.out)
     if options.compare:
@@ -178,6 +175,8 @@ def _show(result: Reproduction, folder: str) -> None:
 def _simulate(options: argparse.Namespace) -> None:
     if options.seed < 0:
         raise InputError(f"--seed: must be at least 0, got {options.seed}")
+    outputs = {"--out": options.out, "its sidecar": sidecar(options.out)}
+    check_outputs(outputs, [options.model, *files_of_reference(options.reference)])
     try:
         log = simulate(options.model, options.reference, seed=options.seed)
     except InputError:
@@ -194,6 +193,7 @@ def _predict(options: argparse.Namespace) -> None:
     for name, least in (("samples", 2), ("seed", 0)):
         if getattr(options, name) < least:
             raise InputError(f"--{name}: must be at least {least}, got {getattr(options, name)}")
+    check_outputs({"--json": options.json}, [options.model, *files_of_reference(options.reference)])
     try:
         prediction = predict_error(options.model, options.reference, samples=options.samples, seed=options.seed)
     except InputError:
@@ -209,6 +209,8 @@ def _predict(options: argparse.Namespace) -> None:
 def _map(options: argparse.Namespace) -> None:
     from cogging.map import fit_map
 
+    figure = Path(options.out).with_suffix(".png") if Path(options.out or "").name else None
+    check_outputs({"--out": options.out, "its figure": figure}, [options.scan])
     table = read_columns(
         options.scan, ("position", "force"), columns=options.columns, scale=options.scale, rows=options.rows
     )
@@ -228,7 +230,8 @@ def _diagnose(options: argparse.Namespace) -> None:
     from cogging.diagnose import diagnose
     from cogging.model import Model
 
-    _refuse_one_target_twice({"--json": options.json, "--report": options.report, "--out": options.out})
+    outputs = {"--json": options.json, "--report": options.report, "--out": options.out}
+    check_outputs(outputs, [options.model, *with_sidecars([*options.logs, *options.confirm])])
     model = Model.read(options.model)
     given, others = _read_logs(options, options.logs), _read_logs(options, options.confirm)
     with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False, disable=None) as bar:
@@ -259,6 +262,8 @@ def _audit(options: argparse.Namespace) -> None:
     from cogging.audit import audit, check_against_model
     from cogging.model import Model
 
+    inputs = [*with_sidecars(options.logs), *([options.model] if options.model else [])]
+    check_outputs({"--json": options.json}, inputs)
     model = Model.read(options.model) if options.model else None
     told = []
     for path, log in zip(options.logs, _read_logs(options, options.logs), strict=True):
@@ -278,7 +283,8 @@ def _identify(options: argparse.Namespace) -> None:
     from cogging.identify import identify
     from cogging.model import Model
 
-    _refuse_one_target_twice({"--json": options.json, "--out": options.out})
+    outputs = {"--json": options.json, "--out": options.out}
+    check_outputs(outputs, [options.model, *with_sidecars(options.logs)])
     model = Model.read(options.model)
     free = None if options.free is None else [path.strip() for path in options.free.split(",")]
     logs = _read_logs(options, options.logs)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging.files import InputError
+from cogging.files import InputError, require_file
 from cogging.readers import text_table
 from cogging.readers.apart import FORMATS, read_apart
 from cogging.readers.request import Request
@@ -105,9 +104,7 @@ def format_of(path: str | os.PathLike[str]) -> str | None:
         InputError: it cannot be read, is no file, is empty of what its suffix promises, or is of a known other kind.
     """
     try:
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            what = "a directory" if os.path.isdir(path) else "a device or pipe"
-            raise InputError(f"{path}: must be a file, got {what}")
+        require_file(path)
         with open(path, "rb") as file:
             head = file.read(1024)
     except OSError as error:

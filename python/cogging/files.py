@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import itertools
 import os
 import re
+import secrets
+import stat
 import sys
+import unicodedata
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import tomli_w
 
@@ -15,6 +21,8 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+MOST_TEXT = 1 << 28  # bytes of a model, a reference, or what stands beside a log
 
 
 class InputError(ValueError):
@@ -34,40 +42,126 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
 def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
     """Write files that belong together, each given in pieces: none takes its place before all are whole.
 
+    What stands there is replaced: behind a link its target, with the mode that it had. A new file has the mode that
+    the user's mask leaves.
+
     Raises:
-        InputError: one cannot be written; nothing is left behind.
+        InputError: one cannot be written, or two are one file; nothing is left behind.
     """
-    targets = {path: Path(path) for path in files}
-    beside = {path: t.with_name(f".{t.name}.{os.getpid()}.part") for path, t in targets.items() if t.name}
+    targets = {path: target_of(path) for path in files}
+    for path, other in itertools.combinations(targets, 2):
+        if same_file(targets[path], targets[other]):
+            raise InputError(f"{path}, {other}: must be different files, got one twice")
+    parts: dict[str, Path] = {}
     path = ""
     try:
         for path, pieces in files.items():
-            if path not in beside or targets[path].is_dir():
-                raise InputError(f"{path or '.'}: cannot be written: Is a directory")
-            with open(beside[path], "wb") as file:
+            parts[path] = targets[path].with_name(f".{secrets.token_hex(8)}.part")
+            with _new_file(parts[path], targets[path]) as file:
                 for piece in pieces:
                     file.write(piece)
         for path in files:
-            beside[path].replace(targets[path])
+            parts[path].replace(targets[path])
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     finally:
-        for part in beside.values():
+        for part in parts.values():
             part.unlink(missing_ok=True)
+
+
+def _new_file(part: Path, target: Path) -> IO[bytes]:
+    """Open a file that was not there before, with owner and mode of the one that it will replace."""
+    old = target.stat() if target.exists() else None
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(part, flags, 0o666 if old is None else 0o600)
+    if old is not None and hasattr(os, "fchown"):
+        if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
+            with contextlib.suppress(OSError):  # what only an administrator may
+                os.fchown(descriptor, old.st_uid, old.st_gid)
+        os.fchmod(descriptor, stat.S_IMODE(old.st_mode))
+    return os.fdopen(descriptor, "wb")
+
+
+def target_of(path: str | os.PathLike[str]) -> Path:
+    """The file that an output is written to, behind links.
+
+    Raises:
+        InputError: there is a folder, a device or a pipe, its folder is missing, or it may not be written.
+    """
+    called = os.fspath(path) or "."
+    try:
+        target = Path(os.path.realpath(called))
+        if target.is_symlink():
+            raise InputError(f"{called}: cannot be written: {os.strerror(errno.ELOOP)}")
+        if target.exists():
+            if target.is_dir():
+                raise InputError(f"{called}: cannot be written: {os.strerror(errno.EISDIR)}")
+            require_file(target, called)
+        elif not target.parent.is_dir():
+            code = errno.ENOTDIR if target.parent.exists() else errno.ENOENT
+            raise InputError(f"{called}: cannot be written: {os.strerror(code)}")
+        if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
+            raise InputError(f"{called}: cannot be written: {os.strerror(errno.EACCES)}")
+    except OSError as error:
+        raise InputError(f"{called}: cannot be written: {error.strerror}") from None
+    except InputError:
+        raise
+    except ValueError as error:  # a zero byte in the name
+        raise InputError(f"{called!r}: cannot be written: {error}") from None
+    return target
+
+
+def same_file(one: str | os.PathLike[str], other: str | os.PathLike[str]) -> bool:
+    """Whether two paths lead to one file, by whatever name; of files that are not there yet, whether they would."""
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return _place(one) == _place(other)
+
+
+def _place(path: str | os.PathLike[str]) -> str:
+    try:
+        place = os.path.normcase(os.path.realpath(path))
+    except ValueError:  # a zero byte in the name
+        return repr(path)
+    return unicodedata.normalize("NFD", place).casefold() if sys.platform == "darwin" else place
+
+
+def require_file(path: str | os.PathLike[str], called: str = "") -> int:
+    """Refuse what is no file with an end, before it is opened: a pipe would wait for ever. Its size in bytes.
+
+    Raises:
+        InputError: a directory, a device or a pipe.
+        OSError: it is not there.
+    """
+    status = os.stat(path)
+    if not stat.S_ISREG(status.st_mode):
+        what = "a directory" if stat.S_ISDIR(status.st_mode) else "a device or pipe"
+        raise InputError(f"{called or path}: must be a file, got {what}")
+    return status.st_size
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
     """Read a text file.
 
     Raises:
-        InputError: the file is missing, cannot be read or is no text.
+        InputError: the file is missing, cannot be read, is larger than MOST_TEXT or is no text.
     """
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
+        size = require_file(path)
+        with open(path, encoding="utf-8-sig") as file:
+            text = file.read(MOST_TEXT + 1) if size <= MOST_TEXT else ""
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: must be UTF-8 text, got the byte {error.object[error.start]:#x}") from None
+    except InputError:
+        raise
+    except ValueError as error:  # a zero byte in the name
+        raise InputError(f"{path!r}: cannot be read: {error}") from None
+    if max(size, len(text)) > MOST_TEXT:
+        raise InputError(f"{path}: must be at most {MOST_TEXT >> 20} MiB of text, got {max(size, len(text))} bytes")
+    return text
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.columns import read_columns
-from cogging.files import InputError, read_toml, to_toml, write_files
+from cogging.files import InputError, read_toml, target_of, to_toml, write_files
+from cogging.outputs import sidecar
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -102,7 +103,8 @@ class Log:
             extra = {".mat": "matlab", ".parquet": "parquet"}[suffix]
             raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[{extra}]'") from None
         files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
-        beside = f"{os.fspath(path)}.toml"
+        beside = sidecar(path)
+        _require_sidecar(beside)
         if self.metadata:
             document = {"version": importlib.metadata.version("cogging"), **self.metadata}
             files[beside] = [to_toml(_plain(document)).encode()]
@@ -162,9 +164,15 @@ def read_log(
         row = at + (rows.start or 0 if rows is not None else 0)
         before, here = _told_apart(time[at - 1], time[at])
         raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
-    beside = Path(f"{os.fspath(path)}.toml")
+    beside = Path(sidecar(path))
     metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
     return Log.of(table, metadata)
+
+
+def _require_sidecar(path: str) -> None:
+    """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
+    if os.path.lexists(path) and target_of(path).exists() and "version" not in read_toml(path):
+        raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
 
 
 def _told_apart(first: float, second: float) -> tuple[str, str]:

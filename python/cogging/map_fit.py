@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import CoggingModel
-from cogging.files import to_toml, write_bytes, write_text
+from cogging.files import InputError, same_file, to_toml, write_files
 from cogging.model import cogging_to_dict
 
 if TYPE_CHECKING:
@@ -165,9 +165,12 @@ class MapFit:
         """Write the `[cogging]` section of a model file, and the figure beside it as .png.
 
         Raises:
-            InputError: a file cannot be written.
+            InputError: a file cannot be written, or both are one: a model called `.png`.
         """
         picture = io.BytesIO()
         self.plot().savefig(picture, format="png", dpi=120)
-        write_text(path, to_toml({"cogging": cogging_to_dict(self.cogging)}))
-        write_bytes(Path(path).with_suffix(".png"), picture.getvalue())
+        text = to_toml({"cogging": cogging_to_dict(self.cogging)})
+        figure = os.fspath(Path(path).with_suffix(".png"))
+        if same_file(path, figure):
+            raise InputError(f"{path}: must not be where its figure is written, got {figure}")
+        write_files({os.fspath(path): [text.encode()], figure: [picture.getvalue()]})

@@ -47,6 +47,16 @@ def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
         raise error.in_file(path, read_text(path)) from None
 
 
+def files_of_reference(path: str | os.PathLike[str]) -> list[str | os.PathLike[str]]:
+    """A reference file and the table of samples that it names, if it does.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    file = read_toml(path).get("file")
+    return [path, Path(path).parent / file] if isinstance(file, str) else [path]
+
+
 def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> tuple[Reference, float]:
     """Make a motion from the fields of a reference file; `file` of a sampled one is sought in `folder`.
 

@@ -7,6 +7,7 @@ trajectory really diverges. Needs the extra `design`. With DIR, the sweep is dra
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -27,6 +28,7 @@ from cogging._core import (
     SplineHarmonics,
     closed_loop,
 )
+from cogging.files import write_bytes
 from cogging.logs import Log
 from cogging.observer_design import ObserverDesign, design_observer, largest_decay_rate
 from cogging.papers.malaize2009_setup import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
@@ -178,7 +180,9 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
         show(f"    a cold trajectory fails from {divergence_multiple(motor, design):.0f} times lambda*")
     if folder is not None:
         path = Path(folder) / "malaize2009_sweep.png"
-        figure_sweep().savefig(path, dpi=120)
+        picture = io.BytesIO()
+        figure_sweep().savefig(picture, format="png", dpi=120)
+        write_bytes(path, picture.getvalue())
         show(f"{path} written")
 
 

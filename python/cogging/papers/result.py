@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.files import InputError, write_bytes, write_text
+from cogging.files import InputError, write_files
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -113,10 +113,11 @@ class Reproduction:
         except OSError as error:
             raise InputError(f"{out}: cannot be made: {error.strerror}") from None
         written = [out / f"{self.paper}.json"]
-        write_text(written[0], json.dumps(self.to_dict(), indent=2) + "\n")
+        content = [(json.dumps(self.to_dict(), indent=2) + "\n").encode()]
         for name, figure in self.figures.items():
             picture = io.BytesIO()
             figure.savefig(picture, format="png", dpi=120)
             written.append(out / f"{name}.png")
-            write_bytes(written[-1], picture.getvalue())
+            content.append(picture.getvalue())
+        write_files({os.fspath(path): [piece] for path, piece in zip(written, content, strict=True)})
         return written

@@ -7,6 +7,7 @@ figure of the command increment against the robust terms is written there.
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -28,6 +29,7 @@ from cogging._core import (
     PointToPointParameters,
     closed_loop,
 )
+from cogging.files import write_bytes
 from cogging.logs import Log
 from cogging.model import Controller
 from cogging.papers.xu2001_setup import (
@@ -333,7 +335,9 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
     _fast_motion(unknowns, show)
     if folder is not None:
         path = Path(folder) / "xu2001_increment.png"
-        figure_increment().savefig(path, dpi=120)
+        picture = io.BytesIO()
+        figure_increment().savefig(picture, format="png", dpi=120)
+        write_bytes(path, picture.getvalue())
         show(f"{path} written")
 
 

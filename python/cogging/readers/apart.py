@@ -6,20 +6,22 @@ made them end the whole process, loop without end or ask for all memory. What ha
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import json
 import os
 import subprocess
-import sys
 import tempfile
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging.files import InputError
 from cogging.readers import matlab, mdf, parquet
+from cogging.readers.isolated import confine, isolated
 from cogging.readers.request import Request
 
 FloatArray = npt.NDArray[np.float64]
@@ -35,8 +37,17 @@ SECONDS = 30.0  # in which a small file must be read
 BYTES_A_SECOND = 2e6  # slower is no reading
 MEMORY = 8 << 30  # bytes, for a small file
 EXPANSION = 64  # of compressed numbers
-START = "import json, sys; job = json.load(sys.stdin); sys.path[:] = job['sys_path']; "
-START += "from cogging.readers.apart import serve; serve(job)"
+START = "from cogging.readers.apart import serve; serve(job)"
+TEMPORARY = ("mdf",)  # formats whose library wants a temporary file whatever it does
+ANSWER = b"\0cogging: what was read\0\n"  # behind whatever else was written to standard output
+NO_ROOM = (
+    errno.ENOSPC,
+    errno.EDQUOT,
+    errno.EFBIG,
+    errno.EROFS,
+    errno.EMFILE,
+    errno.ENFILE,
+)  # the machine's, not a file's
 
 
 def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
@@ -48,69 +59,111 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
     size = os.path.getsize(request.path)
     seconds = SECONDS + size / BYTES_A_SECOND
     what = FORMATS[kind][0]
-    with tempfile.TemporaryDirectory(prefix="cogging") as folder:
-        job = {
-            "sys_path": [os.path.abspath(entry) for entry in sys.path],
-            "kind": kind,
-            "folder": folder,
-            "memory": MEMORY + EXPANSION * size,
-            "path": os.fspath(request.path),
-            "names": list(request.names),
-            "optional": list(request.optional),
-            "columns": dict(request.columns),
-            "scaled": sorted(request.scaled),
-            "rows": [request.rows.start, request.rows.stop],
-        }
+    job = {
+        "kind": kind,
+        "memory": MEMORY + EXPANSION * size,
+        "seconds": seconds,
+        "path": os.path.abspath(request.path),
+        "shown": os.fspath(request.path),
+        "names": list(request.names),
+        "optional": list(request.optional),
+        "columns": dict(request.columns),
+        "scaled": sorted(request.scaled),
+        "rows": [request.rows.start, request.rows.stop],
+    }
+    late = threading.Event()
+    with contextlib.ExitStack() as stack:
+        job["temporary"] = stack.enter_context(_temporary_folder(request)) if kind in TEMPORARY else None
+        process = stack.enter_context(isolated(START, job, beside=os.fspath(request.path)))
+
+        def stop() -> None:
+            late.set()
+            process.kill()
+
+        timer = threading.Timer(seconds, stop)
+        timer.daemon = True
+        timer.start()
         try:
-            done = subprocess.run(
-                [sys.executable, "-c", START],
-                input=json.dumps(job),
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                text=True,
-                timeout=seconds,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            raise request.refuse(f"must be a whole {what}, got one that is not read within {seconds:.0f} s") from None
-        answer = Path(folder) / "answer.json"
-        if not answer.exists():
-            how = f"signal {-done.returncode}" if done.returncode < 0 else f"status {done.returncode}"
-            raise request.refuse(f"must be a whole {what}, got one that ends its reader ({how})")
-        told = json.loads(answer.read_text())
-        if "error" in told:
-            raise InputError(told["error"])
-        return {name: np.load(Path(folder) / f"{i}.npy") for i, name in enumerate(told["names"])}
+            columns = _received(process)
+            if columns is not None:
+                return columns
+            status = process.wait()
+        finally:
+            timer.cancel()
+    if late.is_set():
+        raise request.refuse(f"must be a whole {what}, got one that is not read within {seconds:.0f} s")
+    how = f"signal {-status}" if status < 0 else f"status {status}"
+    raise request.refuse(f"must be a whole {what}, got one that ends its reader ({how})")
+
+
+@contextlib.contextmanager
+def _temporary_folder(request: Request) -> Iterator[str]:
+    """A folder that goes with what a library left there, however its process ended."""
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="cogging", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
+    with folder as name:
+        yield name
+
+
+def _received(process: subprocess.Popen[bytes]) -> dict[str, FloatArray] | None:
+    """The columns that serve() writes, or None if it ends before all are there.
+
+    Raises:
+        InputError: what serve() refuses.
+    """
+    stream = process.stdout
+    assert stream is not None
+    while (line := stream.readline()) and not line.endswith(ANSWER):
+        pass
+    told = stream.readline()
+    if not told.endswith(b"\n"):
+        return None
+    answer = json.loads(told)
+    if "error" in answer:
+        raise InputError(answer["error"])
+    columns = {name: np.empty(answer["rows"]) for name in answer["names"]}
+    for column in columns.values() if answer["rows"] else ():
+        rest = column.data.cast("B")
+        while rest:
+            got = stream.readinto(rest)  # type: ignore[attr-defined]
+            if not got:
+                return None
+            rest = rest[got:]
+    return columns
 
 
 def serve(job: Mapping[str, Any]) -> None:
-    """Read in this process what read_apart asks for: arrays and answer.json in the job's folder."""
-    _limit_memory(job["memory"])
-    request = Request(job["path"], job["names"], job["optional"], job["columns"], job["scaled"], slice(*job["rows"]))
-    answer: dict[str, Any]
+    """Read in this process what read_apart asks for, and write it to standard output."""
+    output = os.fdopen(os.dup(1), "wb")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # whatever a library says
+    confine(job)
+    tempfile.tempdir = job["temporary"]
+    request = Request(
+        job["path"],
+        job["names"],
+        job["optional"],
+        job["columns"],
+        job["scaled"],
+        slice(*job["rows"]),
+        shown=job["shown"],
+    )
     try:
         columns = _read(job["kind"], request)
-        for i, values in enumerate(columns.values()):
-            np.save(Path(job["folder"]) / f"{i}.npy", values)
-        answer = {"names": list(columns)}
     except InputError as error:
-        answer = {"error": str(error)}
-    # Last and at once: what stands there is whole.
-    part = Path(job["folder"]) / "part"
-    part.write_text(json.dumps(answer))
-    part.rename(Path(job["folder"]) / "answer.json")
+        _answer(output, {"error": str(error)})
+    else:
+        rows = len(next(iter(columns.values()), ()))
+        _answer(output, {"names": list(columns), "rows": rows})
+        for values in columns.values() if rows else ():
+            output.write(np.ascontiguousarray(values).data.cast("B"))
+    output.flush()
     os._exit(0)  # without the libraries' own ends, which broken files have made to fail
 
 
-def _limit_memory(limit: int) -> None:
-    try:
-        import resource
-    except ImportError:  # not on Windows
-        return
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    if hard == resource.RLIM_INFINITY or limit < hard:
-        resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+def _answer(output: IO[bytes], answer: Mapping[str, Any]) -> None:
+    output.write(ANSWER + json.dumps(answer).encode() + b"\n")
 
 
 def _read(kind: str, request: Request) -> dict[str, FloatArray]:
@@ -124,9 +177,17 @@ def _read(kind: str, request: Request) -> dict[str, FloatArray]:
         raise request.refuse(f"needs {needed} to read a {what}: pip install 'cogging[{extra}]'") from None
     except MemoryError:
         raise request.refuse(f"must be a whole {what}, got one that asks for more memory than there is") from None
+    except OSError as error:
+        if error.errno in NO_ROOM and not error.filename:
+            raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
+        raise _broken(request, what, error) from None
     except Exception as error:  # whatever a library answers to a broken file
-        said = " ".join(str(error).split())[:120]
-        raise request.refuse(f"must be a whole {what}, got {type(error).__name__}{': ' * bool(said)}{said}") from None
+        raise _broken(request, what, error) from None
+
+
+def _broken(request: Request, what: str, error: Exception) -> InputError:
+    said = " ".join(str(error).split())[:120]
+    return request.refuse(f"must be a whole {what}, got {type(error).__name__}{': ' * bool(said)}{said}")
 
 
 def _numbers(request: Request, table: Mapping[str, Any]) -> dict[str, FloatArray]:

@@ -9,8 +9,6 @@ import numpy as np
 
 from cogging.readers.request import Request
 
-NUMBERS = "fiub"  # kinds of numpy
-
 
 def read(request: Request) -> dict[str, Any]:
     """Read variables of a version 4 to 7 file.
@@ -51,24 +49,14 @@ def read_hdf5(request: Request) -> dict[str, Any]:
 
     Raises:
         ImportError: h5py is not installed.
-        InputError: a variable is missing. What a broken file raises is h5py's.
+        InputError: a variable is missing, or its numbers stand in another file. What a broken file raises is h5py's.
     """
     import h5py
 
+    from cogging.readers.hdf5 import datasets, numbers_of
+
     with h5py.File(request.path, "r") as file:
-        present: dict[str, Any] = {}
-
-        def visit(name: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-                present[name.replace("/", ".")] = item
-
-        file.visititems(visit)
+        present = datasets(file, request)
         names = list(present)
         chosen = request.choose(names, "file")
-        columns = {}
-        for name, place in chosen.items():
-            item = present[names[place]]
-            if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
-                raise request.refuse(f"{name}: must be real numbers, got {item.attrs['MATLAB_class'].decode()}")
-            columns[name] = item[()] if item.dtype.kind in NUMBERS else np.empty(0, dtype=item.dtype)
-        return columns
+        return {name: numbers_of(present[names[place]], name, request) for name, place in chosen.items()}

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from cogging.files import InputError
+from cogging.readers.formulas import Formulas
 from cogging.readers.request import Request
+
+#: Conversions that make numbers of numbers, by the library's codes. Those of value ranges to texts may hold others.
+NUMBERS = {3: (65535, 0, 1, 2, 6, 7, 8, 9), 4: (0, 1, 2, 4, 5)}
+RANGES = 6  # to numbers, of version 4: of whole numbers the library takes the wrong ones
+FLOATS = (4, 5)  # data types of version 4
+VALUES_TO_TEXTS = {3: (11, 12), 4: (7, 8)}
+FORMULA = {3: 10, 4: 3}
+OF_TIME = (65535, 0)  # that the library applies to the time of version 2 and 3: none and linear
 
 
 def _unit(channel: Any) -> str:
@@ -21,9 +31,11 @@ def read(request: Request) -> dict[str, Any]:
         ImportError: asammdf is not installed.
         InputError: a channel is missing, or they stand in different groups. What a broken file raises is asammdf's.
     """
+    formulas = Formulas()  # before the library takes them up
     from asammdf import MDF
 
-    with MDF(request.path) as file:
+    plain: dict[str, Any] = {"process_bus_logging": False}  # which opens what is attached
+    with MDF(request.path, **plain) as file:
         masters = set(file.masters_db.items())
         places: dict[str, tuple[int, int]] = {}
         counts = {name: len(entries) for name, entries in file.channels_db.items()}
@@ -44,6 +56,11 @@ def read(request: Request) -> dict[str, Any]:
         if len(groups) > 1:
             where = ", ".join(f"{name} in {group}" for name, (group, _) in chosen.items())
             raise request.refuse(f"columns: must stand in one channel group, of one time base, got {where}")
+        version = 4 if str(file.version) >= "4" else 3
+        for name, (group, channel) in chosen.items():
+            _require_numbers(request, name, file.groups[group].channels[channel], version)
+        for group in groups:
+            _require_time(request, file, group, version)
         columns: dict[str, Any] = {}
         for name, (group, channel) in chosen.items():
             signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
@@ -53,4 +70,51 @@ def read(request: Request) -> dict[str, Any]:
                 raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
         if wants_master:
             columns["time"] = file.get_master(next(iter(groups)))
+        if formulas.refused:
+            raise request.refuse(f"conversion: must not be a formula in the file, got {formulas.refused[0]!r}")
         return columns
+
+
+def _require_time(request: Request, file: Any, group: int, version: int) -> None:
+    """Refuse a group whose time, which the library reads along, is not made of what stands in the file."""
+    if group not in file.masters_db:
+        return
+    master = file.groups[group].channels[file.masters_db[group]]
+    name = f"time ({master.name})"
+    _require_numbers(request, name, master, version)
+    if version == 3 and master.conversion is not None and master.conversion.conversion_type not in OF_TIME:
+        raise request.refuse(f"{name}: must be converted linearly, got conversion {master.conversion.conversion_type}")
+
+
+def _require_numbers(request: Request, name: str, channel: Any, version: int) -> None:
+    """Refuse a channel whose conversion is not done or not one of numbers: what comes out would be raw counts.
+
+    A formula is a text that the library evaluates.
+    """
+    if channel.conversion is None:
+        if getattr(channel, "conversion_addr", 0):
+            raise request.refuse(f"{name}: must have a whole conversion, got one that cannot be read")
+        return
+    if version == 4 and channel.conversion.conversion_type == RANGES and channel.data_type in FLOATS:
+        return
+    _require_conversion(request, name, channel.conversion, version)
+
+
+def _require_conversion(request: Request, name: str, conversion: Any, version: int) -> None:
+    kind = conversion.conversion_type
+    if kind == FORMULA[version]:
+        raise _formula(request, name, conversion.formula)
+    if kind in VALUES_TO_TEXTS[version]:
+        for inner in (getattr(conversion, "referenced_blocks", None) or {}).values():
+            if hasattr(inner, "conversion_type"):
+                _require_conversion(request, name, inner, version)
+            elif isinstance(inner, bytes) and version == 3 and b"{X}" in inner:
+                raise _formula(request, name, inner.decode("latin-1"))
+    elif kind not in NUMBERS[version]:
+        rule = "must have a conversion of numbers to numbers that is read rightly"
+        raise request.refuse(f"{name}: {rule}, got number {kind} of MDF {version}")
+
+
+def _formula(request: Request, name: str, text: str) -> InputError:
+    said = str(text).strip(" \0")[:60]
+    return request.refuse(f"{name}: must be converted without a formula, which is not evaluated, got {said!r}")

@@ -42,6 +42,7 @@ class Request:
         scaled: columns whose factor was given, so that a unit other than SI is converted.
         rows: data rows to take, from 0.
         progress: whether a long reading may show how far it is.
+        shown: what the file is called in what is refused; as `path` where empty.
     """
 
     path: str | os.PathLike[str]
@@ -51,10 +52,11 @@ class Request:
     scaled: Collection[str] = ()
     rows: slice = field(default_factory=lambda: slice(0, None))
     progress: bool = True
+    shown: str = ""
 
     def refuse(self, problem: str) -> InputError:
         """Make the error that names the file."""
-        return InputError(f"{self.path}: {problem}")
+        return InputError(f"{self.shown or self.path}: {problem}")
 
     def in_file(self, name: str) -> str:
         """What a column is called in the file."""
