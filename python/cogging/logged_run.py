@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cogging._core import DivergedError
 from cogging.audit import Audit, audit, check_against_model
 from cogging.controller_check import MISMATCH, ControllerCheck
 from cogging.force_balance import Simulator
@@ -34,8 +35,14 @@ class LoggedReplay(Replay):
         return super().run(model.replace(controller=self.controller))
 
     def log_of(self, model: Model) -> Log:
-        """The simulated log of one model, at the times of the measured one."""
+        """The simulated log of one model, at the times of the measured one.
+
+        Raises:
+            DivergedError: the replay diverged.
+        """
         run = self.run(model)
+        if not (np.isfinite(run["position"]).all() and np.isfinite(run["command"]).all()):
+            raise DivergedError("the replay diverged")
         return Log(time=self.log.time, position=run["position"], command=run["command"])
 
 
