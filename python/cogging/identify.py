@@ -21,6 +21,7 @@ from cogging.logged_run import LoggedRun
 from cogging.logs import Log, read_log
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, parameters_of, role_of, with_values
+from cogging.pauses import running_time
 from cogging.residuals import Innovations, Residuals
 
 FloatArray = npt.NDArray[np.float64]
@@ -97,6 +98,10 @@ def identify(
             raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
         if np.ptp(log.position) == 0.0:
             raise ValueError(f"{name}: position: must move, got {log.position[0]:g} m in every row")
+        try:
+            running_time(log.time)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
     if cutoff is not None and not 0.0 < cutoff <= 0.2 * rate:
         raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")

@@ -30,6 +30,7 @@ from cogging.estimation import NothingCounts
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.parameters import parameters_of, with_values
+from cogging.pauses import without_pauses
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
@@ -77,6 +78,8 @@ def diagnose(
             raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
     notes: list[str] = []
+    given = [_without_pauses(log, name, notes) for log, name in zip(given, called, strict=True)]
+    others = [_without_pauses(log, name, notes) for log, name in zip(others, others_called, strict=True)]
     model, replay, mismatch = _controller(given, model, notes)
     if mismatch is not None:
         return _mismatch(given, model, mismatch, notes)
@@ -105,6 +108,17 @@ def _with_term(result: Diagnosis, found: Search, model: Model, logs: Sequence[Lo
         return replace(result, notes=(*result.notes, str(why)))
     larger = with_intervals(_file_form(larger, model), found.estimate)
     return replace(result, model=larger, unlisted=rest | {"added": told})
+
+
+def _without_pauses(log: Log, name: str, notes: list[str]) -> Log:
+    """The log as it is searched: what a pause of a day would need is not laid out row by row."""
+    try:
+        running, said = without_pauses(log)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+    if said:
+        notes.append(f"{name}: {said}")
+    return running
 
 
 def _seconds_of_motion(log: Log) -> float:
