@@ -23,6 +23,7 @@ SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is moved
 RATE_TOLERANCE = 0.02  # of the stated sample rate
 FEWEST_ROWS = 20
 ROUGH = 1e-3  # of the rms command: what differs less is not looked into
+EXPLAINS = 0.7  # of the difference: values that leave and return must explain the rest of it to be left out
 ENOUGH = 0.25  # of the rows: so many before the first gap tell whether a controller that learns made the log
 AT_REST = 1e-3  # of the top speed: slower is rest
 
@@ -84,7 +85,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     refusal = _why_not(log, model, command_rms)
     if refusal:
         return ControllerCheck(kind, None, command_rms, notes=(refusal,))
-    found = _compared(log, model, kind)
+    found = compared(log, model, kind)
     samples, judged = found.samples, found.judged
     if judged.sum() < FEWEST_ROWS:
         text = f"{int(judged.sum())} rows between gaps are too few to check the controller, which takes {FEWEST_ROWS}"
@@ -109,7 +110,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     if not reproduces and model.make_controller().estimates.size:
         reproduces, note = _with_estimates(found, command_rms)
         notes.append(note)
-    readings, commands = (np.unique(samples.row[rows & samples.known]) for rows in (found.unseen, found.doubted))
+    readings, commands = np.flatnonzero(found.unseen), samples.row[found.doubted]
     return ControllerCheck(
         type=kind,
         reproduces=reproduces,
@@ -129,7 +130,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     )
 
 
-def _with_estimates(found: _Compared, command_rms: float) -> tuple[bool | None, str]:
+def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, str]:
     """Whether a controller that learns reproduces a log whose whole it does not, and why it may not."""
     samples = found.samples
     velocity = np.abs(samples.motion["reference_velocity"])
@@ -142,11 +143,11 @@ def _with_estimates(found: _Compared, command_rms: float) -> tuple[bool | None, 
     if before.sum() < max(FEWEST_ROWS, ENOUGH * found.judged.sum()):
         return None, told
     left = _rms(samples.command[before] - found.computed[before]) / command_rms
-    return (True if left <= MISMATCH else False), f"{told}: until then the difference is {100 * left:.2g} %"
+    return bool(left <= MISMATCH), f"{told}: until then the difference is {100 * left:.2g} %"
 
 
 @dataclass(frozen=True)
-class _Compared:
+class Compared:
     """A log beside what the stated controller gives for it, one entry a sample.
 
     Attributes:
@@ -155,7 +156,7 @@ class _Compared:
         start: V, that start, constant between gaps.
         judged: samples that are compared.
         doubted: rows whose command no controller gives: a single value that leaves and returns.
-        unseen: rows whose reading the controller did not see: likewise.
+        unseen: rows of the log, (n,), whose reading the controller did not see: likewise.
         shifts: rms difference by the rows that the command is moved, V.
     """
 
@@ -168,8 +169,8 @@ class _Compared:
     shifts: Mapping[int, float]
 
 
-def _compared(log: Log, model: Model, kind: str) -> _Compared:
-    """The log as its rows say or, where that explains more, without readings or commands that leave and return."""
+def compared(log: Log, model: Model, kind: str) -> Compared:
+    """A log beside its controller: as its rows say or, where that explains more, without what leaves and returns."""
     reference = _reference(log, kind)
     found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * _rms(log.command):
@@ -178,14 +179,14 @@ def _compared(log: Log, model: Model, kind: str) -> _Compared:
     for unseen, cleaned in ((readings, False), (readings, True), (np.zeros(len(log), dtype=bool), True)):
         if (unseen.any() or cleaned) and (commands.any() or not cleaned):
             other = _compared_with(log, model, kind, reference, unseen, cleaned=cleaned)
-            if other.judged.any() and other.shifts[0] < found.shifts[0]:
+            if other.judged.any() and other.shifts[0] < EXPLAINS * found.shifts[0]:
                 found = other
     return found
 
 
 def _compared_with(
     log: Log, model: Model, kind: str, reference: FloatArray, unseen: Mask, *, cleaned: bool
-) -> _Compared:
+) -> Compared:
     controller: Any = model.controller
     samples = Samples.of(log, reference, controller.sample_rate, unseen)
     judged = samples.judged(_lags(kind, controller))
@@ -201,15 +202,18 @@ def _compared_with(
             start[samples.segment == 0] = 0.0
     limit = controller.command_limit
     computed = np.clip(computed + start, -limit, limit) if limit > 0.0 else computed + start
-    none = np.zeros(len(computed), dtype=bool)
-    shifts = {shift: _rms(_shifted(samples, computed, judged, shift)) for shift in SHIFTS}
     doubted = _doubted(samples.command, computed, judged)
-    if doubted.any() and min(shifts.values()) > 0.5 * shifts[0]:  # else it is the timing that is wrong
-        judged = judged & ~doubted
-        shifts = {shift: _rms(_shifted(samples, computed, judged, shift)) for shift in SHIFTS}
-    else:
-        doubted = none
-    return _Compared(samples, computed, start, judged, doubted, unseen[samples.row], shifts)
+    shifts = _by_shift(samples, computed, judged, doubted)
+    if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # it is the timing that is wrong
+        doubted = np.zeros(len(computed), dtype=bool)
+        shifts = _by_shift(samples, computed, judged, doubted)
+    judged = judged & ~doubted
+    return Compared(samples, computed, start, judged, doubted, unseen, shifts)
+
+
+def _by_shift(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask) -> dict[int, float]:
+    """Rms difference by the rows that the command is moved, V, without commands that are doubted."""
+    return {shift: _rms(_shifted(samples, computed, judged, doubted, shift)) for shift in SHIFTS}
 
 
 def _doubted(command: FloatArray, computed: FloatArray, rows: Mask) -> Mask:
@@ -305,7 +309,7 @@ def _stated_gains(controller: Any, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _fit_gains(
-    found: _Compared, model: Model, regressors: Mapping[str, FloatArray]
+    found: Compared, model: Model, regressors: Mapping[str, FloatArray]
 ) -> tuple[dict[str, float], dict[str, float], float]:
     """Stated gains, those that fit the log, and the rms that these leave; only gains that are stated above zero."""
     controller: Any = model.controller
@@ -371,15 +375,17 @@ def _recompute(
     return min(own, told, key=lambda command: _rms((samples.command - command)[judged])), False, limited
 
 
-def _shifted(samples: Samples, computed: FloatArray, judged: Mask, shift: int) -> FloatArray:
+def _shifted(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask, shift: int) -> FloatArray:
     """Logged minus computed when the logged command is moved back by `shift` rows; rows 3 to n - 2 or, unmoved, all."""
     command = samples.command
+    known = samples.known & ~doubted
     if shift == 0:
-        return command[judged] - computed[judged]
+        rows = judged & ~doubted
+        return command[rows] - computed[rows]
     edge = max(SHIFTS)
     rows = np.arange(1 + edge, command.size - edge)
-    rows = rows[judged[rows] & samples.known[rows + shift] & (samples.segment[rows] == samples.segment[rows + shift])]
-    return command[rows + shift] - computed[rows]
+    rows = rows[judged[rows] & known[rows + shift] & (samples.segment[rows] == samples.segment[rows + shift])]
+    return np.asarray(command[rows + shift] - computed[rows])
 
 
 def _rms(values: FloatArray) -> float:

@@ -116,6 +116,7 @@ def identify(
         raise ValueError(f"rest: must be at least 0, got {rest:g}")
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
     cutoffs = [cutoff] if cutoff is not None else [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
+    notes = (*notes, *(run.repairs for run in runs if run.repairs))
     return replace(_Fit(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 

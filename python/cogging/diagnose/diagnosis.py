@@ -28,10 +28,12 @@ from cogging.diagnose.stand_in import stood_in
 from cogging.diagnose.verdict import unlisted, verdict
 from cogging.estimation import NothingCounts
 from cogging.logs import Log
+from cogging.missing_rows import with_missing_rows
 from cogging.model import Model
 from cogging.parameters import parameters_of, with_values
 from cogging.pauses import without_pauses
 from cogging.repeated_rows import counted_once, repeated, repeated_text
+from cogging.spikes import repaired, spikes
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
@@ -86,6 +88,8 @@ def diagnose(
     model, replay, mismatch = _controller(given, model, notes)
     if mismatch is not None:
         return _mismatch(given, model, mismatch, notes)
+    given = [_repaired(log, model, name, notes) for log, name in zip(given, called, strict=True)]
+    others = [_repaired(log, model, name, notes) for log, name in zip(others, others_called, strict=True)]
     moving = sum(_seconds_of_motion(log) for log in given)
     if moving < SECONDS_MIN:
         notes.append(f"the axis moves for {moving:.2g} s only: at rest, friction hides every force")
@@ -144,6 +148,18 @@ def _without_pauses(log: Log, name: str, notes: list[str]) -> Log:
     if said:
         notes.append(f"{name}: {said}")
     return running
+
+
+def _repaired(log: Log, model: Model, name: str, notes: list[str]) -> Log:
+    """The log without single values that nobody saw, and with the rows that it lacks: an observer rings after each."""
+    check = check_controller(log, model)
+    commands = np.zeros(len(log), dtype=bool)
+    if check is not None and check.reproduces:
+        commands[list(check.doubted_commands)] = True
+    whole, said = repaired(log, spikes(log.position), commands)
+    whole, also = with_missing_rows(whole, model)
+    notes += [f"{name}: {text}" for text in (said, also) if text]
+    return whole
 
 
 def _seconds_of_motion(log: Log) -> float:
