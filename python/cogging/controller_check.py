@@ -383,9 +383,9 @@ def _shifted(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask
         rows = judged & ~doubted
         return command[rows] - computed[rows]
     edge = max(SHIFTS)
-    rows = np.arange(1 + edge, command.size - edge)
-    rows = rows[judged[rows] & known[rows + shift] & (samples.segment[rows] == samples.segment[rows + shift])]
-    return np.asarray(command[rows + shift] - computed[rows])
+    at = np.arange(1 + edge, command.size - edge)
+    at = at[judged[at] & known[at + shift] & (samples.segment[at] == samples.segment[at + shift])]
+    return np.asarray(command[at + shift] - computed[at])
 
 
 def _rms(values: FloatArray) -> float:
