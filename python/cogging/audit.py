@@ -44,7 +44,7 @@ class Audit:
         gaps: number of steps above 1.5 medians.
         gap_longest: s; 0 without gaps.
         gap_times: s, when the first ten of them begin.
-        repeated_times: rows whose time does not rise, always 0 in a log that read_log gave.
+        repeated_times: rows whose time does not rise: always 0, since a Log refuses them.
         encoder_quantum: m, of which nearly all readings differ by multiples; 0 if there is none.
         travel: m, lowest and highest reading without outliers.
         speed: m/s, lowest and highest, smoothed over 20 ms.

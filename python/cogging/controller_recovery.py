@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import CascadeParameters, PidParameters, Sampled, smooth_sign
-from cogging.controller_check import least_squares, linear_regressors
+from cogging._core import CascadeParameters, PidParameters, smooth_sign
+from cogging.controller_check import fit_samples, least_squares, linear_regressors
+from cogging.controller_samples import Samples
 from cogging.logs import Log
+from cogging.spikes import spikes
 
 FloatArray = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 Columns = dict[str, FloatArray]
 
@@ -38,21 +41,33 @@ def recover_controller(log: Log) -> RecoveredController | None:
     Least squares of the command on what the gains multiply (linear_regressors): error, its sum and backward difference
     (`pid`), or error and the reading's backward difference (`cascade`), with the reference's derivatives and S(v) of a
     width that is searched for. Accepted when it leaves at most 0.5 % of the rms command and no gain is negative; gains
-    that contribute less than 0.1 % are set to zero. The simpler of two that fit alike is taken.
+    that contribute less than 0.1 % are set to zero. The simpler of two that fit alike is taken. What the log lacks, or
+    has as single values that leave and return, is gone over as check_controller does.
     """
     if log.reference is None or len(log) < FEWEST_ROWS:
         return None
-    motion = Sampled(log.time, log.reference, log.reference_velocity, log.reference_acceleration).samples
-    rate = _round_rate(1.0 / float(np.median(np.diff(log.time))))
-    command_rms = float(np.sqrt(np.mean(log.command**2)))
+    found = _recovered(log, log.reference, np.zeros(len(log), dtype=bool))
+    unseen = spikes(log.position - log.reference)
+    return _recovered(log, log.reference, unseen) if found is None and unseen.any() else found
+
+
+def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredController | None:
+    """The controller of a log, some of whose readings it did not see."""
+    step = float(np.median(np.diff(log.time)))
+    rate = _round_rate(1.0 / step)
+    samples = Samples.of(log, reference, 1.0 / step, unseen)
+    limit, free = _limit(log.command)
+    rows = free[samples.row] & samples.judged((0, 1))
+    if rows.sum() < FEWEST_ROWS // 2:
+        return None
+    command_rms = float(np.sqrt(np.mean(samples.command[samples.known] ** 2)))
     if command_rms == 0.0:
         return None
-    limit, free = _limit(log.command)
     found: list[tuple[int, RecoveredController]] = []
     for kind, struct in (("cascade", CascadeParameters), ("pid", PidParameters)):
         for velocity in ("reference", "measured"):
             base = struct(sample_rate=rate, feedforward_velocity=velocity)
-            fit = _fit(kind, base, motion, log, free, command_rms)
+            fit = _fit(kind, base, samples, rows, command_rms)
             if fit is None or fit[1] > ACCEPTED * command_rms:
                 continue
             gains, rms = fit
@@ -68,24 +83,37 @@ def recover_controller(log: Log) -> RecoveredController | None:
 
 
 def _fit(
-    kind: str,
-    base: PidParameters | CascadeParameters,
-    motion: dict[str, FloatArray],
-    log: Log,
-    rows: npt.NDArray[np.bool_],
-    command_rms: float,
+    kind: str, base: PidParameters | CascadeParameters, samples: Samples, rows: Mask, command_rms: float
 ) -> tuple[dict[str, float], float] | None:
     """Gains by name, the width of S(v) among them, and the rms that they leave; None where one is negative."""
+    fixed = linear_regressors(kind, base, samples.motion, samples.position)
+    _, _, believed = fit_samples(samples, fixed, rows, "ki" in fixed)
+    if believed.sum() < rows.sum():
+        command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))
+    return _fit_rows(kind, fixed, samples, believed, command_rms)
 
-    fixed = linear_regressors(kind, base, motion, log.position)
-    fixed = {name: column[rows] for name, column in fixed.items()}
-    command, velocity = log.command[rows], fixed["viscous"]
+
+def _fit_rows(
+    kind: str, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask, command_rms: float
+) -> tuple[dict[str, float], float] | None:
+    """The same, on rows that are believed."""
+    apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
+
+    def of_rows(column: FloatArray) -> FloatArray:
+        return (samples.without_means(column, rows) if apart else column)[rows]
+
+    velocity = fixed["viscous"][rows]
+    whole = fixed["viscous"]
+    fixed = {name: of_rows(column) for name, column in fixed.items()}
+    command = of_rows(samples.command)
 
     def solve(names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
         columns = {name: column[::every] for name, column in fixed.items() if names is None or name in names}
-        if "coulomb" in columns:
+        if "coulomb" in columns and apart:
+            columns["coulomb"] = of_rows(smooth_sign(whole, width))[::every]
+        elif "coulomb" in columns:
             columns["coulomb"] = smooth_sign(velocity[::every], width)
-        if "ki" in columns:
+        if "ki" in columns and not apart:
             columns["start"] = np.ones(len(columns["ki"]))
         return (*least_squares(columns, command[::every]), columns)
 

@@ -55,21 +55,26 @@ class ForceBalance:
         """Filter a log's motion; rows slower than `rest` (m/s; None: 2 % of the largest speed) do not count."""
         dynamics = InverseDynamics(log, cutoff=cutoff)
         motion, even = dynamics.motion, dynamics.even
-        scales = Scales(
-            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
-            position=float(np.ptp(log.position)) or 1.0,
-            velocity=float(np.abs(motion.middle_velocity).max()) or 1.0,
-            acceleration=float(np.quantile(np.abs(motion.acceleration), 0.99)) or 1.0,
-            time=float(log.time[-1] - log.time[0]),
-            sample_time=dynamics.sample_time,
-        )
-        counts = np.abs(motion.middle_velocity) > (REST * scales.velocity if rest is None else rest)
         edge = max(START, 0.5 / cutoff)
-        counts &= (even >= even[0] + edge) & (even <= even[-1] - edge)
+        counts = (even >= even[0] + edge) & (even <= even[-1] - edge)
+        moved = np.ones(len(even), dtype=bool)  # by the axis, not by a line across a pause that was cut
         for k in np.flatnonzero(np.diff(log.time) > GAP * dynamics.sample_time):
             # What is interpolated across the gap passes through the filter to its neighbours: its memory is left out.
             first, last = np.searchsorted(even, [log.time[k] - 2.0 / cutoff, log.time[k + 1] + 2.0 / cutoff])
             counts[first:last] = False
+            if dynamics.pauses:
+                moved[first:last] = False
+        if not moved.any():
+            moved[:] = True
+        scales = Scales(
+            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
+            position=float(np.ptp(log.position)) or 1.0,
+            velocity=float(np.abs(motion.middle_velocity[moved]).max()) or 1.0,
+            acceleration=float(np.quantile(np.abs(motion.acceleration[moved]), 0.99)) or 1.0,
+            time=float(log.time[-1] - log.time[0]),
+            sample_time=dynamics.sample_time,
+        )
+        counts &= np.abs(motion.middle_velocity) > (REST * scales.velocity if rest is None else rest)
         block = np.floor((even - even[0]) / max(0.2, 4.0 / cutoff)).astype(np.int64)
         return cls(log, dynamics, counts, block, scales)
 

@@ -89,6 +89,7 @@ class Identification:
         cutoff: of the inverse dynamics' filter, Hz.
         estimator: whose values are reported: "inverse_dynamics" or "output_error".
         controller: what is to be said of a stated controller, one line a log.
+        notes: what else is to be said of the logs, such as rows that stand in several of them.
     """
 
     model: Model
@@ -101,6 +102,7 @@ class Identification:
     cutoff: float
     estimator: str
     controller: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"Identification(estimator={self.estimator!r}, parameters={[p.path for p in self.parameters]})"
@@ -141,7 +143,7 @@ class Identification:
             if log.replay:
                 errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
                 lines.append(f"  closed-loop replay, relative error: {errors}")
-        return "\n".join([*lines, *self.controller])
+        return "\n".join([*lines, *self.controller, *(f"note: {note}" for note in self.notes)])
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""
@@ -183,6 +185,7 @@ class Identification:
             "determinability": list(self.determinability),
             "logs": logs,
             "controller": list(self.controller),
+            "notes": list(self.notes),
         }
 
     def _table(self) -> list[str]:

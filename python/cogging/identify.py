@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,8 @@ from cogging.logged_run import LoggedRun
 from cogging.logs import Log, read_log
 from cogging.model import Model
 from cogging.parameters import Parameter, Scales, parameters_of, role_of, with_values
+from cogging.pauses import running_time
+from cogging.repeated_rows import counted_once
 from cogging.residuals import Innovations, Residuals
 
 FloatArray = npt.NDArray[np.float64]
@@ -45,7 +47,7 @@ def identify(
     names: Sequence[str] | None = None,
     progress: bool = False,
 ) -> Identification:
-    """Fit the parameters of a model to one or several logs together.
+    """Fit the parameters of a model to one or several logs together. Rows that stand in several of them count once.
 
     Two estimators: inverse dynamics with instruments from a simulated run (reported, since it weighs all motion below
     the cut-off alike, and so bears a model that is not quite true), and the whitened output error of the closed-loop
@@ -97,14 +99,25 @@ def identify(
             raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
         if np.ptp(log.position) == 0.0:
             raise ValueError(f"{name}: position: must move, got {log.position[0]:g} m in every row")
+        try:
+            running_time(log.time)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
+    for name, log, entry in zip(called, read, added, strict=True):
+        if entry is not None and np.shape(entry) != (len(log),):
+            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {np.shape(entry)}")
+    read, kept, notes = counted_once(read, called, FEWEST_ROWS)
+    added = [e if e is None else np.asarray(e)[rows] for e, rows in zip(added, kept, strict=True) if rows.any()]
+    called = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
     if cutoff is not None and not 0.0 < cutoff <= 0.2 * rate:
         raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")
     if rest is not None and not 0.0 <= rest < np.inf:
         raise ValueError(f"rest: must be at least 0, got {rest:g}")
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
     cutoffs = [cutoff] if cutoff is not None else [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
-    return _Fit(model, runs, paths, cutoffs, rest).run(progress)
+    notes = (*notes, *(run.repairs for run in runs if run.repairs))
+    return replace(_Fit(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 
 @dataclass(frozen=True)

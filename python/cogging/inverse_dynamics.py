@@ -12,6 +12,7 @@ import numpy.typing as npt
 from cogging._core import Predictor
 from cogging.logs import Log
 from cogging.model import Model
+from cogging.pauses import running_time
 from cogging.residuals import quiet_plant
 
 FloatArray = npt.NDArray[np.float64]
@@ -40,25 +41,31 @@ class InverseDynamics:
     """Residuals of the force balance along a motion, V: what acts less mass times acceleration, low-pass filtered.
 
     The rows are those of an even grid with the log's median step: readings are interpolated, of commands the mean that
-    acts over each step is taken. Effects that falsify the reading are taken out of it. Motor and load of an effect with
+    acts over each step is taken. Long pauses are passed over in few rows, whatever their length (see running_time).
+    Effects that falsify the reading are taken out of it. Motor and load of an effect with
     states (backlash, flexible_mode) are taken as one body, and presliding as sliding: right only in steady motion.
 
     Args:
         log: measured, or simulated in its place.
         cutoff: of the filter, Hz; Butterworth's magnitude of fourth order, without phase.
+
+    Raises:
+        ValueError: the log's rows fill hardly any of its time.
     """
 
     def __init__(self, log: Log, *, cutoff: float) -> None:
         self.cutoff = cutoff
-        steps = np.diff(log.time)
+        steps, running = np.diff(log.time), running_time(log.time)
         self.sample_time = float(np.median(steps))
-        rows = int(np.floor((log.time[-1] - log.time[0]) / self.sample_time + 1e-6)) + 1
-        self.even = log.time[0] + self.sample_time * np.arange(rows)
+        rows = int(np.floor((running[-1] - running[0]) / self.sample_time + 1e-6)) + 1
+        even = running[0] + self.sample_time * np.arange(rows)
         if np.abs(steps - self.sample_time).max() <= JITTER * self.sample_time and rows == len(log):
             self.readings, self.command = log.position, log.command
         else:
-            self.readings = np.interp(self.even, log.time, log.position)
-            self.command = _mean_held(log.time, log.command, self.even, self.sample_time)
+            self.readings = np.interp(even, running, log.position)
+            self.command = _mean_held(running, log.command, even, self.sample_time)
+        self.pauses = running is not log.time  # whether some were cut
+        self.even = np.interp(even, running, log.time) if self.pauses else even
         self.motion = self._smooth(self.readings)
         self.predictor = Predictor(self.even, self.motion.position, self.command)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cogging._core import DivergedError
 from cogging.audit import Audit, audit, check_against_model
 from cogging.controller_check import MISMATCH, ControllerCheck
 from cogging.force_balance import Simulator
@@ -14,6 +15,7 @@ from cogging.inverse_dynamics import InverseDynamics
 from cogging.logs import Log
 from cogging.model import Model
 from cogging.residuals import Replay
+from cogging.spikes import repaired, spikes
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -34,8 +36,14 @@ class LoggedReplay(Replay):
         return super().run(model.replace(controller=self.controller))
 
     def log_of(self, model: Model) -> Log:
-        """The simulated log of one model, at the times of the measured one."""
+        """The simulated log of one model, at the times of the measured one.
+
+        Raises:
+            DivergedError: the replay diverged.
+        """
         run = self.run(model)
+        if not (np.isfinite(run["position"]).all() and np.isfinite(run["command"]).all()):
+            raise DivergedError("the replay diverged")
         return Log(time=self.log.time, position=run["position"], command=run["command"])
 
 
@@ -49,6 +57,7 @@ class LoggedRun:
         audit: of it.
         replay: the closed loop on its reference, or None where controller or reference are unknown or do not fit.
         line: what is to be said of a stated controller, or "".
+        repairs: what is to be said of single values that leave and return, or "".
     """
 
     name: str
@@ -56,6 +65,7 @@ class LoggedRun:
     audit: Audit
     replay: LoggedReplay | None
     line: str
+    repairs: str = ""
 
     @classmethod
     def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
@@ -78,6 +88,10 @@ class LoggedRun:
         own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
         found = audit(own, model)
         usable, line = _usable(model, found.controller)
+        commands = np.zeros(len(log), dtype=bool)
+        if usable is not None and found.controller is not None:
+            commands[list(found.controller.doubted_commands)] = True
+        log, said = repaired(log, spikes(log.position), commands)
         replay = None
         if usable is not None and found.controller is not None:
             start = found.controller.start
@@ -87,7 +101,7 @@ class LoggedRun:
                 replay = LoggedReplay(log, usable, added_command=added)
             except ValueError as error:
                 line = line or f"the loop is not replayed: {error}"
-        return cls(name, log, found, replay, line and f"{name}: {line}")
+        return cls(name, log, found, replay, line and f"{name}: {line}", said and f"{name}: {said}")
 
     def simulator(self) -> Simulator | None:
         """What gives the instruments: the replay, else the reference if the axis followed it, else nothing."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.metadata
 import io
+import math
+import numbers
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -29,6 +31,9 @@ OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 class Log:
     """One run of an axis, measured or simulated: one row a sample.
 
+    Columns may be anything that is an array of real numbers (lists, pandas Series). They are held as read-only float64
+    arrays, without a copy where they are float64 arrays already.
+
     Attributes:
         time: s, strictly increasing, (n,).
         position: m, encoder reading at `time`.
@@ -37,6 +42,10 @@ class Log:
         true_position: m, the plant's own; None in a measured log. Likewise true_velocity, m/s.
         estimates: what the controller believed, (n, p), where it was asked for.
         metadata: what a CSV cannot hold: model, reference, version and seed of a simulated log.
+
+    Raises:
+        ValueError: a column is missing, not of real numbers, of another shape or length than `time`, has a masked
+            entry or one that is not finite, or `time` is not strictly increasing; names column, row, rule and value.
     """
 
     time: FloatArray
@@ -49,6 +58,20 @@ class Log:
     true_velocity: FloatArray | None = None
     estimates: FloatArray | None = None
     metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        rows = -1
+        for name in (*REQUIRED, *OPTIONAL, "true_position", "true_velocity", "estimates"):
+            given = getattr(self, name)
+            if given is None and name not in REQUIRED:
+                continue
+            values = _numbers(name, given, dimensions=2 if name == "estimates" else 1)
+            if rows < 0:
+                rows = len(values)
+                _require_increasing(values)
+            if len(values) != rows:
+                raise ValueError(f"{name}: must be as long as time ({rows} rows), got {len(values)}")
+            object.__setattr__(self, name, values)
 
     @classmethod
     def of(cls, columns: Mapping[str, FloatArray], metadata: Mapping[str, Any] | None = None) -> Log:
@@ -133,6 +156,60 @@ class Log:
         buffer = pa.BufferOutputStream()
         parquet.write_table(pa.table(self.columns()), buffer)
         return [buffer.getvalue().to_pybytes()]
+
+
+def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:
+    """A column as a read-only float64 array; a view of what is one already.
+
+    Raises:
+        ValueError: it is none.
+    """
+    array = given if type(given) is np.ndarray and given.dtype.kind != "O" else _array(name, given)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name}: must be real numbers, got {'none' if given is None else array.dtype}")
+    if array.ndim != dimensions:
+        wanted = "(rows,)" if dimensions == 1 else "(rows, estimates)"
+        raise ValueError(f"{name}: must have the shape {wanted}, got {array.shape}")
+    if not array.size and dimensions == 1:
+        raise ValueError(f"{name}: must have at least 1 row, got 0")
+    if isinstance(given, np.ma.MaskedArray) and np.ma.getmaskarray(given).any():
+        row = int(np.argmax(np.ma.getmaskarray(given))) // max(1, array.size // len(array))
+        raise ValueError(f"row {row}: {name}: must not be masked: leave out the rows that are, got a mask there")
+    with np.errstate(over="ignore"):  # what is too large for float64 is infinite, and told below
+        values: FloatArray = array.astype(np.float64, copy=False).view()
+    if not np.isfinite(values).all():
+        bad = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
+        raise ValueError(f"row {bad[0]}: {name}: must be a finite number, got {values[bad]:g}")
+    values.flags.writeable = False
+    return values
+
+
+def _array(name: str, given: Any) -> npt.NDArray[Any]:
+    try:
+        array = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        raise ValueError(f"{name}: must be real numbers, got a {type(given).__name__} that is no array") from None
+    if array.dtype.kind != "O" or array.ndim == 0:
+        return array
+    for row, value in enumerate(array.flat):  # what a table with missing entries holds, or integers beyond 64 bits
+        if not isinstance(value, numbers.Real) or isinstance(value, bool):
+            raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
+    return np.array([_as_float(value) for value in array.flat], dtype=np.float64).reshape(array.shape)
+
+
+def _as_float(value: numbers.Real) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _require_increasing(time: FloatArray) -> None:
+    rising = time[1:] > time[:-1]
+    if not rising.all():
+        row = int(np.argmin(rising)) + 1
+        before, here = _told_apart(time[row - 1], time[row])
+        raise ValueError(f"row {row}: time: must be strictly increasing, got {here} after {before}")
 
 
 def _plain(value: Any) -> Any:

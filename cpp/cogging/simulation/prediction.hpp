@@ -111,6 +111,15 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     if (k + 1 == rows) break;
     const double start = log.time[k], end = log.time[k + 1], h = end - start;
     const AxisState<double> before = state;
+    if (h > options.gap) {  // not followed: it may last a year
+      amplifier.over(start, end, [](const Drive<double>&, double, double) {});
+      state = {behind(log.position[k + 1]), (log.position[k + 1] - log.position[k]) / h};
+      if (with_slopes) {
+        result.middle_position[k] = 0.5 * (before.position + state.position);
+        result.middle_velocity[k] = state.velocity;
+      }
+      continue;
+    }
     double acting = 0.0;
     amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {
       acting += drive.at(0.5 * (to - from)) * (to - from);
@@ -146,10 +155,6 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     if (!std::isfinite(state.position) || !std::isfinite(state.velocity))
       throw DivergedError("the prediction diverged at " + format(end) + " s");
     const double innovation = log.position[k + 1] - encoder_position(plant.effects, state.position);
-    if (h > options.gap) {
-      state = {behind(log.position[k + 1]), (log.position[k + 1] - log.position[k]) / h};
-      continue;
-    }
     result.innovation[k + 1] = innovation;
     state.position += gain.position(step_after(log.time, k + 1)) * innovation;
     state.velocity += gain.velocity(h) * innovation;

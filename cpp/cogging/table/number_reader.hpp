@@ -56,7 +56,8 @@ struct TableLayout {
 };
 
 /// Reads lines of separated numbers. Blank lines are skipped; a number may stand in quotes; lines end with LF or CR LF.
-/// Refuses a line with fewer or more fields than the header, and a wanted field that is no finite number.
+/// Refuses a line with fewer or more fields than the header, a quote that is not closed in its line or has text behind
+/// it, and a wanted field that is no finite number.
 class NumberReader {
  public:
   static constexpr std::size_t line_max = std::size_t{1} << 24;  // bytes; a longer line is no row of a log
@@ -135,15 +136,28 @@ class NumberReader {
     return p;
   }
 
-  // Where the field that starts at p ends: at a separator outside quotes, or the line's end.
+  // Where the field at p ends: at a separator outside quotes, or the line's end. Two quotes in quotes are one.
   const char* field_end(const char* p, const char* end) const {
-    if (p != end && *p == '"') {
-      const char* quote = find(p + 1, end, '"');
-      if (quote != end) p = quote + 1;
-    }
+    if (p == end || *p != '"') return bare_end(p, end);
+    const char* quote = find(p + 1, end, '"');
+    while (quote != end && quote + 1 != end && quote[1] == '"') quote = find(quote + 2, end, '"');
+    if (quote == end) refuse(place(), "must close its quotes", shown(p, end));
+    const char* stop = layout_.separator == ' ' ? quote + 1 : skip_blanks(quote + 1, end);
+    const bool at_end = stop == end || (layout_.separator == ' ' ? is_blank(*stop) : *stop == layout_.separator);
+    if (!at_end) refuse(place(), "must have a separator behind closed quotes", shown(p, end));
+    return stop;
+  }
+
+  const char* bare_end(const char* p, const char* end) const {
     if (layout_.separator != ' ') return find(p, end, layout_.separator);
     while (p != end && !is_blank(*p)) ++p;
     return p;
+  }
+
+  static std::string shown(const char* begin, const char* end) {
+    constexpr std::ptrdiff_t most = 40;
+    const bool cut = end - begin > most;
+    return "'" + std::string(begin, cut ? begin + most : end) + (cut ? "...'" : "'");
   }
 
   void read_line(const char* p, const char* end) {
@@ -185,7 +199,10 @@ class NumberReader {
     if (quoted) ++p;
     const auto [value, number_end] = detail::parse_number(p, end);
     const char* stop = number_end;
-    if (quoted && stop != p && stop != end && *stop == '"') ++stop;
+    if (quoted && stop != p) {
+      if (stop == end || *stop != '"') refuse_number(begin, end, column);
+      ++stop;
+    }
     const bool at_blank = stop != end && is_blank(*stop);
     if (layout_.separator != ' ') stop = skip_blanks(stop, end);
     const bool at_end = stop == end || *stop == layout_.separator || (layout_.separator == ' ' && at_blank);
@@ -213,10 +230,7 @@ class NumberReader {
   [[noreturn]] void refuse_number(const char* begin, const char* end, std::size_t column) const {
     const char* stop = field_end(begin, end);
     while (stop != begin && is_blank(stop[-1])) --stop;
-    constexpr std::ptrdiff_t shown = 40;
-    const bool cut = stop - begin > shown;
-    refuse(place() + ": " + layout_.labels[column], "must be a finite number",
-           "'" + std::string(begin, cut ? begin + shown : stop) + (cut ? "...'" : "'"));
+    refuse(place() + ": " + layout_.labels[column], "must be a finite number", shown(begin, stop));
   }
 
   void require_line_length(std::size_t length) const {

@@ -28,8 +28,12 @@ from cogging.diagnose.stand_in import stood_in
 from cogging.diagnose.verdict import unlisted, verdict
 from cogging.estimation import NothingCounts
 from cogging.logs import Log
+from cogging.missing_rows import with_missing_rows
 from cogging.model import Model
 from cogging.parameters import parameters_of, with_values
+from cogging.pauses import without_pauses
+from cogging.repeated_rows import counted_once, repeated, repeated_text
+from cogging.spikes import repaired, spikes
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
@@ -57,13 +61,14 @@ def diagnose(
         logs: one or several, or their files.
         model: what is believed, or its file.
         confirm: logs of other motion, which take no part in choice or fit.
+            Rows that stand in several logs of one kind count once.
         names, confirm_names: what the logs are called in messages; their files by default.
         empirical: add what no effect explains to the model as a force of any shape, where it does not make the gap on
             the confirm logs larger. It is no effect of the vocabulary, and the result's gap is that without it.
         progress: is told what is being done.
 
     Raises:
-        ValueError: a log or model that cannot be used.
+        ValueError: a log or model that cannot be used, or a confirm log with rows of a given one.
         InputError: a file that cannot be read.
     """
     if not isinstance(model, Model):
@@ -76,10 +81,15 @@ def diagnose(
         if len(log) < ROWS_MIN:
             raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
-    notes: list[str] = []
+    given, called, others, others_called, repeats = _counted_once(given, called, others, others_called)
+    notes: list[str] = list(repeats)
+    given = [_without_pauses(log, name, notes) for log, name in zip(given, called, strict=True)]
+    others = [_without_pauses(log, name, notes) for log, name in zip(others, others_called, strict=True)]
     model, replay, mismatch = _controller(given, model, notes)
     if mismatch is not None:
         return _mismatch(given, model, mismatch, notes)
+    given = [_repaired(log, model, name, notes) for log, name in zip(given, called, strict=True)]
+    others = [_repaired(log, model, name, notes) for log, name in zip(others, others_called, strict=True)]
     moving = sum(_seconds_of_motion(log) for log in given)
     if moving < SECONDS_MIN:
         notes.append(f"the axis moves for {moving:.2g} s only: at rest, friction hides every force")
@@ -105,6 +115,51 @@ def _with_term(result: Diagnosis, found: Search, model: Model, logs: Sequence[Lo
         return replace(result, notes=(*result.notes, str(why)))
     larger = with_intervals(_file_form(larger, model), found.estimate)
     return replace(result, model=larger, unlisted=rest | {"added": told})
+
+
+def _counted_once(
+    given: list[Log], called: list[str], others: list[Log], others_called: list[str]
+) -> tuple[list[Log], list[str], list[Log], list[str], tuple[str, ...]]:
+    """Given and confirm logs with their names, rows that stand in several of a kind once, and what is said of that.
+
+    Raises:
+        ValueError: a confirm log has rows of a given one: it would confirm what was found in it.
+    """
+    for name, log in zip(others_called, others, strict=True):
+        for first, one in zip(called, given, strict=True):
+            rows = repeated(log, one)
+            if rows.any():
+                raise ValueError(
+                    f"{name}: must be other motion than {first} to confirm anything, but {repeated_text(rows)} in it"
+                )
+    left, kept, said = counted_once(given, called, ROWS_MIN)
+    others_left, others_kept, others_said = counted_once(others, others_called, ROWS_MIN)
+    names = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
+    others_names = [name for name, rows in zip(others_called, others_kept, strict=True) if rows.any()]
+    return left, names, others_left, others_names, (*said, *others_said)
+
+
+def _without_pauses(log: Log, name: str, notes: list[str]) -> Log:
+    """The log as it is searched: what a pause of a day would need is not laid out row by row."""
+    try:
+        running, said = without_pauses(log)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+    if said:
+        notes.append(f"{name}: {said}")
+    return running
+
+
+def _repaired(log: Log, model: Model, name: str, notes: list[str]) -> Log:
+    """The log without single values that nobody saw, and with the rows that it lacks: an observer rings after each."""
+    check = check_controller(log, model)
+    commands = np.zeros(len(log), dtype=bool)
+    if check is not None and check.reproduces:
+        commands[list(check.doubted_commands)] = True
+    whole, said = repaired(log, spikes(log.position), commands)
+    whole, also = with_missing_rows(whole, model)
+    notes += [f"{name}: {text}" for text in (said, also) if text]
+    return whole
 
 
 def _seconds_of_motion(log: Log) -> float:

@@ -19,6 +19,7 @@ QUICK = 100.0  # Hz, of the observer: above the motion, below what a coarse enco
 CALM = 50.0  # Hz, where rows soon after a start are left out
 FIRST = 2  # iterations, after which the other form of friction is fitted no further where it is hopelessly behind:
 HOPELESS = 1000.0  # of 2 ln likelihood; all that 40 blind logs had left to gain then was under 200
+GAP = 5.0  # median steps, beyond which one is a gap
 STARTS = 1.5  # times the power of the other rows, or under 1 / STARTS, where those soon after a start are unlike them
 
 
@@ -34,7 +35,10 @@ def sources_of(
 
 
 def _sample_time(log: Log) -> float:
-    return float((log.time[-1] - log.time[0]) / (len(log) - 1))
+    """The mean step, s, of those that are no gap."""
+    steps = np.diff(log.time)
+    long = steps > GAP * float(np.median(steps))
+    return float(steps[~long].mean()) if long.any() else float((log.time[-1] - log.time[0]) / (len(log) - 1))
 
 
 def nuisances(model: Model) -> list[str]:

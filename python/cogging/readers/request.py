@@ -66,28 +66,40 @@ class Request:
         """Find the columns among those that a file has: index by name.
 
         A name matches a column's whole text or what stands before its unit, `position [mm]`. `units` are those that
-        the file states apart from the names.
+        the file states apart from the names. Which of several columns is meant is asked, not guessed, unless `columns`
+        says it: those that differ from the name by a unit or by capitals alone may all be meant.
 
         Raises:
-            InputError: a column is missing or stands twice, or has a unit that is not SI and no factor was given.
+            InputError: a column is missing or stands twice, several may be meant, or it has a unit that is not SI and
+                no factor was given.
         """
         parts = [split_unit(text) for text in present]
         found = {}
         for name in (*self.names, *self.optional):
             there = self.in_file(name)
-            places = [i for i, text in enumerate(present) if text == there]
-            places = places or [i for i, (bare, _) in enumerate(parts) if bare == there]
+            whole = [i for i, text in enumerate(present) if text == there]
+            places = whole or [i for i, (bare, _) in enumerate(parts) if bare == there]
             if not places:
                 if name in self.names or name in self.columns:
                     raise self.refuse(f"column {there}: must be in the {place}, which has {listed(present)}")
                 continue
-            if len(places) > 1:
-                raise self.refuse(f"column {there}: must stand once in the {place}, got {len(places)} of that name")
+            if len(whole) > 1:
+                raise self.refuse(f"column {there}: must stand once in the {place}, got {len(whole)} of that name")
+            alike = [i for i, (bare, _) in enumerate(parts) if bare.strip().casefold() == there.strip().casefold()]
+            if len(places) > 1 or (len({*places, *alike}) > 1 and name not in self.columns):
+                raise self._ask(name, there, [present[i] for i in sorted({*places, *alike})], place)
             found[name] = places[0]
             stated = parts[places[0]][1] or (units[places[0]].strip() if units else "")
             if stated and name not in self.scaled:
                 self._require_si(name, there, stated)
         return found
+
+    def _ask(self, name: str, there: str, among: Sequence[str], place: str) -> InputError:
+        names = [repr(text.strip()) for text in among]
+        advice = " or ".join(f'"{name}={text.strip()}"' for text in among[:2])
+        return self.refuse(
+            f"column {there}: must be one column of the {place}, got {listed(names)}: say which, --columns {advice}"
+        )
 
     def _require_si(self, name: str, there: str, unit: str) -> None:
         wanted = SI_UNITS.get(name.rpartition("_")[2], "V")

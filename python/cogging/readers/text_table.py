@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 import sys
 
 import numpy as np
@@ -21,6 +22,8 @@ HEAD = 1 << 18  # bytes in which the header row must stand
 HEAD_LINES = 200
 LARGE = 100 << 20  # bytes from which a bar shows how far the reading is
 SEPARATORS = (";", ",", "\t")
+SHOWN = 40  # letters of a line that an error shows
+QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
 
 
 def read(request: Request) -> dict[str, FloatArray]:
@@ -109,7 +112,7 @@ def _offset(head: bytes, line: int) -> int:
 def _split(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.replace("\t", " ").split()
-    fields = [entry.strip().strip('"').strip() for entry in _cells(line, separator)]
+    fields = [entry.strip() for entry in _cells(line, separator)]
     while fields and not fields[-1]:
         fields.pop()
     return fields
@@ -117,9 +120,28 @@ def _split(line: str, separator: str) -> list[str]:
 
 def _cells(line: str, separator: str) -> list[str]:
     try:
-        return next(csv.reader([line], delimiter=separator), [])
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
     except csv.Error:  # a field beyond all measure
         return line.split(separator)
+
+
+def _require_whole_quotes(line: str, separator: str, number: int, request: Request) -> None:
+    """Refuse quotes that are open at the line's end, or have text behind them: rows are held to the same (the core)."""
+    blanks = " " if separator == "\t" else " \t"
+    at = 0
+    while at < len(line):
+        start = at = at + len(line[at:]) - len(line[at:].lstrip(blanks))
+        if line.startswith('"', start):
+            quoted = QUOTED.match(line, start)
+            if quoted is None:
+                raise request.refuse(f"line {number}: must close its quotes, got {line[start : start + SHOWN]!r}")
+            behind = line[quoted.end() :]
+            at = quoted.end() if separator == " " else len(line) - len(behind.lstrip(blanks))
+            if at < len(line) and line[at] not in (blanks if separator == " " else separator):
+                got = f"{line[start : start + SHOWN]!r}"
+                raise request.refuse(f"line {number}: must have a separator behind closed quotes, got {got}")
+        ends = [i for i in (line.find(mark, at) for mark in (blanks if separator == " " else separator)) if i >= 0]
+        at = min(ends) + 1 if ends else len(line)
 
 
 def _separator(line: str) -> str:
@@ -156,10 +178,12 @@ def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], li
         request.choose([], "header")
         raise request.refuse("rows: must be at least 1, got 0")  # every wanted column was optional
     separator = _separator(lines[best])
+    _require_whole_quotes(lines[best].lstrip("#% "), separator, best + 1, request)
     labels = _split(lines[best].lstrip("#% "), separator)
     below = [i for i in candidates if i > best]
     if below:
         units = _split(lines[below[0]], separator)
         if any(units) and len(units) <= len(labels) and not any(map(_is_number, units)) and len(below) > 1:
+            _require_whole_quotes(lines[below[0]], separator, below[0] + 1, request)
             return separator, labels, units + [""] * (len(labels) - len(units)), below[0] + 1
     return separator, labels, None, best + 1
