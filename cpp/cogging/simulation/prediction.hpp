@@ -123,7 +123,6 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     double acting = 0.0;
     amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {
       acting += drive.at(0.5 * (to - from)) * (to - from);
-      if (h > options.gap) return;  // the observer starts anew, wherever the plant would have gone meanwhile
       double now = from;
       Drive<double> running = drive;
       while (now < to) {
