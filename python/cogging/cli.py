@@ -4,27 +4,37 @@ from __future__ import annotations
 
 import argparse
 import importlib.metadata
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from cogging import _core
 from cogging.columns import read_columns
-from cogging.files import InputError, to_toml, write_files, write_text
+from cogging.files import InputError, to_json, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
+from cogging.screen import complain, say
+from cogging.shown import LONGEST_LINE, printable, quoted, shortened
 from cogging.simulation import simulate
+
+SEEDS = 1 << 64  # that there are
+MOST_SAMPLES = 1_000_000  # machines that a prediction draws
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status is 0 when done, 2 when the input or the call cannot be used."""
-    parser = _parser()
-    options = parser.parse_args(arguments)
     try:
+        options = _parser().parse_args(arguments)
         options.run(options)
+    except InputError as error:
+        complain(f"cogging: {error}")
+        return 2
     except (ValueError, OSError, _core.DivergedError) as error:
-        print(f"cogging: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(f"cogging: {' '.join(str(error).split())}")
+        return 2
+    except MemoryError as error:
+        complain(f"cogging: needs more memory than there is: {str(error) or 'a smaller file or fewer samples may do'}")
         return 2
     return 0
 
@@ -33,8 +43,11 @@ class _Parser(argparse.ArgumentParser):
     """Answers a wrong call in one line, as every other wrong input."""
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
+        complain(f"{self.prog}: {shortened(message, LONGEST_LINE // 2)}; see {self.prog} --help")
         raise SystemExit(2)
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        say(message.rstrip("\n"))  # help and version
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -131,12 +144,18 @@ def _refuse_one_target_twice(named: Mapping[str, str | None]) -> None:
         raise InputError(f"{', '.join(named)}: must be different files, got one twice")
 
 
+def _require_whole(option: str, value: int, least: int, most: int) -> None:
+    if not least <= value <= most:
+        rule = f"at least {least}" if value < least else f"at most {most}"
+        raise InputError(f"{option}: must be {rule}, got {quoted(value)}")
+
+
 def _pairs(text: str) -> dict[str, str]:
     pairs = {}
     for entry in text.split(","):
         name, equals, value = entry.partition("=")
         if not (name and equals and value):
-            raise argparse.ArgumentTypeError(f"must be NAME=VALUE,..., got {text!r}")
+            raise argparse.ArgumentTypeError(f"must be NAME=VALUE,..., got {quoted(text)}")
         pairs[name.strip()] = value.strip()
     return pairs
 
@@ -145,7 +164,7 @@ def _factors(text: str) -> dict[str, float]:
     try:
         return {name: float(value) for name, value in _pairs(text).items()}
     except ValueError:
-        raise argparse.ArgumentTypeError(f"must be NAME=NUMBER,..., got {text!r}") from None
+        raise argparse.ArgumentTypeError(f"must be NAME=NUMBER,..., got {quoted(text)}") from None
 
 
 def _rows(text: str) -> slice:
@@ -153,16 +172,16 @@ def _rows(text: str) -> slice:
         first, last = text.split(":")
         rows = slice(int(first) if first else 0, int(last) if last else None)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"must be FIRST:END, got {text!r}") from None
+        raise argparse.ArgumentTypeError(f"must be FIRST:END, got {quoted(text)}") from None
     if (rows.start < 0) or (rows.stop is not None and rows.stop <= rows.start):
-        raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {text!r}")
+        raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {quoted(text)}")
     return rows
 
 
 def _reproduce(options: argparse.Namespace) -> None:
     for paper in options.papers:
         if paper not in PAPERS:
-            raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {paper!r}")
+            raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {quoted(paper)}")
     for paper in options.papers or (() if options.compare else PAPERS):
         _show(reproduce(paper, progress=True), options.out)
     if options.compare:
@@ -171,12 +190,11 @@ def _reproduce(options: argparse.Namespace) -> None:
 
 def _show(result: Reproduction, folder: str) -> None:
     written = result.write(folder)
-    print(f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
+    say(f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
 
 
 def _simulate(options: argparse.Namespace) -> None:
-    if options.seed < 0:
-        raise InputError(f"--seed: must be at least 0, got {options.seed}")
+    _require_whole("--seed", options.seed, 0, SEEDS - 1)
     try:
         log = simulate(options.model, options.reference, seed=options.seed)
     except InputError:
@@ -184,25 +202,25 @@ def _simulate(options: argparse.Namespace) -> None:
     except ValueError as error:  # what only the run itself can find wrong
         raise InputError(f"{options.model} with {options.reference}: {error}") from None
     log.write(options.out)
-    print(f"{options.out}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
+    say(f"{printable(options.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
 
 
 def _predict(options: argparse.Namespace) -> None:
     from cogging.error_prediction import predict_error
 
-    for name, least in (("samples", 2), ("seed", 0)):
-        if getattr(options, name) < least:
-            raise InputError(f"--{name}: must be at least {least}, got {getattr(options, name)}")
+    _require_whole("--samples", options.samples, 2, MOST_SAMPLES)
+    _require_whole("--seed", options.seed, 0, SEEDS - 1)
     try:
         prediction = predict_error(options.model, options.reference, samples=options.samples, seed=options.seed)
     except InputError:
         raise
     except ValueError as error:  # what only the draws and the runs can find wrong
         raise InputError(f"{options.model} with {options.reference}: {error}") from None
-    print(prediction.text())
     if options.json:
-        write_text(options.json, json.dumps(prediction.to_dict(), indent=2, allow_nan=False) + "\n")
-        print(f"{options.json} written")
+        write_text(options.json, to_json(prediction.to_dict(), indent=2))
+    say(prediction.text())
+    if options.json:
+        say(f"{printable(options.json)} written")
 
 
 def _map(options: argparse.Namespace) -> None:
@@ -215,10 +233,11 @@ def _map(options: argparse.Namespace) -> None:
         fit = fit_map(table["position"], table["force"], pitch=options.pitch, force_sign=options.force_sign)
     except ValueError as error:
         raise InputError(f"{options.scan}: {error}") from None
-    print(fit.summary())
     if options.out:
         fit.write(options.out)
-        print(f"{options.out} and {Path(options.out).with_suffix('.png')} written")
+    say(fit.summary())
+    if options.out:
+        say(f"{printable(options.out)} and {printable(str(Path(options.out).with_suffix('.png')))} written")
 
 
 def _diagnose(options: argparse.Namespace) -> None:
@@ -230,28 +249,28 @@ def _diagnose(options: argparse.Namespace) -> None:
     _refuse_one_target_twice({"--json": options.json, "--report": options.report, "--out": options.out})
     model = Model.read(options.model)
     given, others = _read_logs(options, options.logs), _read_logs(options, options.confirm)
-    with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False) as bar:
+    with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False, disable=None) as bar:
         result = diagnose(
             given,
             model,
             confirm=others,
-            names=options.logs,
-            confirm_names=options.confirm,
+            names=[printable(path) for path in options.logs],
+            confirm_names=[printable(path) for path in options.confirm],
             empirical=options.empirical,
             progress=bar.set_description_str,
         )
         content = {}
         if options.json:
-            content[options.json] = json.dumps(result.to_dict(), indent=1, allow_nan=False) + "\n"
+            content[options.json] = to_json(result.to_dict())
         if options.report:
             bar.set_description_str("writing the report")
-            content[options.report] = result.html(title=", ".join(Path(path).name for path in options.logs))
+            content[options.report] = result.html(title=", ".join(printable(Path(path).name) for path in options.logs))
         if options.out:
             content[options.out] = to_toml(result.model.to_dict())
     write_files({path: [text.encode()] for path, text in content.items()})
-    print(result.text())
+    say(result.text())
     if content:
-        print(f"{', '.join(content)} written")
+        say(f"{', '.join(map(printable, content))} written")
 
 
 def _audit(options: argparse.Namespace) -> None:
@@ -259,7 +278,7 @@ def _audit(options: argparse.Namespace) -> None:
     from cogging.model import Model
 
     model = Model.read(options.model) if options.model else None
-    told = []
+    told, texts = [], []
     for path, log in zip(options.logs, _read_logs(options, options.logs), strict=True):
         if model is not None:
             check_against_model(log, model, path)
@@ -268,9 +287,11 @@ def _audit(options: argparse.Namespace) -> None:
         except ValueError as error:
             raise InputError(f"{path}: {error}") from None
         told.append({"log": path, **found.to_dict()})
-        print(f"{path}\n{found.text()}\n")
+        texts.append(f"{printable(path)}\n{found.text()}\n")
     if options.json:
-        write_text(options.json, json.dumps(told, indent=1) + "\n")
+        write_text(options.json, to_json(told))
+    for text in texts:
+        say(text)
 
 
 def _identify(options: argparse.Namespace) -> None:
@@ -281,20 +302,22 @@ def _identify(options: argparse.Namespace) -> None:
     model = Model.read(options.model)
     free = None if options.free is None else [path.strip() for path in options.free.split(",")]
     logs = _read_logs(options, options.logs)
-    found = identify(logs, model, free=free, cutoff=options.cutoff, names=options.logs, progress=True)
+    found = identify(
+        logs, model, free=free, cutoff=options.cutoff, names=[printable(path) for path in options.logs], progress=True
+    )
     content = {}
     if options.json:
-        content[options.json] = json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n"
+        content[options.json] = to_json(found.to_dict())
     if options.out:
         content[options.out] = to_toml(found.model.to_dict())
-    print(found.text())
     write_files({path: [text.encode()] for path, text in content.items()})
+    say(found.text())
 
 
 def _schema(options: argparse.Namespace) -> None:
     from cogging.schema import schema
 
-    print(json.dumps(schema(), indent=1, allow_nan=False))
+    say(to_json(schema()).rstrip("\n"))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Sampled, replay_controller
+from cogging.files import LARGEST
 from cogging.logs import Log
 from cogging.model import CONTROLLERS, Model
 
@@ -216,15 +217,20 @@ def _recompute(log: Log, model: Model, motion: Mapping[str, FloatArray], kind: s
     arguments = {**motion, "position": log.position}
     if kind in ("pid", "cascade") and not limited:
         unlimited = CONTROLLERS[kind][1](controller.replace(command_limit=0.0))
-        return replay_controller(unlimited, **arguments), kind == "pid" and controller.ki > 0.0
+        return _bounded(replay_controller(unlimited, **arguments)), kind == "pid" and controller.ki > 0.0
     fresh = model.make_controller()
-    own = replay_controller(fresh, **arguments)
+    own = _bounded(replay_controller(fresh, **arguments))
     if kind in ("pid", "cascade"):
         return own, False
     # What a controller with memory was told to have been applied is its own command or, after a disturbance of the
     # command or a start in mid-motion, what the log holds.
-    told = replay_controller(fresh, **arguments, applied=log.command)
+    told = _bounded(replay_controller(fresh, **arguments, applied=log.command))
     return min(own, told, key=lambda command: _rms((log.command - command)[1:])), False
+
+
+def _bounded(command: FloatArray) -> FloatArray:
+    """The command of a controller that may have run away: as far off as can be squared is far enough."""
+    return np.clip(np.nan_to_num(command, nan=LARGEST), -LARGEST, LARGEST)
 
 
 def _shifted(command: FloatArray, computed: FloatArray, shift: int) -> FloatArray:

@@ -143,7 +143,7 @@ class _Fit:
     def run(self, progress: bool) -> Identification:
         from tqdm import tqdm
 
-        with tqdm(total=len(STAGES), unit="stage", disable=not progress, leave=False) as bar:
+        with tqdm(total=len(STAGES), unit="stage", disable=None if progress else True, leave=False) as bar:
 
             def stage(i: int) -> None:
                 bar.set_description(STAGES[i])

@@ -19,6 +19,7 @@ from cogging.files import InputError, read_toml, to_toml, write_files
 
 FloatArray = npt.NDArray[np.float64]
 
+SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
@@ -162,6 +163,9 @@ def read_log(
         row = at + (rows.start or 0 if rows is not None else 0)
         before, here = _told_apart(time[at - 1], time[at])
         raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    if step < SHORTEST:
+        raise InputError(f"{path}: time: must have rows at least {SHORTEST:g} s apart on average, got {step:g} s")
     beside = Path(f"{os.fspath(path)}.toml")
     metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
     return Log.of(table, metadata)

@@ -45,7 +45,7 @@ def _run(
     module = importlib.import_module(module_name)
     from tqdm import tqdm
 
-    with tqdm(total=len(module.STEPS), desc=name, unit="step", disable=not progress, leave=False) as bar:
+    with tqdm(total=len(module.STEPS), desc=name, unit="step", disable=None if progress else True, leave=False) as bar:
 
         def done(step: str) -> None:
             bar.set_postfix_str(step)
