@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from cogging.files import LARGEST, InputError
+from cogging.files import InputError
 from cogging.readers import text_table
 from cogging.readers.apart import FORMATS, read_apart
 from cogging.readers.request import Request
@@ -72,11 +72,6 @@ def read_columns(
                 arrays[name] = arrays[name] * factor
             if not np.isfinite(arrays[name]).all():
                 raise request.refuse(f"{name}: must stay finite when scaled, got a factor of {factor:g}")
-    for name, values in arrays.items():
-        if not max(values.max(), -values.min()) <= LARGEST:
-            row = int(np.argmax(np.abs(values)))
-            place = row + (request.rows.start or 0)
-            raise request.refuse(f"row {place}: {name}: must be at most {LARGEST:g} in size, got {values[row]:g}")
     return arrays
 
 

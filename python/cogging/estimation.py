@@ -250,8 +250,8 @@ def fit(
         residuals, columns = columns_of(model, parameters, logs, scales)
         seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, columns, strict=True)]
         with np.errstate(over="ignore", invalid="ignore"):  # refused in the next line
-            curvature = sum(s.columns @ s.columns.T for s in seen)
-            gradient = sum(s.columns @ s.residual for s in seen)
+            curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
+            gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
         if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
             raise DivergedError(_unbounded(paths, curvature, gradient))
         values = np.array([p.value for p in parameters])

@@ -15,11 +15,12 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.columns import read_columns
-from cogging.files import InputError, read_toml, to_toml, write_files
+from cogging.files import LARGEST, InputError, read_toml, to_toml, write_files
 
 FloatArray = npt.NDArray[np.float64]
 
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
+SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
@@ -163,12 +164,29 @@ def read_log(
         row = at + (rows.start or 0 if rows is not None else 0)
         before, here = _told_apart(time[at - 1], time[at])
         raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
-    step = float(time[-1] - time[0]) / (time.size - 1)
-    if step < SHORTEST:
-        raise InputError(f"{path}: time: must have rows at least {SHORTEST:g} s apart on average, got {step:g} s")
     beside = Path(f"{os.fspath(path)}.toml")
     metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
     return Log.of(table, metadata)
+
+
+def require_sizes(log: Log) -> None:
+    """Refuse a log whose numbers cannot be squared and divided: of no machine, but of a file that went wrong.
+
+    Raises:
+        ValueError: a column above LARGEST in size; a position or command that is not constant or zero but below
+            SMALLEST; rows closer than SHORTEST on average. Names column, rule and value.
+    """
+    for name, values in log.columns().items():
+        size = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
+        if size > LARGEST:
+            row = int(np.argmax(np.abs(values)))
+            raise ValueError(f"{name}: must be at most {LARGEST:g} in size, got {values[row]:g} in row {row}")
+    for name, size in (("position", np.ptp(log.position)), ("command", np.abs(log.command).max())):
+        if 0.0 < size < SMALLEST:
+            raise ValueError(f"{name}: must be constant or change by at least {SMALLEST:g}, got {size:g}")
+    step = float(log.time[-1] - log.time[0]) / max(len(log) - 1, 1)
+    if step < SHORTEST:
+        raise ValueError(f"time: must have rows at least {SHORTEST:g} s apart on average, got {step:g} s")
 
 
 def _told_apart(first: float, second: float) -> tuple[str, str]:

@@ -76,6 +76,8 @@ def diagnose(
         if len(log) < ROWS_MIN:
             raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
+        if not np.any(log.command):
+            raise ValueError(f"{name}: command: must act on the axis to be diagnosed, got 0 V in every row")
     notes: list[str] = []
     model, replay, mismatch = _controller(given, model, notes)
     if mismatch is not None:
