@@ -1,30 +1,19 @@
 """Hostile calls: each ends with status 0, or with status 2 and one line; nothing else reaches the terminal.
 
-`python -m pytest tests/test_hostile_words.py -s` prints how many calls of each kind went wrong, and how.
+`python -m pytest tests/test_hostile_words.py -s` prints how many calls of each kind went wrong.
 """
 
 import collections
-import dataclasses
-import json
 import logging
-import math
-import os
-import re
-import subprocess
-import sys
 import time
 import warnings
-from dataclasses import dataclass
 
-import numpy as np
 import pytest
 
-import cogging
 from cogging.cli import main
-from cogging.files import to_json
-from cogging.model import Model
 from cogging.papers import Reproduction
 from tests import hostile_calls
+from tests.hostile_answers import Answer, everything, faults, place
 
 #: How many calls of each kind the default run makes: 880 together.
 CALLS = {
@@ -37,48 +26,7 @@ CALLS = {
     "document": 60,
     "sidecar": 40,
 }
-SECONDS = 10.0  # of processor time: the machine may be busy with something else
-LONGEST = 4000  # characters of an answer
 SHOWN_BY_PYTHON = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)  # not shown, that is
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a call did."""
-
-    status: object
-    out: str
-    err: str
-    seconds: float
-    left: list
-    raised: str = ""
-    model: bool = False  # whether out.toml is a whole model
-
-
-def place(call, folder):
-    """Write the files of a call into a folder; those that the file system refuses are not there."""
-    (folder / "folder").mkdir()
-    for name, content in call.files.items():
-        try:
-            path = os.path.join(folder, name)
-            if content is None:
-                os.mkdir(path)
-            elif not name.startswith("/"):
-                with open(path, "wb") as file:
-                    file.write(content)
-        except (OSError, ValueError):
-            continue
-    return everything(folder)
-
-
-def everything(folder):
-    """The files below a folder with their contents."""
-    found = {}
-    for where, _, names in os.walk(folder):
-        for name in names:
-            with open(os.path.join(where, name), "rb") as file:
-                found[os.path.relpath(os.path.join(where, name), folder)] = file.read()
-    return found
 
 
 def run(call, folder, capfd, caplog):
@@ -105,46 +53,6 @@ def run(call, folder, capfd, caplog):
     left = sorted(name for name in after if after[name] != before.get(name))
     left += sorted(f"{name} (gone)" for name in before if name not in after)
     return Answer(status, said.out, err, seconds, left, raised, b"[axis]" in after.get("out.toml", b""))
-
-
-def faults(answer, folder):
-    """What is wrong with an answer: a few words each."""
-    if answer.raised:
-        yield f"traceback {answer.raised}"
-        return
-    if answer.status not in (0, 2):
-        yield f"status {answer.status!r}"
-    if answer.status == 2:
-        if len(answer.err.splitlines()) != 1 or not answer.err.endswith("\n") or not answer.err.startswith("cogging"):
-            yield f"not one line: {answer.err[:300]!r}"
-        if len(answer.err) > LONGEST:
-            yield f"too long a line: {len(answer.err)}"
-        if answer.left:
-            yield f"left behind {answer.left}"
-    elif answer.err:
-        yield f"something on standard error: {answer.err[:300]!r}"
-    for where, text in (("err", answer.err), ("out", answer.out)):
-        odd = sorted({character for character in text if not character.isprintable() and character != "\n"})
-        if odd:
-            yield f"control characters on std{where}: {''.join(odd)!r}"
-    if answer.seconds > SECONDS:
-        yield f"too slow: {answer.seconds:.1f} s"
-    if answer.status == 0:
-        yield from wrong_files(answer, folder)
-
-
-def wrong_files(answer, folder):
-    """JSON that is not strict, models that cannot be read."""
-    for name in answer.left:
-        path = os.path.join(folder, name)
-        try:
-            if name.endswith("json"):
-                with open(path, encoding="utf-8") as file:
-                    json.load(file, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
-            elif name == "out.toml" and answer.model:
-                Model.read(path)
-        except (ValueError, pytest.fail.Exception) as error:
-            yield f"{name}: {error}"[:300]
 
 
 def count(kind, seeds, tmp_path, capfd, caplog, monkeypatch, request):
@@ -180,162 +88,3 @@ def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch, 
 def test_more_hostile_calls(kind, tmp_path, capfd, caplog, monkeypatch, request):
     wrong = count(kind, range(1000, 1000 + 8 * CALLS[kind]), tmp_path, capfd, caplog, monkeypatch, request)
     assert not wrong, "\n".join(f"{call}\n    {'; '.join(found)}" for call, found in wrong.items())
-
-
-# --- the process itself -----------------------------------------------------------------------------------------------
-
-
-def process(arguments, folder, **options):
-    """The command in a process of its own, without help from this one's settings."""
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LC_", "LANG"))}
-    environment |= options.pop("environment", {})
-    return subprocess.run(
-        [sys.executable, "-m", "cogging.cli", *arguments],
-        cwd=folder,
-        env=environment,
-        capture_output=not options.pop("open", False),
-        check=False,
-        timeout=120,
-        **options,
-    )
-
-
-@pytest.fixture
-def folder(tmp_path):
-    place(hostile_calls.Call([], hostile_calls.files()), tmp_path)
-    return tmp_path
-
-
-SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
-AUDIT = ["audit", "log.csv", "--model", "model.toml"]
-
-
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("kind", hostile_calls.KINDS)
-def test_a_process_answers_as_this_one_does(kind, seed, tmp_path):
-    call = hostile_calls.draw(kind, 5000 + seed)
-    if call.arguments[0] == "reproduce" or any("\0" in a or "\ud800" <= a[:1] <= "\udbff" for a in call.arguments):
-        call = hostile_calls.draw("document", 5000 + seed)  # what no shell can pass, or takes long
-    before = place(call, tmp_path)
-    done = process(call.arguments, tmp_path)
-    left = sorted(name for name, content in everything(tmp_path).items() if content != before.get(name))
-    answer = Answer(done.returncode, done.stdout.decode(), done.stderr.decode(), 0.0, left)
-    assert not list(faults(answer, tmp_path)), str(call)
-
-
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
-@pytest.mark.parametrize("arguments", [AUDIT, ["map", "scan.csv", "--pitch", "0.05"], ["--help"], ["schema"]])
-def test_a_terminal_of_few_letters(encoding, arguments, folder):
-    done = process(arguments, folder, environment={"PYTHONIOENCODING": encoding})
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert done.stdout.decode(encoding)
-    named = "caf\u00e9 \u4e2d \u00b5.csv"
-    (folder / named).write_bytes(hostile_calls.LOG)
-    done = process(["audit", named], folder, environment={"PYTHONIOENCODING": encoding})
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert b"\\u4e2d" in done.stdout
-
-
-@pytest.mark.skipif(os.name == "nt", reason="names are texts there")
-def test_a_name_that_is_no_utf_8(folder):
-    """It is read, written and told as its bytes, not found out when everything is done."""
-    name = os.fsdecode(b"caf\xe9.csv")
-    (folder / name).write_bytes(hostile_calls.LOG)
-    call = ["identify", name, "--model", "model.toml", "--free", "axis.mass", "--json", os.fsdecode(b"\xff.json")]
-    done = process(call, folder)
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert rb"caf\xe9.csv" in done.stdout
-    told = json.loads((folder / os.fsdecode(b"\xff.json")).read_text())
-    assert r"caf\xe9.csv" in json.dumps(told, ensure_ascii=False).replace("\\\\", "\\")
-    done = process(["audit", name, "--json", "a.json"], folder)
-    assert done.returncode == 0
-    assert json.loads((folder / "a.json").read_text())[0]["log"] == r"caf\xe9.csv"
-    os.remove(folder / name)
-    done = process(["audit", name], folder)
-    assert (done.returncode, done.stderr) == (2, b"cogging: caf\\xe9.csv: cannot be read: No such file or directory\n")
-
-
-@pytest.mark.skipif(os.name == "nt", reason="pipes of another kind")
-@pytest.mark.parametrize("arguments", [["schema"], ["--help"], [*AUDIT, "--json", "out.json"], SIMULATE])
-def test_a_reader_that_has_gone(arguments, folder):
-    """As `head -1` goes: nothing on standard error, and all that was asked for is written."""
-    reading, writing = os.pipe()
-    os.close(reading)
-    done = process(arguments, folder, open=True, stdout=writing, stderr=subprocess.PIPE)
-    os.close(writing)
-    assert (done.returncode, done.stderr) == (0, b"")
-    if arguments[-1].startswith("out."):
-        assert (folder / arguments[-1]).exists()
-
-
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device")
-def test_an_output_that_is_full(folder):
-    with open("/dev/full", "wb") as full:
-        done = process(["schema"], folder, open=True, stdout=full, stderr=subprocess.PIPE)
-    assert (done.returncode, done.stderr) == (
-        2,
-        b"cogging: standard output: cannot be written: No space left on device\n",
-    )
-
-
-DOCUMENTS = {
-    "beyond 64 bits": (
-        "mass = 9223372036854775808",
-        r"line 2: axis.mass: must be a number that 64 bits hold, got 9223",
-    ),
-    "beyond all bits": ("mass = 1" + "0" * 400, r"line 2: axis.mass: must be a number that 64 bits hold, got 1000"),
-    "thousands of digits": ("mass = " + "9" * 5000, "must be TOML: a whole number must have 64 bits"),
-    "beyond 1e308": ("mass = 1.0\ntravel = [0.0, 1e309]", r"line 3: axis.travel: must be .* 64 bits hold, got 1e309"),
-    "huge": ("mass = 1e300", r"line 2: axis.mass: must be at most 1e\+30 in size, got 1e\+300"),
-    "nested lists": ("mass = " + "[" * 5000 + "]" * 5000, "must be TOML: tables and lists must be nested at most 32"),
-    "nested a little": ("mass = " + "[" * 40 + "]" * 40, "must be TOML: tables and lists must be nested at most 32"),
-    "nested tables": ("mass = " + "{a=" * 5000 + "1" + "}" * 5000, "tables and lists must be nested at most 32 deep"),
-    "dotted": ("a" + ".a" * 20000 + " = 1", "must be TOML: a key must have at most 32 dots"),
-    "effect's name": ('mass = 1.0\n[[effects]]\nname = ["cable_spring"]', r"effects.name: must be one of .*, got \['"),
-    "controller's type": ("mass = 1.0\n[controller]\ntype = { a = 1 }", r"controller.type: .*, got \{'a': 1\}"),
-    "texts as numbers": (
-        'mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [1]\nsine = [["1"]]\ncosine = [["1"]]',
-        "line 6: cogging.sine: must be rows of numbers",
-    ),
-    "counts": (
-        "mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [4294967296]",
-        r"line 5: cogging.harmonics: must be at most 2147483647 in size, got 4294967296",
-    ),
-    "escape codes": ('mass = 1.0\n"\\u001b[2J" = 1', r"axis\.\\x1b\[2J: is not known here"),
-    "endless": ('mass = "' + "x" * 100000 + '"', r"axis.mass: must be a number, got 'xxx.* \.\.\. xxx"),
-}
-
-
-@pytest.mark.parametrize("case", DOCUMENTS)
-def test_a_hostile_document(case, folder, capsys, monkeypatch):
-    text, message = DOCUMENTS[case]
-    monkeypatch.chdir(folder)
-    (folder / "model.toml").write_text(f"[axis]\n{text}\n")
-    assert main(SIMULATE) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("cogging: model.toml: ")
-    assert re.search(message, error), error
-    assert error.count("\n") == 1
-    assert len(error) < 2000
-
-
-def test_json_holds_no_infinity():
-    document = {
-        "a": [math.inf, -math.inf, math.nan, 1.5, 3],
-        "b": np.array([math.nan, 1.0]),
-        "c": (True, None, "é\udce9"),
-    }
-    text = to_json(document)
-    told = json.loads(text, parse_constant=pytest.fail)
-    assert told == {"a": [None, None, None, 1.5, 3], "b": [None, 1.0], "c": [True, None, "é\\xe9"]}
-
-
-def test_a_log_of_no_machine_is_refused_where_it_is_used(folder):
-    log = cogging.read_log(folder / "log.csv")
-    for changed, message in (
-        ({"command": 1e200 * log.command}, r"command: must be at most 1e\+30 in size, got .* in row"),
-        ({"position": 1e-300 * log.position}, r"position: must be constant or change by at least 1e-30, got"),
-        ({"time": 1e-13 * np.arange(len(log))}, r"time: must have rows at least 1e-12 s apart on average, got 1e-13 s"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            cogging.audit(dataclasses.replace(log, **changed))

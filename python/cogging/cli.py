@@ -14,7 +14,7 @@ from cogging.columns import read_columns
 from cogging.files import InputError, to_json, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
-from cogging.screen import complain, say
+from cogging.screen import complain, say, stand_in_for_closed_streams
 from cogging.shown import LONGEST_LINE, printable, quoted, shortened
 from cogging.simulation import simulate
 
@@ -24,6 +24,7 @@ MOST_SAMPLES = 1_000_000  # machines that a prediction draws
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status is 0 when done, 2 when the input or the call cannot be used."""
+    stand_in_for_closed_streams()
     try:
         options = _parser().parse_args(arguments)
         options.run(options)
@@ -35,6 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except MemoryError as error:
         complain(f"cogging: needs more memory than there is: {str(error) or 'a smaller file or fewer samples may do'}")
+        return 2
+    except (ArithmeticError, RecursionError) as error:  # the last resort: what no rule of a field has foreseen
+        complain(f"cogging: these files lead to numbers that cannot be computed with: {error}")
         return 2
     return 0
 

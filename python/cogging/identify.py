@@ -95,7 +95,7 @@ def identify(
     for name, log in zip(called, read, strict=True):
         if len(log) < FEWEST_ROWS:
             raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
-        if np.ptp(log.position) == 0.0:
+        if log.position.max() == log.position.min():
             raise ValueError(f"{name}: position: must move, got {log.position[0]:g} m in every row")
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
     if cutoff is not None and not 0.0 < cutoff <= 0.2 * rate:

@@ -10,6 +10,16 @@ from cogging.files import InputError
 from cogging.shown import one_line, printable
 
 
+def stand_in_for_closed_streams() -> None:
+    """Where standard output or error was closed before the command began, let what is printed there go nowhere.
+
+    Libraries write to both without asking, and the next file that is opened would take the closed one's number.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
+
+
 def say(text: str) -> None:
     """Print a text on standard output.
 
@@ -20,8 +30,6 @@ def say(text: str) -> None:
         InputError: the output cannot be written, as on a full disk.
     """
     out = sys.stdout
-    if out is None:  # closed before the command began
-        return
     encoding = getattr(out, "encoding", None) or "utf-8"
     safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)
     try:
@@ -37,9 +45,8 @@ def say(text: str) -> None:
 def complain(text: str) -> None:
     """Print one line on standard error."""
     try:
-        if sys.stderr is not None:
-            sys.stderr.write(one_line(text) + "\n")
-            sys.stderr.flush()
+        sys.stderr.write(one_line(text) + "\n")
+        sys.stderr.flush()
     except OSError:  # nobody to tell
         _give_up(sys.stderr)
 
