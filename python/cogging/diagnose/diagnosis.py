@@ -76,8 +76,6 @@ def diagnose(
         if len(log) < ROWS_MIN:
             raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
-        if not np.any(log.command):
-            raise ValueError(f"{name}: command: must act on the axis to be diagnosed, got 0 V in every row")
     notes: list[str] = []
     model, replay, mismatch = _controller(given, model, notes)
     if mismatch is not None:
@@ -86,6 +84,9 @@ def diagnose(
     if moving < SECONDS_MIN:
         notes.append(f"the axis moves for {moving:.2g} s only: at rest, friction hides every force")
         return _nothing("insufficient_excitation", given, model, notes)
+    for name, log in zip(called, given, strict=True):
+        if not np.any(log.command):
+            raise ValueError(f"{name}: command: must act on an axis that moves, got 0 V in every row")
     try:
         loops = replay and all(_obeys(log, model) for log in others)
         found = search(given, model, others, progress, loops)
