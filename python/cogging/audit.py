@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from cogging.controller_check import ControllerCheck, check_controller
 from cogging.files import InputError
-from cogging.logs import Log
+from cogging.logs import Log, require_sizes
 from cogging.model import Model
 
 FloatArray = npt.NDArray[np.float64]
@@ -112,6 +112,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
     """
     if len(log) < 2:
         raise ValueError(f"log: must have at least 2 rows, got {len(log)}")
+    require_sizes(log)
     steps = np.diff(log.time)
     step = float(np.median(steps))
     is_gap = steps > GAP * step
@@ -288,6 +289,10 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
     Raises:
         InputError: names the column, the figures and the scale to state.
     """
+    try:
+        require_sizes(log)
+    except ValueError as error:
+        raise InputError(f"{name}: {error}") from None
     inside = np.delete(log.position, find_outliers(log.position))
     low, high = _range(inside)
     span = high - low

@@ -4,30 +4,44 @@ from __future__ import annotations
 
 import argparse
 import importlib.metadata
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from cogging import _core
 from cogging.columns import read_columns
-from cogging.files import InputError, to_toml, write_files, write_text
+from cogging.files import InputError, to_json, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
 from cogging.outputs import check_folder, check_outputs, sidecar, with_sidecars
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.reference import files_of_reference
+from cogging.screen import complain, say, stand_in_for_closed_streams
+from cogging.shown import LONGEST_LINE, printable, quoted, shortened
 from cogging.simulation import simulate
 from cogging_command import run_command
+
+SEEDS = 1 << 64  # that there are
+MOST_SAMPLES = 1_000_000  # machines that a prediction draws
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status is 0 when done, 2 when the input or the call cannot be used."""
-    parser = _parser()
-    options = parser.parse_args(arguments)
+    stand_in_for_closed_streams()
     try:
+        options = _parser().parse_args(arguments)
         options.run(options)
+    except InputError as error:
+        complain(f"cogging: {error}")
+        return 2
     except (ValueError, OSError, _core.DivergedError) as error:
-        print(f"cogging: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(f"cogging: {' '.join(str(error).split())}")
+        return 2
+    except MemoryError as error:
+        complain(f"cogging: needs more memory than there is: {str(error) or 'a smaller file or fewer samples may do'}")
+        return 2
+    except (ArithmeticError, RecursionError) as error:  # the last resort: what no rule of a field has foreseen
+        complain(f"cogging: these files lead to numbers that cannot be computed with: {error}")
         return 2
     return 0
 
@@ -36,8 +50,11 @@ class _Parser(argparse.ArgumentParser):
     """Answers a wrong call in one line, as every other wrong input."""
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
+        complain(f"{self.prog}: {shortened(message, LONGEST_LINE // 2)}; see {self.prog} --help")
         raise SystemExit(2)
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        say(message.rstrip("\n"))  # help and version
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -128,12 +145,18 @@ def _read_logs(options: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
     return [read_log(path, columns=options.columns, scale=options.scale, rows=options.rows) for path in paths]
 
 
+def _require_whole(option: str, value: int, least: int, most: int) -> None:
+    if not least <= value <= most:
+        rule = f"at least {least}" if value < least else f"at most {most}"
+        raise InputError(f"{option}: must be {rule}, got {quoted(value)}")
+
+
 def _pairs(text: str) -> dict[str, str]:
     pairs = {}
     for entry in text.split(","):
         name, equals, value = entry.partition("=")
         if not (name and equals and value):
-            raise argparse.ArgumentTypeError(f"must be NAME=VALUE,..., got {text!r}")
+            raise argparse.ArgumentTypeError(f"must be NAME=VALUE,..., got {quoted(text)}")
         pairs[name.strip()] = value.strip()
     return pairs
 
@@ -142,7 +165,7 @@ def _factors(text: str) -> dict[str, float]:
     try:
         return {name: float(value) for name, value in _pairs(text).items()}
     except ValueError:
-        raise argparse.ArgumentTypeError(f"must be NAME=NUMBER,..., got {text!r}") from None
+        raise argparse.ArgumentTypeError(f"must be NAME=NUMBER,..., got {quoted(text)}") from None
 
 
 def _rows(text: str) -> slice:
@@ -150,16 +173,16 @@ def _rows(text: str) -> slice:
         first, last = text.split(":")
         rows = slice(int(first) if first else 0, int(last) if last else None)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"must be FIRST:END, got {text!r}") from None
+        raise argparse.ArgumentTypeError(f"must be FIRST:END, got {quoted(text)}") from None
     if (rows.start < 0) or (rows.stop is not None and rows.stop <= rows.start):
-        raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {text!r}")
+        raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {quoted(text)}")
     return rows
 
 
 def _reproduce(options: argparse.Namespace) -> None:
     for paper in options.papers:
         if paper not in PAPERS:
-            raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {paper!r}")
+            raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {quoted(paper)}")
     check_folder(options.out)
     for paper in options.papers or (() if options.compare else PAPERS):
         _show(reproduce(paper, progress=True), options.out)
@@ -169,12 +192,11 @@ def _reproduce(options: argparse.Namespace) -> None:
 
 def _show(result: Reproduction, folder: str) -> None:
     written = result.write(folder)
-    print(f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
+    say(f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
 
 
 def _simulate(options: argparse.Namespace) -> None:
-    if options.seed < 0:
-        raise InputError(f"--seed: must be at least 0, got {options.seed}")
+    _require_whole("--seed", options.seed, 0, SEEDS - 1)
     outputs = {"--out": options.out, "its sidecar": sidecar(options.out)}
     check_outputs(outputs, [options.model, *files_of_reference(options.reference)])
     try:
@@ -184,15 +206,14 @@ def _simulate(options: argparse.Namespace) -> None:
     except ValueError as error:  # what only the run itself can find wrong
         raise InputError(f"{options.model} with {options.reference}: {error}") from None
     log.write(options.out)
-    print(f"{options.out}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
+    say(f"{printable(options.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
 
 
 def _predict(options: argparse.Namespace) -> None:
     from cogging.error_prediction import predict_error
 
-    for name, least in (("samples", 2), ("seed", 0)):
-        if getattr(options, name) < least:
-            raise InputError(f"--{name}: must be at least {least}, got {getattr(options, name)}")
+    _require_whole("--samples", options.samples, 2, MOST_SAMPLES)
+    _require_whole("--seed", options.seed, 0, SEEDS - 1)
     check_outputs({"--json": options.json}, [options.model, *files_of_reference(options.reference)])
     try:
         prediction = predict_error(options.model, options.reference, samples=options.samples, seed=options.seed)
@@ -200,10 +221,11 @@ def _predict(options: argparse.Namespace) -> None:
         raise
     except ValueError as error:  # what only the draws and the runs can find wrong
         raise InputError(f"{options.model} with {options.reference}: {error}") from None
-    print(prediction.text())
     if options.json:
-        write_text(options.json, json.dumps(prediction.to_dict(), indent=2, allow_nan=False) + "\n")
-        print(f"{options.json} written")
+        write_text(options.json, to_json(prediction.to_dict(), indent=2))
+    say(prediction.text())
+    if options.json:
+        say(f"{printable(options.json)} written")
 
 
 def _map(options: argparse.Namespace) -> None:
@@ -218,10 +240,11 @@ def _map(options: argparse.Namespace) -> None:
         fit = fit_map(table["position"], table["force"], pitch=options.pitch, force_sign=options.force_sign)
     except ValueError as error:
         raise InputError(f"{options.scan}: {error}") from None
-    print(fit.summary())
     if options.out:
         fit.write(options.out)
-        print(f"{options.out} and {Path(options.out).with_suffix('.png')} written")
+    say(fit.summary())
+    if options.out:
+        say(f"{printable(options.out)} and {printable(str(Path(options.out).with_suffix('.png')))} written")
 
 
 def _diagnose(options: argparse.Namespace) -> None:
@@ -239,23 +262,23 @@ def _diagnose(options: argparse.Namespace) -> None:
             given,
             model,
             confirm=others,
-            names=options.logs,
-            confirm_names=options.confirm,
+            names=[printable(path) for path in options.logs],
+            confirm_names=[printable(path) for path in options.confirm],
             empirical=options.empirical,
             progress=bar.set_description_str,
         )
         content = {}
         if options.json:
-            content[options.json] = json.dumps(result.to_dict(), indent=1, allow_nan=False) + "\n"
+            content[options.json] = to_json(result.to_dict())
         if options.report:
             bar.set_description_str("writing the report")
-            content[options.report] = result.html(title=", ".join(Path(path).name for path in options.logs))
+            content[options.report] = result.html(title=", ".join(printable(Path(path).name) for path in options.logs))
         if options.out:
             content[options.out] = to_toml(result.model.to_dict())
     write_files({path: [text.encode()] for path, text in content.items()})
-    print(result.text())
+    say(result.text())
     if content:
-        print(f"{', '.join(content)} written")
+        say(f"{', '.join(map(printable, content))} written")
 
 
 def _audit(options: argparse.Namespace) -> None:
@@ -265,7 +288,7 @@ def _audit(options: argparse.Namespace) -> None:
     inputs = [*with_sidecars(options.logs), *([options.model] if options.model else [])]
     check_outputs({"--json": options.json}, inputs)
     model = Model.read(options.model) if options.model else None
-    told = []
+    told, texts = [], []
     for path, log in zip(options.logs, _read_logs(options, options.logs), strict=True):
         if model is not None:
             check_against_model(log, model, path)
@@ -274,9 +297,11 @@ def _audit(options: argparse.Namespace) -> None:
         except ValueError as error:
             raise InputError(f"{path}: {error}") from None
         told.append({"log": path, **found.to_dict()})
-        print(f"{path}\n{found.text()}\n")
+        texts.append(f"{printable(path)}\n{found.text()}\n")
     if options.json:
-        write_text(options.json, json.dumps(told, indent=1) + "\n")
+        write_text(options.json, to_json(told))
+    for text in texts:
+        say(text)
 
 
 def _identify(options: argparse.Namespace) -> None:
@@ -288,20 +313,22 @@ def _identify(options: argparse.Namespace) -> None:
     model = Model.read(options.model)
     free = None if options.free is None else [path.strip() for path in options.free.split(",")]
     logs = _read_logs(options, options.logs)
-    found = identify(logs, model, free=free, cutoff=options.cutoff, names=options.logs, progress=True)
+    found = identify(
+        logs, model, free=free, cutoff=options.cutoff, names=[printable(path) for path in options.logs], progress=True
+    )
     content = {}
     if options.json:
-        content[options.json] = json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n"
+        content[options.json] = to_json(found.to_dict())
     if options.out:
         content[options.out] = to_toml(found.model.to_dict())
-    print(found.text())
     write_files({path: [text.encode()] for path, text in content.items()})
+    say(found.text())
 
 
 def _schema(options: argparse.Namespace) -> None:
     from cogging.schema import schema
 
-    print(json.dumps(schema(), indent=1, allow_nan=False))
+    say(to_json(schema()).rstrip("\n"))
 
 
 if __name__ == "__main__":

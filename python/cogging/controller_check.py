@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import replay_controller
 from cogging.controller_samples import LONG, Samples
+from cogging.files import LARGEST
 from cogging.logs import Log
 from cogging.model import CONTROLLERS, Model
 from cogging.spikes import FEW, HIGH, between, off_neighbours, spikes
@@ -364,15 +365,20 @@ def _recompute(
     integral = kind == "pid" and controller.ki > 0.0
     if kind in ("pid", "cascade") and not limited:
         unlimited = CONTROLLERS[kind][1](controller.replace(command_limit=0.0))
-        return replay_controller(unlimited, **arguments), integral, False
+        return _bounded(replay_controller(unlimited, **arguments)), integral, False
     fresh = model.make_controller()
-    own = replay_controller(fresh, **arguments)
+    own = _bounded(replay_controller(fresh, **arguments))
     if kind in ("pid", "cascade"):
         return own, integral and bool(samples.segment[-1]), True
     # What a controller with memory was told to have been applied is its own command or, after a disturbance of the
     # command or a start in mid-motion, what the log holds.
-    told = replay_controller(fresh, **arguments, applied=applied)
+    told = _bounded(replay_controller(fresh, **arguments, applied=applied))
     return min(own, told, key=lambda command: _rms((samples.command - command)[judged])), False, limited
+
+
+def _bounded(command: FloatArray) -> FloatArray:
+    """The command of a controller that may have run away: as far off as can be squared is far enough."""
+    return np.clip(np.nan_to_num(command, nan=LARGEST), -LARGEST, LARGEST)
 
 
 def _shifted(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask, shift: int) -> FloatArray:

@@ -249,8 +249,11 @@ def fit(
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, logs, scales)
         seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, columns, strict=True)]
-        curvature = sum(s.columns @ s.columns.T for s in seen)
-        gradient = sum(s.columns @ s.residual for s in seen)
+        with np.errstate(over="ignore", invalid="ignore"):  # refused in the next line
+            curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
+            gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
+        if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
+            raise DivergedError(_unbounded(paths, curvature, gradient))
         values = np.array([p.value for p in parameters])
         if done >= iterations or not paths:
             break
@@ -266,6 +269,12 @@ def fit(
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more look, at the values themselves
     return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
+
+
+def _unbounded(paths: Sequence[str], curvature: FloatArray, gradient: FloatArray) -> str:
+    bad = ~(np.isfinite(np.diag(curvature)) & np.isfinite(gradient))
+    worst = paths[int(np.argmax(bad))]
+    return f"{worst}: what it changes in the motion leaves all bounds: the logs cannot be of this model"
 
 
 def _move(

@@ -5,17 +5,20 @@ from __future__ import annotations
 import contextlib
 import errno
 import itertools
+import json
+import math
 import os
 import re
 import secrets
 import stat
 import sys
-import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
 import tomli_w
+
+from cogging.shown import printable, quoted
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -23,6 +26,12 @@ else:
     import tomli as tomllib
 
 MOST_TEXT = 1 << 28  # bytes of a model, a reference, or what stands beside a log
+
+
+DEEPEST = 32  # tables and lists in one another: no file of ours has more than four
+DOTTED = rf"""(?<![\w-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.[ \t]*){{{DEEPEST + 1}}}"""
+LARGEST = 1e30  # of a finite number in any unit: the square of its square is still a number
+WHOLE = 1 << 63  # TOML's whole numbers have 64 bits
 
 
 class InputError(ValueError):
@@ -168,22 +177,100 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Read a TOML file.
 
     Raises:
-        InputError: the file cannot be read or breaks TOML's grammar; names the line.
+        InputError: the file cannot be read, breaks TOML's grammar, or holds what parse_toml refuses; names the line.
     """
+    text = read_text(path)
     try:
-        return parse_toml(read_text(path))
-    except tomllib.TOMLDecodeError as error:
+        return parse_toml(text)
+    except FieldError as error:
+        raise error.in_file(path, text) from None
+    except ValueError as error:
         raise InputError(f"{path}: must be TOML: {error}") from None
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Parse TOML text."""
-    return tomllib.loads(text)
+    """Parse TOML text.
+
+    Raises:
+        ValueError: it breaks TOML's grammar, or is nested without end.
+        FieldError: a number that 64 bits do not hold, which would be another one or infinite.
+    """
+    if re.search(DOTTED, text):  # the parser takes a time that grows as the square of their number
+        raise ValueError(f"a key must have at most {DEEPEST} dots")
+    try:
+        document = tomllib.loads(text, parse_float=_float)
+    except RecursionError:
+        raise ValueError(f"tables and lists must be nested at most {DEEPEST} deep") from None
+    except tomllib.TOMLDecodeError:
+        raise
+    except ValueError:  # Python's own limit of digits
+        raise ValueError("a whole number must have 64 bits, got one of thousands of digits") from None
+    for path, value in _entries(document):
+        if isinstance(value, _Beyond) or (isinstance(value, int) and not -WHOLE <= value < WHOLE):
+            *sections, key = path
+            number = value.text if isinstance(value, _Beyond) else quoted(value)
+            raise FieldError(".".join(sections), key, f"must be a number that 64 bits hold, got {number}")
+    return document
+
+
+class _Beyond(float):
+    """An infinity that was written as a finite number, `1e309`."""
+
+    text = ""
+
+
+def _float(text: str) -> float:
+    value = float(text)
+    if math.isinf(value) and "inf" not in text:
+        value = _Beyond(text)
+        value.text = text
+    return value
+
+
+def _entries(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """The values of a document with the keys that lead to them; entries of lists have their list's.
+
+    Raises:
+        ValueError: tables and lists are nested too deep.
+    """
+    pending: list[tuple[tuple[str, ...], Any]] = [((), document)]
+    for _ in range(DEEPEST + 1):
+        below: list[tuple[tuple[str, ...], Any]] = []
+        for path, value in pending:
+            if isinstance(value, Mapping):
+                below += [((*path, key), entry) for key, entry in value.items()]
+            elif isinstance(value, list):
+                below += [(path, entry) for entry in value]
+            else:
+                yield path, value
+        pending = below
+    if pending:
+        raise ValueError(f"tables and lists must be nested at most {DEEPEST} deep")
 
 
 def to_toml(document: Mapping[str, Any]) -> str:
     """Format a document as TOML text, numbers to their last bit."""
     return tomli_w.dumps(document)
+
+
+def to_json(document: Any, *, indent: int = 1) -> str:
+    """Format a document as strict JSON text with a line end: null stands for a number that is not finite."""
+    return json.dumps(finite(document), indent=indent, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """A copy for JSON: tuples and arrays as lists, numbers that are not finite as None, texts that UTF-8 can hold."""
+    if isinstance(value, Mapping):
+        return {str(key): finite(entry) for key, entry in value.items()}
+    if isinstance(value, str):
+        return value if value.isascii() else "".join(printable(c) if "\ud800" <= c <= "\udfff" else c for c in value)
+    if isinstance(value, bool | int) or value is None:
+        return value
+    if isinstance(value, Sequence):
+        return [finite(entry) for entry in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    return float(value) if math.isfinite(value) else None
 
 
 def line_of(text: str, section: str, key: str, occurrence: int = 0) -> int | None:

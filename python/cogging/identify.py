@@ -97,7 +97,7 @@ def identify(
     for name, log in zip(called, read, strict=True):
         if len(log) < FEWEST_ROWS:
             raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
-        if np.ptp(log.position) == 0.0:
+        if log.position.max() == log.position.min():
             raise ValueError(f"{name}: position: must move, got {log.position[0]:g} m in every row")
         try:
             running_time(log.time)

@@ -17,11 +17,13 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.columns import read_columns
-from cogging.files import InputError, read_toml, target_of, to_toml, write_files
+from cogging.files import LARGEST, InputError, read_toml, target_of, to_toml, write_files
 from cogging.outputs import sidecar
 
 FloatArray = npt.NDArray[np.float64]
 
+SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
+SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
@@ -250,6 +252,26 @@ def _require_sidecar(path: str) -> None:
     """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
     if os.path.lexists(path) and target_of(path).exists() and "version" not in read_toml(path):
         raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
+
+
+def require_sizes(log: Log) -> None:
+    """Refuse a log whose numbers cannot be squared and divided: of no machine, but of a file that went wrong.
+
+    Raises:
+        ValueError: a column above LARGEST in size; a position or command that is not constant or zero but below
+            SMALLEST; rows closer than SHORTEST on average. Names column, rule and value.
+    """
+    for name, values in log.columns().items():
+        size = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
+        if size > LARGEST:
+            row = int(np.argmax(np.abs(values)))
+            raise ValueError(f"{name}: must be at most {LARGEST:g} in size, got {values[row]:g} in row {row}")
+    for name, size in (("position", np.ptp(log.position)), ("command", np.abs(log.command).max())):
+        if 0.0 < size < SMALLEST:
+            raise ValueError(f"{name}: must be constant or change by at least {SMALLEST:g}, got {size:g}")
+    step = float(log.time[-1] - log.time[0]) / max(len(log) - 1, 1)
+    if step < SHORTEST:
+        raise ValueError(f"time: must have rows at least {SHORTEST:g} s apart on average, got {step:g} s")
 
 
 def _told_apart(first: float, second: float) -> tuple[str, str]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -31,7 +33,8 @@ from cogging._core import (
     SpeedParameters,
     SplineHarmonics,
 )
-from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
+from cogging.shown import quoted
 
 if TYPE_CHECKING:
     from cogging.bounds import Bounds
@@ -58,6 +61,8 @@ Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverB
 
 SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
+LARGEST_FLOAT = int(sys.float_info.max)
+COUNTED = 1 << 31  # whole numbers that the core counts with
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
@@ -239,16 +244,19 @@ def cogging_to_dict(cogging: CoggingModel) -> dict[str, Any]:
 def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     section = document.get(name, {})
     if not isinstance(section, Mapping):
-        raise FieldError("", name, f"must be a section, got {section!r}")
+        raise FieldError("", name, f"must be a section, got {quoted(section)}")
     return section
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def is_number(value: Any) -> bool:
+    """Whether a value of a file is a number that a double holds."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return -LARGEST_FLOAT <= value <= LARGEST_FLOAT
+    return isinstance(value, float)
 
 
 def _require_type(value: Any, default: Any, section: str, key: str) -> None:
-    kind, holds = "a number", _is_number(value)
+    kind, holds = "a number", is_number(value)
     if isinstance(default, bool):
         kind, holds = "true or false", isinstance(value, bool)
     elif isinstance(default, str):
@@ -256,14 +264,19 @@ def _require_type(value: Any, default: Any, section: str, key: str) -> None:
     elif isinstance(default, list):
         free = not default or key in ("periods", "observer_gain")  # as many as the user has
         kind = "a list of numbers" if free else f"{len(default)} numbers"
-        holds = isinstance(value, list) and all(map(_is_number, value))
+        holds = isinstance(value, list) and all(map(is_number, value))
         holds = holds and (free or len(value) == len(default))
         if key.endswith("harmonics"):
             kind, holds = "a list of whole numbers", holds and all(isinstance(v, int) for v in value)
     elif isinstance(default, int):
         kind, holds = "a whole number", holds and isinstance(value, int)
     if not holds:
-        raise FieldError(section, key, f"must be {kind}, got {value!r}")
+        raise FieldError(section, key, f"must be {kind}, got {quoted(value)}")
+    counted = key.endswith("harmonics") or isinstance(default, int)
+    largest = COUNTED - 1 if counted else LARGEST
+    for number in value if isinstance(value, list) else [value]:
+        if isinstance(number, int | float) and largest < abs(number) < math.inf:
+            raise FieldError(section, key, f"must be at most {largest:.10g} in size, got {quoted(number)}")
 
 
 def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
@@ -289,12 +302,12 @@ def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
 
 
 def _rows(value: Any, key: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    try:
-        rows = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        rows = np.empty(0)
-    if rows.ndim != 2 or rows.size == 0:
+    good = isinstance(value, list) and all(isinstance(row, list) and all(map(is_number, row)) for row in value)
+    if not good or len({len(row) for row in value}) != 1 or not value[0]:
         raise FieldError("cogging", key, "must be rows of numbers of equal length, one row a harmonic")
+    rows = np.array(value, dtype=float)
+    if not np.all(np.abs(rows) <= LARGEST):
+        raise FieldError("cogging", key, f"must be numbers of at most {LARGEST:g} in size")
     return rows
 
 
@@ -305,9 +318,9 @@ def _effects_from(effects: Any) -> tuple[Any, ...]:
     for occurrence, entry in enumerate(effects):
         fields = dict(entry)
         name = fields.pop("name", None)
-        if name not in _core.EFFECTS:
+        if not isinstance(name, str) or name not in _core.EFFECTS:
             known = ", ".join(_core.EFFECTS)
-            raise FieldError("effects", "name", f"must be one of {known}, got {name!r}", occurrence)
+            raise FieldError("effects", "name", f"must be one of {known}, got {quoted(name)}", occurrence)
         made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
     return tuple(made)
 
@@ -319,8 +332,8 @@ def _controller_from(
         return None, None
     section = dict(_table(document, "controller"))
     kind = section.pop("type", None)
-    if kind not in CONTROLLERS:
-        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {kind!r}")
+    if not isinstance(kind, str) or kind not in CONTROLLERS:
+        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}")
     struct = CONTROLLERS[kind][0]
     if "coulomb_width" in struct.FIELDS:
         # Truth and belief part here: the controller's width is the axis' as first read, and its own from then on.
@@ -330,19 +343,19 @@ def _controller_from(
 
 def _uncertainty_from(section: Any) -> dict[str, float]:
     if not isinstance(section, Mapping):
-        raise FieldError("axis", "uncertainty", f"must be a section, got {section!r}")
+        raise FieldError("axis", "uncertainty", f"must be a section, got {quoted(section)}")
     refuse_unknown_keys(section, UNCERTAINTY_KEYS, "axis.uncertainty")
     for key, value in section.items():
-        if not _is_number(value) or not 0.0 <= value < float("inf"):
-            raise FieldError("axis.uncertainty", key, f"must be a number of at least 0, got {value!r}")
+        if not is_number(value) or not 0.0 <= value <= LARGEST:
+            raise FieldError("axis.uncertainty", key, f"must be a number from 0 to {LARGEST:g}, got {quoted(value)}")
     return {key: float(value) for key, value in section.items()}
 
 
 def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     intervals = {}
     for path, interval in section.items():
-        good = isinstance(interval, list) and len(interval) == 2 and all(map(_is_number, interval))
+        good = isinstance(interval, list) and len(interval) == 2 and all(map(is_number, interval))
         if not good or not interval[0] <= interval[1]:
-            raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {interval!r}")
+            raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {quoted(interval)}")
         intervals[path] = (float(interval[0]), float(interval[1]))
     return intervals

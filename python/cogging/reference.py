@@ -20,8 +20,9 @@ from cogging._core import (
     SineParameters,
 )
 from cogging.columns import read_columns
-from cogging.files import FieldError, read_text, read_toml, refuse_unknown_keys
-from cogging.model import parameters_from
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.model import is_number, parameters_from
+from cogging.shown import quoted
 
 #: Motions by the name that a reference file gives them: parameter struct and class.
 REFERENCES: dict[str, tuple[Any, Any]] = {
@@ -66,10 +67,10 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
     fields = dict(document)
     kind = fields.pop("type", None)
     if kind not in TYPES:
-        raise FieldError("", "type", f"must be one of {', '.join(TYPES)}, got {kind!r}")
+        raise FieldError("", "type", f"must be one of {', '.join(TYPES)}, got {quoted(kind)}")
     duration = fields.pop("duration", 0.0)
-    if isinstance(duration, bool) or not isinstance(duration, int | float) or not 0 <= duration < 1e9:
-        raise FieldError("", "duration", f"must be a number of seconds above 0, got {duration!r}")
+    if not is_number(duration) or not 0 <= duration < 1e9:
+        raise FieldError("", "duration", f"must be a number of seconds from 0 to 1e9, got {quoted(duration)}")
     if kind == "sampled":
         return _sampled(fields, folder or Path()), float(duration)
     struct, motion = REFERENCES[kind]
@@ -102,7 +103,7 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
             raise FieldError("", "reference", "must be given with time, got nothing")
         source = ""
     elif not isinstance(file, str):
-        raise FieldError("", "file", f"must name a CSV file, got {file!r}")
+        raise FieldError("", "file", f"must name a CSV file, got {quoted(file)}")
     elif len(fields) > 1:
         raise FieldError("", "file", f"must stand without samples beside it, got {', '.join(fields)}")
     else:
@@ -123,9 +124,6 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
 def _column(name: str, values: Any) -> Any:
     if isinstance(values, np.ndarray):
         return values
-    numbers = isinstance(values, list) and all(
-        isinstance(value, int | float) and not isinstance(value, bool) for value in values
-    )
-    if not numbers:
-        raise FieldError("", name, "must be a list of numbers")
+    if not (isinstance(values, list) and all(is_number(value) and abs(value) <= LARGEST for value in values)):
+        raise FieldError("", name, f"must be a list of numbers of at most {LARGEST:g} in size")
     return np.array(values, dtype=np.float64)

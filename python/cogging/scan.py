@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cogging.files import LARGEST
+from cogging.logs import SMALLEST
+
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_POINTS = 10
@@ -110,6 +113,9 @@ def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
+    size = float(np.abs(array).max(initial=0.0))
+    if size > LARGEST or 0.0 < size < SMALLEST:
+        raise ValueError(f"{name}: must be 0 or between {SMALLEST:g} and {LARGEST:g} in size, got {size:g}")
     return array
 
 

@@ -94,6 +94,9 @@ def diagnose(
     if moving < SECONDS_MIN:
         notes.append(f"the axis moves for {moving:.2g} s only: at rest, friction hides every force")
         return _nothing("insufficient_excitation", given, model, notes)
+    for name, log in zip(called, given, strict=True):
+        if not np.any(log.command):
+            raise ValueError(f"{name}: command: must act on an axis that moves, got 0 V in every row")
     try:
         loops = replay and all(_obeys(log, model) for log in others)
         found = search(given, model, others, progress, loops)
@@ -190,7 +193,8 @@ def _controller(logs: Sequence[Log], model: Model, notes: list[str]) -> tuple[Mo
                 False,
                 (f"the stated controller misses the logged command by {100 * (check.relative or 0.0):.1f} % rms"),
             )
-        if (check.relative or 0.0) > 1e-3 and check.fitted and model.controller is not None:
+        valid = bool(check.fitted) and min(check.fitted.values()) >= 0.0  # a motion may leave a gain to chance
+        if (check.relative or 0.0) > 1e-3 and valid and model.controller is not None:
             fields = {k: v for k, v in check.fitted.items() if k in type(model.controller).FIELDS}
             notes.append(
                 f"the stated controller reproduces the command to {100 * (check.relative or 0.0):.2g} %; the loop is "

@@ -18,10 +18,10 @@ from cogging.diagnose.given_logs import Logs, read_logs
 from cogging.diagnose.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnose.null import fit_null
 from cogging.diagnose.rest import Shape, low_power, shapes
-from cogging.diagnose.result import finite
 from cogging.diagnose.scan import Finding, judged, sharpen
 from cogging.diagnose.signatures import tables
 from cogging.diagnose.waves import is_wave, peaks, refine
+from cogging.files import finite
 from cogging.model import Model
 from cogging.residuals import moving_average
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from cogging.diagnose.rest import Shape
-from cogging.files import write_text
+from cogging.files import finite, write_text
 from cogging.model import Model
 
 if TYPE_CHECKING:
@@ -270,19 +269,6 @@ def step_text(step: Step, unit: str) -> str:
     if step.confirm_after is not None:
         gap += f", on the confirm logs {step.confirm_before:.4g} to {step.confirm_after:.4g} {unit}"
     return f"added   {step.name}: T = {step.statistic:.0f}, {gap}; {step.reason}"
-
-
-def finite(value: Any) -> Any:
-    """A copy for JSON: tuples and arrays as lists, numbers that are not finite as None."""
-    if isinstance(value, Mapping):
-        return {str(key): finite(entry) for key, entry in value.items()}
-    if isinstance(value, str | bool | int) or value is None:
-        return value
-    if isinstance(value, Sequence):
-        return [finite(entry) for entry in value]
-    if hasattr(value, "tolist"):
-        return finite(value.tolist())
-    return float(value) if math.isfinite(value) else None
 
 
 def _number(value: float | Sequence[float | None] | None) -> str:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.files import InputError, write_files
+from cogging.files import InputError, to_json, write_files
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -113,7 +112,7 @@ class Reproduction:
         except OSError as error:
             raise InputError(f"{out}: cannot be made: {error.strerror}") from None
         written = [out / f"{self.paper}.json"]
-        content = [(json.dumps(self.to_dict(), indent=2) + "\n").encode()]
+        content = [to_json(self.to_dict(), indent=2).encode()]
         for name, figure in self.figures.items():
             picture = io.BytesIO()
             figure.savefig(picture, format="png", dpi=120)
