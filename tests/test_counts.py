@@ -15,6 +15,7 @@ from cogging import _core
 from cogging._core import AdaptiveRobustParameters, BSpline, NumberReader, SplineHarmonics
 
 INT_MAX = 2**31 - 1
+STRUCTS = [kind for kind in vars(_core).values() if hasattr(kind, "FIELDS")] + list(cogging.EFFECTS.values())
 
 
 def basis(terms, control_points, order=1):
@@ -82,6 +83,25 @@ def test_a_model_file_with_too_many_control_points_is_refused(tmp_path):
         cogging.Model.read(path)
     assert "\n" not in str(told.value)
     assert str(path) in str(told.value)
+
+
+@pytest.mark.parametrize("value", [2**31, -(2**31) - 1, 99999999999, 2**63 - 1, -(2**63)])
+def test_a_count_of_more_than_32_bits_is_told_by_name(value):
+    whole = [(struct, name) for struct in STRUCTS for name in struct.FIELDS if type(getattr(struct(), name)) is int]
+    assert len(whole) > 3
+    for struct, name in whole:
+        with pytest.raises(ValueError, match=rf"^{name}: must be below 2\^31, got "):
+            struct(**{name: value})
+    with pytest.raises(ValueError, match=r"^cogging_harmonics: must be below"):
+        AdaptiveRobustParameters(cogging_harmonics=[1, value])
+    spline = {"order": 1, "origin": 0.0, "pitch": 1.0, "control_points": 5}
+    for name in ("order", "control_points"):
+        with pytest.raises(ValueError, match=rf"^{name}: must be below"):
+            BSpline(**spline | {name: value})
+        with pytest.raises(ValueError, match=rf"^{name}: must be below"):
+            SplineHarmonics(harmonics=[1], **spline | {name: value})
+    with pytest.raises(ValueError, match=r"^harmonics: must be below"):
+        SplineHarmonics(harmonics=[value], pitch=0.1)
 
 
 def test_a_matrix_that_cannot_be_allocated_is_one_error():
