@@ -11,7 +11,11 @@
 #include <vector>
 
 #include "cogging/control/adaptive_robust.hpp"
+#include "cogging/control/cascade.hpp"
+#include "cogging/control/observer_based.hpp"
+#include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
+#include "cogging/control/speed.hpp"
 #include "cogging/reference/point_to_point.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 
@@ -223,6 +227,98 @@ void compare(const char* name, const FourParameters& four_parameters, const OneP
               apart);
 }
 
+template <class C, class Reading>
+auto ask(C& controller, const ReferencePoint& now, const ReferencePoint& ahead, const Reading& reading) {
+  if constexpr (LooksAhead<C>)
+    return controller.command(now, ahead, reading);
+  else
+    return controller.command(now, reading);
+}
+
+// Each lane loses readings of its own, in the first samples and later, singly and in gaps that are bridged and not;
+// some references are lost to all. Prints the largest difference of commands, estimates and counts to the single runs
+// (an infinity where one is no number), and how many samples were refused.
+template <template <class> class Kind, class Parameters>
+void lose_readings(const char* name, const Parameters& parameters) {
+  std::mt19937_64 engine(7);
+  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1.0p-53; };
+  typename Kind<Four>::Parameters four_parameters;
+  typename Kind<double>::Parameters one_parameters;
+  parameters(four_parameters);
+  parameters(one_parameters);
+  Kind<Four> four(four_parameters);
+  std::vector<Kind<double>> ones(width, Kind<double>(one_parameters));
+  double worst = 0.0;
+  const auto compare_to = [&](const Four& pack, std::size_t lane, double single) {
+    const double difference = std::abs(pack.lane[lane] - single);
+    if (!(difference <= worst)) worst = std::isnan(difference) ? INFINITY : difference;
+  };
+  std::array<int, width> left{3, 0, 1, 20};  // samples that each lane still loses
+  for (int k = 0; k < 3000; ++k) {
+    const double t = k / 5000.0, w = 12.0;
+    ReferencePoint now{0.2 + 0.05 * std::sin(w * t), 0.05 * w * std::cos(w * t), -0.05 * w * w * std::sin(w * t)};
+    const ReferencePoint ahead{now.position + 1e-4 * now.velocity, now.velocity, now.acceleration};
+    if (k % 500 == 77) now.velocity = NAN;
+    Four reading;
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      if (left[lane] == 0 && uniform() < 0.01) left[lane] = uniform() < 0.8 ? 1 + int(16 * uniform()) : 30;
+      reading.lane[lane] = left[lane] > 0 ? (k % 2 ? NAN : INFINITY) : now.position + 1e-4 * (uniform() - 0.5);
+      left[lane] -= left[lane] > 0;
+    }
+    const Four command = ask(four, now, ahead, reading);
+    Four applied = clamp(command, Four(-2.0), Four(2.0));
+    if (k % 300 == 5) applied.lane[1] = NAN;
+    four.update(applied);
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      compare_to(command, lane, ask(ones[lane], now, ahead, reading.lane[lane]));
+      ones[lane].update(applied.lane[lane]);
+      compare_to(four.samples_refused(), lane, ones[lane].samples_refused());
+      for (std::size_t i = 0; i < ones[lane].estimates().size(); ++i)
+        compare_to(four.estimates()[i], lane, ones[lane].estimates()[i]);
+    }
+  }
+  std::printf("%s_lost_difference %.17g\n%s_lost %.17g\n", name, worst, name, four.samples_refused().lane[0]);
+}
+
+template <class Scalar>
+using PlainDcarc = AdaptiveRobust<Scalar, true>;
+template <class Scalar>
+using PlainArc = AdaptiveRobust<Scalar, false>;
+
+void lose_readings_of_all() {
+  const auto adapts = [](auto& q) {
+    q.mass_adaptation = 1.0;
+    q.viscous_adaptation = q.coulomb_adaptation = 10.0;
+    q.disturbance_adaptation = 1000.0;
+    q.cogging_harmonics = {1, 2, 3};
+    q.cogging_control_points = 13;
+    q.cogging_adaptation = 100.0;
+    q.epsilon = 0.1;
+    q.command_limit = 2.0;
+  };
+  const auto loops = [](auto& q) {
+    q.sample_rate = 5000.0;
+    q.kp = 100.0;
+    q.mass = 0.12;
+    q.coulomb = 0.1;
+    q.viscous = 0.2;
+    q.feedforward_velocity = "measured";
+    q.command_limit = 2.0;
+  };
+  lose_readings<PlainDcarc>("dcarc", adapts);
+  lose_readings<PlainArc>("arc", adapts);
+  lose_readings<Pid>("pid", [&](auto& q) { loops(q), q.ki = 1e4, q.kd = 40.0; });
+  lose_readings<Cascade>("cascade", [&](auto& q) { loops(q), q.kv = 40.0; });
+  lose_readings<Speed>("speed", [&](auto& q) { loops(q), q.delay = 0.00053; });
+  lose_readings<OutputFeedbackArc>("output_feedback_arc", [](auto& q) { q.coulomb = 0.1, q.command_limit = 2.0; });
+  lose_readings<ObserverBased>("observer_based", [](auto& q) {
+    q.sample_rate = 5000.0;
+    q.delay = 0.00033;
+    q.velocity_min = 0.1;
+    q.observer_gain = {300.0, 3e4, 1e6, 1e4, -2e4};
+  });
+}
+
 // Effects with a state run on single machines alone, and say so.
 void refusals() {
   int refused = 0;
@@ -276,6 +372,7 @@ int main() {
   compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>);
   compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>);
   compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>);
+  lose_readings_of_all();
   refusals();
   elementary_functions();
 }

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from cogging.model import CONTROLLERS
+
 ROOT = Path(__file__).resolve().parents[1]
 FLAGS = ["-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-I", str(ROOT / "cpp")]
 
@@ -45,6 +47,12 @@ def test_lanes_give_the_bits_of_single_runs(printed, controller):
     assert printed[controller + "_spread"] > 0.5  # V: the lanes are different machines
 
 
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_a_lane_that_loses_readings_leaves_the_others_alone(printed, controller):
+    assert printed[controller + "_lost"] > 100
+    assert printed[controller + "_lost_difference"] == 0.0
+
+
 def test_effects_with_a_state_are_refused_in_lanes(printed):
     assert printed["refused"] == 3
 
@@ -65,6 +73,7 @@ def test_elementary_functions(printed):
         "basis/spline_harmonics",
         "control/adaptive_robust",
         "control/desired_compensation_condition",
+        "control/sample_guard",
         "lanes",
         "plant/axis",
         "plant/body_with_states",

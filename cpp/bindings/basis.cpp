@@ -38,13 +38,19 @@ std::pair<int, std::vector<double>> active_regressor(const SplineHarmonics& basi
   return {active.spline.first * basis.columns(), values};
 }
 
-SplineHarmonics make_basis(std::optional<double> pitch, std::optional<std::vector<int>> harmonics,
-                           std::optional<std::vector<double>> periods, int order, double origin, int control_points) {
+BSpline make_spline(std::int64_t order, double origin, double pitch, std::int64_t control_points) {
+  return BSpline(counted("order", order), origin, pitch, counted("control_points", control_points));
+}
+
+SplineHarmonics make_basis(std::optional<double> pitch, std::optional<std::vector<std::int64_t>> harmonics,
+                           std::optional<std::vector<double>> periods, std::int64_t order, double origin,
+                           std::int64_t control_points) {
   if (harmonics.has_value() == periods.has_value())
     refuse("harmonics, periods", "exactly one of them must be given", harmonics ? "both" : "neither");
   if (!pitch && (harmonics || control_points > 1)) refuse("pitch", "must be given", "nothing");
-  const BSpline spline(order, origin, pitch.value_or(1.0), control_points);
-  if (harmonics) return SplineHarmonics::of_harmonics(*pitch, *harmonics, spline);
+  const BSpline spline = make_spline(order, origin, pitch.value_or(1.0), control_points);
+  if (harmonics)
+    return SplineHarmonics::of_harmonics(*pitch, taken<std::vector<int>>("harmonics", std::move(*harmonics)), spline);
   return SplineHarmonics::of_periods(*periods, spline);
 }
 
@@ -88,7 +94,7 @@ spline keeps its end value. One control point is a constant, whatever the order.
 
 Raises:
     ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.)")
-      .def(py::init<int, double, double, int>(), py::kw_only(), py::arg("order"), py::arg("origin"), py::arg("pitch"),
+      .def(py::init(&make_spline), py::kw_only(), py::arg("order"), py::arg("origin"), py::arg("pitch"),
            py::arg("control_points"))
       .def_property_readonly("order", &BSpline::order, "k: 1 piecewise constant, 2 linear, 3 quadratic")
       .def_property_readonly("origin", &BSpline::origin, "first knot of the first full span, m")

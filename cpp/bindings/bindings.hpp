@@ -6,15 +6,20 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "cogging/parameters.hpp"
+#include "cogging/require.hpp"
 
 namespace py = pybind11;
 
@@ -41,6 +46,39 @@ inline std::vector<double> to_vector(const Array& array) {
   return {array.data(), array.data() + array.size()};
 }
 
+/// What a constructor takes for a member: counts in 64 bits, so that one that is too large is told by name.
+template <class Member>
+struct Taken {
+  using type = Member;
+};
+template <>
+struct Taken<int> {
+  using type = std::int64_t;
+};
+template <>
+struct Taken<std::vector<int>> {
+  using type = std::vector<std::int64_t>;
+};
+
+inline int counted(std::string_view name, std::int64_t value) {
+  constexpr std::int64_t limit = std::numeric_limits<int>::max();
+  cogging::require(value >= -limit && value <= limit, name, "must be below 2^31", static_cast<double>(value));
+  return static_cast<int>(value);
+}
+
+template <class Member>
+Member taken(std::string_view name, typename Taken<Member>::type&& value) {
+  if constexpr (std::is_same_v<Member, int>) {
+    return counted(name, value);
+  } else if constexpr (std::is_same_v<Member, std::vector<int>>) {
+    std::vector<int> counts;
+    for (const std::int64_t one : value) counts.push_back(counted(name, one));
+    return counts;
+  } else {
+    return std::move(value);
+  }
+}
+
 /// Binds a read-only parameter struct: keyword constructor with the struct's own defaults and its validation,
 /// properties with unit and meaning, FIELDS (name -> (unit, meaning)), replace, equality, repr and pickle.
 template <class Struct>
@@ -57,10 +95,11 @@ py::class_<Struct> bind_parameters(py::module_& module, const std::string& class
 
   std::apply(
       [&]<class... Member>(const cogging::Field<Struct, Member>&... field) {
-        bound.def(py::init([](Member... values) {
+        bound.def(py::init([](typename Taken<Member>::type... values) {
                     Struct made{};
-                    std::apply([&](const auto&... f) { ((made.*(f.member) = std::move(values)), ...); },
-                               Struct::fields());
+                    std::apply(
+                        [&](const auto&... f) { ((made.*(f.member) = taken<Member>(f.name, std::move(values))), ...); },
+                        Struct::fields());
                     made.validate();
                     return made;
                   }),

@@ -11,10 +11,16 @@ using namespace cogging;
 
 namespace {
 
+constexpr const char* refusal = R"(
+
+A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+`command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+of the next reading are taken over all samples that have passed.)";
+
 template <class C>
-py::class_<C> bind_controller(py::module_& module, const char* name, const char* doc) {
+py::class_<C> bind_controller(py::module_& module, const char* name, const std::string& doc) {
   static_assert(Controller<C, double>);
-  py::class_<C> bound(module, name, doc);
+  py::class_<C> bound(module, name, (doc + refusal).c_str());
   bound.def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
       .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
       .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
@@ -22,7 +28,12 @@ py::class_<C> bind_controller(py::module_& module, const char* name, const char*
           "estimates",
           [](const C& c) { return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end())); },
           "What it believes now, (p,): a copy; empty for a controller that does not adapt.")
-      .def("update", &C::update, py::arg("applied"), "Ends the sample: the command (V) that was really applied.")
+      .def_property_readonly(
+          "samples_refused", [](const C& c) { return static_cast<std::uint64_t>(c.samples_refused()); },
+          "How many samples were refused so far, for a reading or a reference that is not finite.")
+      .def("update", &C::update, py::arg("applied"),
+           "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "
+           "own, cut at the limit.")
       .def("copy", [](const C& c) { return c; }, "A controller in the same state.");
   constexpr const char* command_doc =
       "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).";
@@ -66,7 +77,8 @@ take up an error that pushes further into it.)");
 
 w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
 sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
-before the first sample: the mean over the sample of the held w after the exact delay.)");
+before the first sample: the mean over the sample of the held w after the exact delay. What is held in a sample that is
+refused is w, which goes through the delay as ever.)");
 
   bind_parameters<AdaptiveRobustParameters<>>(
       module, "AdaptiveRobustParameters",
@@ -88,7 +100,8 @@ then A_r.)");
   bind_controller<Ofarc>(module, "OutputFeedbackArc", R"(Output-feedback adaptive robust control (Xu and Yao 2001).
 
 u = u* + coulomb S(reference velocity): filters (18), state estimate (13), two backstepping steps (25) to (47),
-adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading.)")
+adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading. The
+filters of the applied command go on through samples that are refused; that of the readings makes up for them behind.)")
       .def_property_readonly("z_1", &Ofarc::z_1, "y - q_d of the last sample, m")
       .def_property_readonly("z_2", &Ofarc::z_2, "lambda_2 - alpha_1 of the last sample")
       .def_property_readonly("filters", &Ofarc::filters, "eta, lambda, psi: array of six")
@@ -120,7 +133,8 @@ adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from
   bind_controller<ObserverBased<>>(module, "ObserverBased", R"(Observer-based cancellation (Malaize and Levine 2009).
 
 Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
-Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period.)")
+Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
+were refused x_hat and nu_hat start anew from the readings at both ends.)")
       .def_property_readonly("preview", &ObserverBased<>::preview, "how far ahead the second reference is, s");
 
   module.def(

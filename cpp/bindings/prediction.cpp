@@ -37,6 +37,9 @@ class Predictor {
     require_finite("initial_velocity", initial_velocity);
     require(steps_per_sample >= 1 && steps_per_sample <= 1000, "steps_per_sample", "must be from 1 to 1000",
             double(steps_per_sample));
+    for (const auto& [name, column] :
+         {std::pair("time", log_.time), std::pair("position", log_.position), std::pair("command", log_.command)})
+      for (const double value : column) require_finite(name, value);
     for (std::size_t k = 1; k < log_.time.size(); ++k)
       require(log_.time[k] > log_.time[k - 1], "time", "must be strictly increasing", log_.time[k]);
   }
@@ -96,7 +99,8 @@ gaps 0.7 to 1.3 of the one that is meant: when it strikes hangs on forces that n
 after one longer than `gap` (s) the observer starts anew.
 
 Raises:
-    ValueError: columns of different lengths, time that does not increase, a bandwidth that is not positive.)")
+    ValueError: columns of different lengths, time that does not increase, a NaN or an infinity in one of them, a
+        bandwidth that is not positive.)")
       .def(py::init<Array, Array, Array, double, double, double, int>(), py::arg("time"), py::arg("position"),
            py::arg("command"), py::kw_only(), py::arg("bandwidth") = 30.0, py::arg("gap") = 1e300,
            py::arg("initial_velocity") = 0.0, py::arg("steps_per_sample") = 1)

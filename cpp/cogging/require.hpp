@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -20,7 +21,7 @@ class DivergedError : public std::runtime_error {
 inline std::string format(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%g", value);
-  if (std::isfinite(value) && std::stod(text) != value) std::snprintf(text, sizeof text, "%.17g", value);
+  if (std::isfinite(value) && std::strtod(text, nullptr) != value) std::snprintf(text, sizeof text, "%.17g", value);
   return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <numbers>
@@ -20,6 +21,7 @@ namespace cogging {
 class SplineHarmonics {
  public:
   static constexpr int terms_max = 32, powers_max = 128;
+  static constexpr double coefficients_max = 1e7;  // 80 MB of them, and far below what an index can count
 
   /// The k active control points and the 2n harmonic values at a position: S_r without its zeros. Behind the
   /// harmonics stand the powers that are none but a step on the way to one.
@@ -37,6 +39,7 @@ class SplineHarmonics {
     for (int harmonic : harmonics) require(harmonic >= 1, "harmonics", "each must be at least 1", harmonic);
     basis.check_terms(harmonics.size(), "harmonics");
     basis.require_distinct(harmonics, "harmonics");
+    require_coefficients("control_points", spline.control_points(), harmonics.size());
     basis.spline_ = spline;
     basis.wavenumber_ = 2.0 * std::numbers::pi / pitch;
     basis.pitch_ = pitch;
@@ -51,10 +54,20 @@ class SplineHarmonics {
     for (double period : periods) require_positive("periods", period);
     basis.check_terms(periods.size(), "periods");
     basis.require_distinct(periods, "periods");
+    require_coefficients("control_points", spline.control_points(), periods.size());
     basis.spline_ = spline;
     for (double period : periods) basis.wavenumbers_.push_back(2.0 * std::numbers::pi / period);
     basis.periods_ = std::move(periods);
     return basis;
+  }
+
+  /// Refuses more coefficients, control points times sine and cosine of each term, than a model may have.
+  static void require_coefficients(std::string_view name, int control_points, std::size_t terms) {
+    const double columns = 2.0 * static_cast<double>(terms);
+    require(columns * control_points <= coefficients_max, name,
+            "must be at most " + format(coefficients_max) +
+                " / twice the terms = " + format(std::floor(coefficients_max / columns)),
+            control_points);
   }
 
   int terms() const { return static_cast<int>(wavenumbers_.size()); }
@@ -207,7 +220,7 @@ class CoggingModel {
   /// coefficients: one row a control point, in it sine and cosine of each term in turn (eq. 7).
   CoggingModel(SplineHarmonics basis, std::vector<Scalar> coefficients)
       : basis_(std::move(basis)), coefficients_(std::move(coefficients)) {
-    require(static_cast<int>(coefficients_.size()) == basis_.coefficients(), "coefficients",
+    require(std::ssize(coefficients_) == basis_.coefficients(), "coefficients",
             "must hold control points times 2 terms = " + format(basis_.coefficients()) + " values",
             static_cast<double>(coefficients_.size()));
     for (const Scalar& value : coefficients_)

@@ -10,6 +10,7 @@
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/control/controller.hpp"
 #include "cogging/control/projection.hpp"
+#include "cogging/control/sample_guard.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 
@@ -108,11 +109,12 @@ struct AdaptiveRobustParameters {
     require(cogging_control_points == 1 || cogging_control_points >= std::max(cogging_order, 1),
             "cogging_control_points", "must be 1 or at least the order " + format(cogging_order),
             cogging_control_points);
+    SplineHarmonics::require_coefficients("cogging_control_points", cogging_control_points, cogging_harmonics.size());
     const SplineHarmonics basis = cogging_basis();
     require_ordered("cogging_bounds", cogging_bounds[0], cogging_bounds[1], true);
     require_not_negative("cogging_adaptation", cogging_adaptation);
     if (!cogging_estimates.empty())
-      require(static_cast<int>(cogging_estimates.size()) == basis.coefficients(), "cogging_estimates",
+      require(std::ssize(cogging_estimates) == basis.coefficients(), "cogging_estimates",
               "must hold control points times twice the harmonics = " + format(basis.coefficients()) + " values",
               static_cast<double>(cogging_estimates.size()));
     for (double value : cogging_estimates)
@@ -141,6 +143,9 @@ struct AdaptiveRobustParameters {
 ///
 /// u_s2 = -h tanh(0.2785 h p / epsilon), h = theta_range^T |phi| + delta_d, is smooth and satisfies (20) and
 /// (30): |s| - s tanh(0.2785 s / epsilon) <= epsilon for every s.
+///
+/// In a sample that is refused (see SampleGuard) nothing is learned. Behind it, the velocity is the mean over the
+/// samples that have passed.
 template <class Scalar, bool desired_compensation>
 class AdaptiveRobust {
  public:
@@ -150,6 +155,7 @@ class AdaptiveRobust {
   explicit AdaptiveRobust(const Parameters& parameters = {})
       : parameters_(parameters),
         basis_(parameters.cogging_basis()),
+        guard_(parameters.command_limit),
         sample_time_(1.0 / parameters.sample_rate),
         estimates_(plain + basis_.coefficients(), Scalar(0.0)) {
     estimates_[0] = parameters.mass;
@@ -166,34 +172,22 @@ class AdaptiveRobust {
   /// mass, viscous, coulomb, d_n, then A_r one control point after the other.
   std::span<const Scalar> estimates() const { return estimates_; }
   const Scalar& sliding_variable() const { return p_; }
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
-    const Scalar velocity = first_ ? Scalar(0.0) : (reading - reading_previous_) / sample_time_;
-    reading_previous_ = reading;
-    first_ = false;
-
-    const Scalar error = reading - reference.position;
-    const Scalar error_rate = velocity - reference.velocity;
-    p_ = error_rate + parameters_.error_gain * error;
-    if constexpr (desired_compensation) {
-      regress(Scalar(reference.position), Scalar(reference.velocity), Scalar(reference.acceleration));
-    } else {  // x_2eq' = x_d'' - k_1 e'
-      regress(reading, velocity, reference.acceleration - parameters_.error_gain * error_rate);
-    }
-    Scalar model = 0.0;  // u_a = -phi^T theta_hat
-    for (int i = 0; i < plain; ++i) model -= regressor_[i] * estimates_[i];
-    if (!basis_.empty()) model += basis_.value(active_, estimates_.data() + plain);
-    return model - parameters_.feedback_gain * p_ + robust_term();
+    return guard_.command(guard_.usable(reference), reading,
+                          [&](const auto& sample, const Scalar& y) { return law(sample, reference, y); });
   }
 
   void update(Scalar) noexcept {
     const Parameters& q = parameters_;
-    adapt_plain(0, q.mass_adaptation, q.mass_bounds);
-    adapt_plain(1, q.viscous_adaptation, q.viscous_bounds);
-    adapt_plain(2, q.coulomb_adaptation, q.coulomb_bounds);
-    adapt_plain(3, q.disturbance_adaptation, q.disturbance_bounds);
+    const Scalar p = guard_.if_taken(p_, Scalar(0.0));
+    adapt_plain(0, q.mass_adaptation, q.mass_bounds, p);
+    adapt_plain(1, q.viscous_adaptation, q.viscous_bounds, p);
+    adapt_plain(2, q.coulomb_adaptation, q.coulomb_bounds, p);
+    adapt_plain(3, q.disturbance_adaptation, q.disturbance_bounds, p);
     if (basis_.empty() || q.cogging_adaptation == 0.0) return;
-    const Scalar step = -q.cogging_adaptation * sample_time_ * p_;
+    const Scalar step = -q.cogging_adaptation * sample_time_ * p;
     const Scalar minimum = q.cogging_bounds[0], maximum = q.cogging_bounds[1];
     const int columns = basis_.columns();
     const auto start = active_.spline.first * columns;
@@ -206,8 +200,28 @@ class AdaptiveRobust {
   }
 
  private:
+  template <class Sample>
+  COGGING_INLINE Scalar law(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
+    const Scalar velocity = sample.per_sample(reading - reading_previous_) / sample_time_;
+    sample.set(reading_previous_, reading);
+
+    const Scalar error = reading - reference.position;
+    const Scalar error_rate = velocity - reference.velocity;
+    const Scalar p = error_rate + parameters_.error_gain * error;
+    sample.set(p_, p);
+    if constexpr (desired_compensation) {
+      regress(Scalar(reference.position), Scalar(reference.velocity), Scalar(reference.acceleration));
+    } else {  // x_2eq' = x_d'' - k_1 e'
+      regress(reading, velocity, reference.acceleration - parameters_.error_gain * error_rate);
+    }
+    Scalar model = 0.0;  // u_a = -phi^T theta_hat
+    for (int i = 0; i < plain; ++i) model -= regressor_[i] * estimates_[i];
+    if (!basis_.empty()) model += basis_.value(active_, estimates_.data() + plain);
+    return model - parameters_.feedback_gain * p + robust_term(p);
+  }
+
   // phi = [-a, -v, -S_f(v), +1 on d_n, -S_r(x)]; d_n = -theta_5 turns the paper's -1 into +1.
-  void regress(const Scalar& position, const Scalar& velocity, const Scalar& acceleration) noexcept {
+  COGGING_INLINE void regress(const Scalar& position, const Scalar& velocity, const Scalar& acceleration) noexcept {
     regressor_[0] = -acceleration;
     regressor_[1] = -velocity;
     regressor_[2] = -smooth_sign(velocity, parameters_.coulomb_width);
@@ -215,13 +229,13 @@ class AdaptiveRobust {
     if (!basis_.empty()) basis_.evaluate(position, active_);
   }
 
-  void adapt_plain(int i, double gain, const std::array<double, 2>& bounds) noexcept {
+  void adapt_plain(int i, double gain, const std::array<double, 2>& bounds, const Scalar& p) noexcept {
     if (gain > 0.0)
       estimates_[i] =
-          adapt(estimates_[i], gain * sample_time_ * regressor_[i] * p_, Scalar(bounds[0]), Scalar(bounds[1]));
+          adapt(estimates_[i], gain * sample_time_ * regressor_[i] * p, Scalar(bounds[0]), Scalar(bounds[1]));
   }
 
-  Scalar robust_term() const noexcept {
+  COGGING_INLINE Scalar robust_term(const Scalar& p) const noexcept {
     const Parameters& q = parameters_;
     if (q.epsilon == 0.0) return 0.0;
     const auto width = [](const std::array<double, 2>& bounds) { return bounds[1] - bounds[0]; };
@@ -232,17 +246,17 @@ class AdaptiveRobust {
       for (int c = 0; c < basis_.columns(); ++c) harmonics += abs(active_.harmonic[c]);
       h += width(q.cogging_bounds) * harmonics;
     }
-    return -h * tanh(0.2785 * h * p_ / q.epsilon);
+    return -h * tanh(0.2785 * h * p / q.epsilon);
   }
 
   Parameters parameters_;
   SplineHarmonics basis_;
+  SampleGuard<Scalar> guard_;
   double sample_time_;
   std::vector<Scalar> estimates_;
-  SplineHarmonics::Active<Scalar> active_;
+  SplineHarmonics::Active<Scalar> active_{};
   std::array<Scalar, plain> regressor_{};
   Scalar reading_previous_ = 0.0, p_ = 0.0;
-  bool first_ = true;
 };
 
 template <class Scalar = double>

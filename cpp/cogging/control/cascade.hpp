@@ -7,6 +7,7 @@
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"
+#include "cogging/control/sample_guard.hpp"
 
 namespace cogging {
 
@@ -42,23 +43,28 @@ struct CascadeParameters {
 };
 
 /// u = kv (kp (reference - reading) - v) + mass a_r + viscous v_f + coulomb S(v_f); v is the backward
-/// difference of the reading, v_f what `feedforward_velocity` names.
+/// difference of the reading, v_f what `feedforward_velocity` names. A sample that is no measurement is refused (see
+/// SampleGuard).
 template <class Scalar = double>
 class Cascade {
  public:
   using Parameters = CascadeParameters<Scalar>;
 
-  explicit Cascade(const Parameters& parameters = {}) : parameters_(parameters), feedforward_(parameters) {}
+  explicit Cascade(const Parameters& parameters = {})
+      : parameters_(parameters), feedforward_(parameters), guard_(parameters.command_limit) {}
 
   const Parameters& parameters() const { return parameters_; }
   double sample_rate() const { return parameters_.sample_rate; }
   double command_limit() const { return parameters_.command_limit; }
   std::span<const Scalar> estimates() const { return {}; }
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
-    const Scalar forward = feedforward_(reference, reading);
-    const Scalar wanted = parameters_.kp * (reference.position - reading);
-    return parameters_.kv * (wanted - feedforward_.measured_velocity()) + forward;
+    return guard_.command(guard_.usable(reference), reading, [&](const auto& sample, const Scalar& y) {
+      const Scalar forward = feedforward_(sample, reference, y);
+      const Scalar wanted = parameters_.kp * (reference.position - y);
+      return parameters_.kv * (wanted - feedforward_.measured_velocity()) + forward;
+    });
   }
 
   void update(Scalar) noexcept {}
@@ -66,6 +72,7 @@ class Cascade {
  private:
   Parameters parameters_;
   Feedforward<Scalar> feedforward_;
+  SampleGuard<Scalar> guard_;
 };
 
 }  // namespace cogging

@@ -46,12 +46,13 @@ class Feedforward {
         sample_rate_(parameters.sample_rate),
         measured_(parameters.feedforward_velocity == "measured") {}
 
-  /// The feedforward command, V. Call once a sample.
-  Scalar operator()(const ReferencePoint& reference, const Scalar& reading) noexcept {
-    measured_velocity_ = first_ ? Scalar(0.0) : (reading - reading_previous_) * sample_rate_;
-    reading_previous_ = reading;
-    first_ = false;
-    const Scalar velocity = measured_ ? measured_velocity_ : Scalar(reference.velocity);
+  /// The feedforward command, V. Call once a sample (see SampleGuard).
+  template <class Sample>
+  Scalar operator()(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
+    const Scalar measured_velocity = sample.per_sample(reading - reading_previous_) * sample_rate_;
+    sample.set(measured_velocity_, measured_velocity);
+    sample.set(reading_previous_, reading);
+    const Scalar velocity = measured_ ? measured_velocity : Scalar(reference.velocity);
     return mass_ * reference.acceleration + viscous_ * velocity + coulomb_ * smooth_sign(velocity, coulomb_width_);
   }
 
@@ -61,7 +62,7 @@ class Feedforward {
  private:
   Scalar mass_, viscous_, coulomb_, coulomb_width_;
   double sample_rate_;
-  bool measured_, first_ = true;
+  bool measured_;
   Scalar reading_previous_ = 0.0, measured_velocity_ = 0.0;
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cogging/control/controller.hpp"
+#include "cogging/control/sample_guard.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
@@ -90,6 +91,10 @@ struct ObserverBasedParameters {
 /// the cosines' gains turn, since (3) does. Below velocity_min the harmonics are frozen, because zeta is not observable
 /// at rest. lambda_0 holds the dry friction, so each direction keeps its own. Feedforward and zeta are looked up
 /// `delay` ahead; the feedback cannot be.
+///
+/// In a sample that is refused (see SampleGuard) the estimates stay, while the commands that acted are still kept. The
+/// next prediction is one step over all samples that have passed; behind more than 16 missed ones x_hat and nu_hat
+/// start anew from the readings at both ends, and the forces, turned by the way that was made, stay.
 template <class Scalar = double>
 class ObserverBased {
  public:
@@ -98,6 +103,7 @@ class ObserverBased {
 
   explicit ObserverBased(const Parameters& parameters = {})
       : parameters_(parameters),
+        guard_(parameters.command_limit),
         count_(static_cast<int>(parameters.periods.size())),
         sample_time_(1.0 / parameters.sample_rate),
         measured_rotation_(parameters.rotation == "measured") {
@@ -108,6 +114,7 @@ class ObserverBased {
     state_.fill(Scalar(0.0));
     history_.fill(Scalar(0.0));
     kept_.fill(Scalar(0.0));
+    visited_.fill(Scalar(0.0));
   }
 
   const Parameters& parameters() const { return parameters_; }
@@ -118,19 +125,32 @@ class ObserverBased {
   /// x_hat, nu_hat, lambda_0, then sine and cosine of each period: m, m/s, m/s^2.
   std::span<const Scalar> estimates() const { return {state_.data(), static_cast<std::size_t>(3 + 2 * count_)}; }
 
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
+
   Scalar command(const ReferencePoint& reference, const ReferencePoint& ahead, Scalar reading) noexcept {
+    return guard_.command(guard_.usable(reference) && guard_.usable(ahead), reading,
+                          [&](const auto& sample, const Scalar& y) { return law(sample, reference, ahead, y); });
+  }
+
+  void update(Scalar applied) noexcept {
+    const int kept = whole_ + 2 + SampleGuard<Scalar>::gap_max;
+    for (int i = kept - 1; i > 0; --i) history_[i] = history_[i - 1];
+    history_[0] = guard_.acted(applied) / parameters_.mass;
+  }
+
+ private:
+  template <class Sample>
+  COGGING_INLINE Scalar law(const Sample& sample, const ReferencePoint& reference, const ReferencePoint& ahead,
+                            const Scalar& reading) noexcept {
     const Parameters& q = parameters_;
-    if (first_) {
-      state_[0] = reading;
-      state_[1] = reference.velocity;
-      first_ = false;
-    } else {
-      predict(reference, reading);
-    }
-    reference_previous_ = reference.position;
-    reading_previous_ = reading;
-    turn_direction(reference.velocity);
-    correct(reading - state_[0], reference.velocity);
+    predict(sample, reference, reading);
+    sample.start(state_[0], reading);
+    sample.start(state_[1], sample.per_sample(reading - reading_previous_) * q.sample_rate);
+    sample.begin(state_[1], Scalar(reference.velocity));
+    sample.set(reference_previous_, Scalar(reference.position));
+    sample.set(reading_previous_, reading);
+    turn_direction(sample, reference.velocity);
+    correct(sample, reading - state_[0], reference.velocity);
 
     Scalar cogging = state_[2];
     for (int n = 0; n < count_; ++n) {
@@ -143,16 +163,15 @@ class ObserverBased {
             cogging + ahead.acceleration + q.viscous * ahead.velocity);
   }
 
-  void update(Scalar applied) noexcept {
-    for (int i = Parameters::delay_max - 1; i > 0; --i) history_[i] = history_[i - 1];
-    history_[0] = applied / parameters_.mass;
-  }
-
- private:
   // From the last sample to this one. What acted is the command of `delay` before: a mean over the two that share it.
-  void predict(const ReferencePoint& reference, const Scalar& reading) noexcept {
-    const double t = sample_time_, mu = parameters_.viscous;
-    const Scalar acted = (1.0 - fraction_) * history_[whole_] + fraction_ * history_[whole_ + 1];
+  template <class Sample>
+  COGGING_INLINE void predict(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
+    const auto t = sample_time_ * sample.steps;
+    const double mu = parameters_.viscous;
+    Scalar sum = (1.0 - fraction_) * history_[whole_] + fraction_ * history_[whole_ + 1];
+    for (int i = 1; i <= sample.bridged; ++i)
+      sample.bridge(i, sum, sum + (1.0 - fraction_) * history_[whole_ + i] + fraction_ * history_[whole_ + 1 + i]);
+    const Scalar acted = sample.mean(sum);
     const Scalar moved =
         measured_rotation_ ? reading - reading_previous_ : Scalar(reference.position - reference_previous_);
     const Scalar speed = moved / t;
@@ -165,27 +184,30 @@ class ObserverBased {
       force_curve -= speed * speed * w * w * sine;
       Scalar s, c;
       sin_cos(moved * w, s, c);
-      state_[3 + 2 * n] = c * sine + s * cosine;
-      state_[4 + 2 * n] = c * cosine - s * sine;
+      sample.set(state_[3 + 2 * n], c * sine + s * cosine);
+      sample.set(state_[4 + 2 * n], c * cosine - s * sine);
     }
     const Scalar a = acted + force - mu * state_[1], jerk = force_rate - mu * a, snap = force_curve - mu * jerk;
-    state_[0] += t * (state_[1] + t * (0.5 * a + t / 6.0 * jerk));
-    state_[1] += t * (a + t * (0.5 * jerk + t / 6.0 * snap));
+    sample.set(state_[0], state_[0] + t * (state_[1] + t * (0.5 * a + t / 6.0 * jerk)));
+    sample.set(state_[1], state_[1] + t * (a + t * (0.5 * jerk + t / 6.0 * snap)));
   }
 
-  void turn_direction(double velocity) noexcept {
-    const int direction = velocity > 0.0 ? 1 : (velocity < 0.0 ? -1 : direction_);
-    if (direction == direction_) return;
-    const int from = direction_ > 0 ? 1 : 0, to = direction > 0 ? 1 : 0;
-    if (direction_ != 0) {
-      kept_[from] = state_[2];
-      state_[2] = visited_[to] ? kept_[to] : -state_[2];  // unknown yet: dry friction turns its sign
-    }
-    visited_[to] = true;
-    direction_ = direction;
+  template <class Sample>
+  COGGING_INLINE void turn_direction(const Sample& sample, double velocity) noexcept {
+    if (velocity == 0.0) return;
+    const double direction = velocity > 0.0 ? 1.0 : -1.0;
+    if (all(direction_ == direction)) return;
+    const int to = velocity > 0.0 ? 1 : 0, from = 1 - to;
+    const auto turns = direction_ == -direction;
+    const Scalar known = select(visited_[to] > 0.0, kept_[to], -state_[2]);  // unknown yet: dry friction turns its sign
+    sample.set(kept_[from], select(turns, state_[2], kept_[from]));
+    sample.set(state_[2], select(turns, known, state_[2]));
+    sample.set(visited_[to], Scalar(1.0));
+    sample.set(direction_, Scalar(direction));
   }
 
-  void correct(const Scalar& innovation, double velocity) noexcept {
+  template <class Sample>
+  COGGING_INLINE void correct(const Sample& sample, const Scalar& innovation, double velocity) noexcept {
     const Parameters& q = parameters_;
     const double speed = std::abs(velocity);
     const bool frozen = speed < q.velocity_min;
@@ -193,22 +215,23 @@ class ObserverBased {
     for (int i = 0; i < 3 + 2 * count_; ++i) {
       if (i >= 3 && frozen) break;
       const double gain = q.observer_gain[i] + (q.observer_gain_slope.empty() ? 0.0 : speed * q.observer_gain_slope[i]);
-      const bool mirrored = i >= 4 && i % 2 == 0 && direction_ < 0;
-      state_[i] += (mirrored ? -gain : gain) * step;
+      const bool mirrored = i >= 4 && i % 2 == 0;
+      sample.set(state_[i],
+                 state_[i] + (mirrored ? select(direction_ < 0.0, Scalar(-gain), Scalar(gain)) : Scalar(gain)) * step);
     }
   }
 
   Parameters parameters_;
-  int count_, whole_ = 0, direction_ = 0;
+  SampleGuard<Scalar> guard_;
+  int count_, whole_ = 0;
   double sample_time_, fraction_ = 0.0;
-  bool measured_rotation_, first_ = true;
+  bool measured_rotation_;
   std::array<double, Parameters::periods_max> wavenumber_{};
   std::array<Scalar, states_max> state_;
-  std::array<Scalar, Parameters::delay_max> history_;
-  std::array<Scalar, 2> kept_;
-  std::array<bool, 2> visited_{};
-  double reference_previous_ = 0.0;
-  Scalar reading_previous_ = 0.0;
+  std::array<Scalar, Parameters::delay_max + SampleGuard<Scalar>::gap_max> history_;  // m/s^2, the newest first
+  std::array<Scalar, 2> kept_, visited_;  // lambda_0 by direction, and whether it is known
+  Scalar direction_ = 0.0;
+  Scalar reference_previous_ = 0.0, reading_previous_ = 0.0;
 };
 
 }  // namespace cogging

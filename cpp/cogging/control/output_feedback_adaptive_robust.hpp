@@ -10,6 +10,7 @@
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/projection.hpp"
+#include "cogging/control/sample_guard.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
@@ -113,9 +114,12 @@ struct OutputFeedbackArcParameters {
     require_not_negative("command_limit", command_limit);
     if (filter_steps != "exact" && filter_steps != "euler")
       refuse("filter_steps", "must be \"exact\" or \"euler\"", filter_steps);
+    const double step = 1.0 / sample_rate;
+    require(std::isfinite((observer_gain_1 + observer_gain_2 * step) * step), "sample_rate",
+            "must be high enough for observer_gain_1 and observer_gain_2 a sample to be numbers", sample_rate);
     if (filter_steps == "euler") {
       // |1 + s T| < 1 at both roots s of s^2 + k_1 s + k_2 (Jury): k_2 T^2 < k_1 T and k_2 T^2 - 2 k_1 T + 4 > 0.
-      const double t = 1.0 / sample_rate, a = observer_gain_1 * t, b = observer_gain_2 * t * t;
+      const double a = observer_gain_1 * step, b = observer_gain_2 * step * step;
       require(b < a && b - 2.0 * a + 4.0 > 0.0, "sample_rate", "is too low for Euler steps of the observer's filters",
               sample_rate);
     }
@@ -127,6 +131,10 @@ struct OutputFeedbackArcParameters {
 /// Filters (18): eta' = A_0 eta + e_2 y, lambda' = A_0 lambda + e_2 u*, psi' = A_0 psi + e_2 (12), from rest (Remark
 /// 4); xi_1, xi_2 follow by (17). With z_1 = y - q_d and z_2 = lambda_2 - alpha_1 the law is (25), (27), (39), (43),
 /// the adaptation (50) with projection (19), (20), one Euler step a sample.
+///
+/// In a sample that is refused (see SampleGuard) theta_hat and eta stay; lambda and psi, which the applied command
+/// drives and nothing, go on. Behind it eta makes up for the samples that were missed, y on a straight line; behind
+/// more than 16 of them it is where that line would have led it in the end.
 template <class Scalar = double>
 class OutputFeedbackArc {
  public:
@@ -150,7 +158,7 @@ class OutputFeedbackArc {
   };
 
   explicit OutputFeedbackArc(const Parameters& parameters = {})
-      : parameters_(parameters), sample_time_(1.0 / parameters.sample_rate) {
+      : parameters_(parameters), guard_(parameters.command_limit), sample_time_(1.0 / parameters.sample_rate) {
     for (int i = 0; i < 3; ++i) {
       theta_[i] = parameters.theta[i];
       const double range = parameters.theta_max[i] - parameters.theta_min[i];
@@ -164,6 +172,7 @@ class OutputFeedbackArc {
   double command_limit() const { return parameters_.command_limit; }
   /// theta_hat.
   std::span<const Scalar> estimates() const { return theta_; }
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   const Scalar& z_1() const { return z_1_; }
   const Scalar& z_2() const { return z_2_; }
   /// eta, lambda, psi.
@@ -173,7 +182,7 @@ class OutputFeedbackArc {
     return xi_22(eta_[0], eta_[1]) - theta[1] * xi_12(eta_[0]) + theta[0] * lambda_[1] + theta[2] * psi_[1];
   }
 
-  VirtualControl virtual_control(const Inputs& in) const noexcept {
+  COGGING_INLINE VirtualControl virtual_control(const Inputs& in) const noexcept {
     const Parameters& q = parameters_;
     const double k1 = q.observer_gain_1, k2 = q.observer_gain_2;
     const Scalar inverse = Scalar(1.0) / in.theta[0], s = xi_12(in.eta_1) + in.position;
@@ -215,17 +224,53 @@ class OutputFeedbackArc {
   }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
+    return guard_.command(guard_.usable(reference), reading,
+                          [&](const auto& sample, const Scalar& y) { return law(sample, reference, y); });
+  }
+
+  void update(Scalar applied) noexcept {
+    const Parameters& q = parameters_;
+    for (int i = 0; i < 3; ++i) {
+      const Scalar tau = q.weight_1 * phi_1_[i] * z_1_ + q.weight_2 * phi_2_[i] * z_2_;  // (50)
+      if (q.adaptation[i] > 0.0)
+        theta_[i] = adapt(theta_[i], sample_time_ * q.adaptation[i] * guard_.if_taken(tau, Scalar(0.0)),
+                          Scalar(q.theta_min[i]), Scalar(q.theta_max[i]));
+    }
+    const State eta = step(eta_, position_);
+    for (int i = 0; i < 2; ++i) eta_[i] = guard_.if_taken(eta[i], eta_[i]);
+    lambda_ = step(lambda_, guard_.acted(applied) - compensation_);
+    psi_ = step(psi_, Scalar(1.0));
+  }
+
+ private:
+  // Positions count from the first reading: Remark 4 with filters at rest needs y(0) = 0.
+  template <class Sample>
+  COGGING_INLINE void take_up(const Sample& sample, const Scalar& reading) noexcept {
+    sample.begin(origin_, reading);
+    for (State* filter : {&lambda_, &psi_})
+      for (Scalar& state : *filter) sample.begin(state, Scalar(0.0));
+    const Scalar position = reading - origin_, moved = position - position_;
+    const double k1 = parameters_.observer_gain_1, k2 = parameters_.observer_gain_2;
+    const Scalar speed = sample.per_sample(moved) * parameters_.sample_rate;
+    sample.start(eta_[0], (position - speed * (k1 / k2)) / k2);  // where a straight line has led it
+    sample.start(eta_[1], speed / k2 + k1 * eta_[0]);
+    for (int missed = 1; missed <= sample.bridged; ++missed) {
+      const State eta = step(eta_, position_ + moved * (double(missed) / sample.steps));
+      for (int i = 0; i < 2; ++i) sample.bridge(missed, eta_[i], eta[i]);
+    }
+    sample.set(position_, position);
+  }
+
+  template <class Sample>
+  COGGING_INLINE Scalar law(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
     const Parameters& q = parameters_;
     const double k1 = q.observer_gain_1, k2 = q.observer_gain_2;
-    if (first_)
-      origin_ = reading;  // positions count from the first reading: Remark 4 with filters at rest needs y(0) = 0
-    first_ = false;
-    position_ = reading - origin_;
+    take_up(sample, reading);
     const VirtualControl alpha = virtual_control(
         {position_, eta_[0], eta_[1], psi_[1], reference.position - origin_, Scalar(reference.velocity), theta_});
-    z_1_ = reading - reference.position;
-    z_2_ = lambda_[1] - alpha.value;
-    phi_1_ = alpha.phi;
+    const Scalar z_1 = reading - reference.position, z_2 = lambda_[1] - alpha.value;
+    sample.set(z_1_, z_1);
+    sample.set(z_2_, z_2);
 
     const Vector omega = {lambda_[1], alpha.phi[1], psi_[1]};
     const Scalar eta_rate_1 = -k1 * eta_[0] + eta_[1], eta_rate_2 = -k2 * eta_[0] + position_;
@@ -239,40 +284,29 @@ class OutputFeedbackArc {
     const double ratio = q.weight_1 / q.weight_2;
     Scalar gain = q.gain_2, phi_square = 0.0, robust = 0.0;
     for (int i = 0; i < 3; ++i) {
-      phi_2_[i] = -alpha.position * omega[i] + (i == 0 ? ratio * z_1_ : Scalar(0.0));  // (45)
-      phi_square += phi_2_[i] * phi_2_[i];
+      const Scalar phi_2 = -alpha.position * omega[i] + (i == 0 ? ratio * z_1 : Scalar(0.0));  // (45)
+      sample.set(phi_1_[i], alpha.phi[i]);
+      sample.set(phi_2_[i], phi_2);
+      phi_square += phi_2 * phi_2;
       const Scalar by_theta = alpha.theta[i] * q.c_theta_2[i];
-      const Scalar by_phi = q.c_phi_2[i] * q.adaptation[i] * phi_2_[i];
+      const Scalar by_phi = q.c_phi_2[i] * q.adaptation[i] * phi_2;
       if (q.use_c_theta_2) robust += by_theta * by_theta;  // (43)
       if (q.use_c_phi_2) robust += by_phi * by_phi;        // (43)
     }
     if (q.use_u_s2) robust += theta_range_square_ * phi_square / (4.0 * q.epsilon_21);  // (47), (48)
     if (q.use_u_s3) robust += alpha.position * alpha.position / (4.0 * q.epsilon_22);   // (47)
     gain += q.robust_factor * robust;
-    compensation_ = q.coulomb * smooth_sign(Scalar(reference.velocity), Scalar(q.coulomb_width));
-    return -ratio * theta_[0] * z_1_ + k2 * lambda_[0] + alpha_rate - gain * z_2_ + compensation_;
+    const Scalar compensation = q.coulomb * smooth_sign(Scalar(reference.velocity), Scalar(q.coulomb_width));
+    sample.set(compensation_, compensation);
+    return -ratio * theta_[0] * z_1 + k2 * lambda_[0] + alpha_rate - gain * z_2 + compensation;
   }
 
-  void update(Scalar applied) noexcept {
-    const Parameters& q = parameters_;
-    for (int i = 0; i < 3; ++i) {
-      const Scalar tau = q.weight_1 * phi_1_[i] * z_1_ + q.weight_2 * phi_2_[i] * z_2_;  // (50)
-      if (q.adaptation[i] > 0.0)
-        theta_[i] =
-            adapt(theta_[i], sample_time_ * q.adaptation[i] * tau, Scalar(q.theta_min[i]), Scalar(q.theta_max[i]));
-    }
-    eta_ = step(eta_, position_);
-    lambda_ = step(lambda_, applied - compensation_);
-    psi_ = step(psi_, Scalar(1.0));
-  }
-
- private:
   Scalar xi_12(const Scalar& eta_1) const { return -parameters_.observer_gain_2 * eta_1; }  // (A_0 eta)_2
   Scalar xi_22(const Scalar& eta_1, const Scalar& eta_2) const {                            // (-A_0^2 eta)_2
     return parameters_.observer_gain_2 * (eta_2 - parameters_.observer_gain_1 * eta_1);
   }
 
-  State step(const State& x, const Scalar& input) const {
+  COGGING_INLINE State step(const State& x, const Scalar& input) const {
     return {transition_[0] * x[0] + transition_[1] * x[1] + response_[0] * input,
             transition_[2] * x[0] + transition_[3] * x[1] + response_[1] * input};
   }
@@ -308,13 +342,13 @@ class OutputFeedbackArc {
   }
 
   Parameters parameters_;
+  SampleGuard<Scalar> guard_;
   double sample_time_, theta_range_square_ = 0.0;
   std::array<double, 4> transition_{};
   std::array<double, 2> response_{};
   Vector theta_{}, phi_1_{}, phi_2_{};
   State eta_{Scalar(0.0), Scalar(0.0)}, lambda_{Scalar(0.0), Scalar(0.0)}, psi_{Scalar(0.0), Scalar(0.0)};
   Scalar z_1_ = 0.0, z_2_ = 0.0, origin_ = 0.0, position_ = 0.0, compensation_ = 0.0;
-  bool first_ = true;
 };
 
 }  // namespace cogging

@@ -8,6 +8,7 @@
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"
+#include "cogging/control/sample_guard.hpp"
 
 namespace cogging {
 
@@ -51,43 +52,55 @@ struct PidParameters {
 /// The sum includes the current sample and starts at zero; e_prev = e in the first sample. Where the applied
 /// command was cut, the sum does not take up an error that pushes further into the limit. Feedforward and
 /// friction term as Xu and Yao 2001, eq. 57, when the velocity is "measured".
+///
+/// A sample that is refused (see SampleGuard) adds nothing to the sum, and e_prev stays; (e - e_prev) / Ts is then the
+/// mean over the samples that have passed.
 template <class Scalar = double>
 class Pid {
  public:
   using Parameters = PidParameters<Scalar>;
 
   explicit Pid(const Parameters& parameters = {})
-      : parameters_(parameters), feedforward_(parameters), sample_time_(1.0 / parameters.sample_rate) {}
+      : parameters_(parameters),
+        feedforward_(parameters),
+        guard_(parameters.command_limit),
+        sample_time_(1.0 / parameters.sample_rate) {}
 
   const Parameters& parameters() const { return parameters_; }
   double sample_rate() const { return parameters_.sample_rate; }
   double command_limit() const { return parameters_.command_limit; }
   std::span<const Scalar> estimates() const { return {}; }
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
-    const Scalar error = reading - reference.position;
-    if (first_) error_previous_ = error;
-    sum_ += error * sample_time_;
-    step_ = error * sample_time_;
-    const Scalar rate = (error - error_previous_) / sample_time_;
-    computed_ =
-        feedforward_(reference, reading) - parameters_.kp * error - parameters_.ki * sum_ - parameters_.kd * rate;
-    error_previous_ = error;
-    first_ = false;
-    return computed_;
+    return guard_.command(guard_.usable(reference), reading,
+                          [&](const auto& sample, const Scalar& y) { return law(sample, reference, y); });
   }
 
   void update(Scalar applied) noexcept {
     // (computed - applied) has the sign of the cut; -step is the way in which this sample moved the command.
-    const Scalar cut = computed_ - applied;
-    sum_ -= select(cut * step_ < 0.0, step_, Scalar(0.0));
+    const Scalar cut = computed_ - guard_.acted(applied), step = guard_.if_taken(step_, Scalar(0.0));
+    sum_ -= select(cut * step < 0.0, step, Scalar(0.0));
   }
 
  private:
+  template <class Sample>
+  COGGING_INLINE Scalar law(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
+    const Scalar error = reading - reference.position, step = error * sample_time_, sum = sum_ + step;
+    const Scalar rate = sample.per_sample(error - error_previous_) / sample_time_;
+    const Scalar computed = feedforward_(sample, reference, reading) - parameters_.kp * error - parameters_.ki * sum -
+                            parameters_.kd * rate;
+    sample.set(sum_, sum);
+    sample.set(step_, step);
+    sample.set(computed_, computed);
+    sample.set(error_previous_, error);
+    return computed;
+  }
+
   Parameters parameters_;
   Feedforward<Scalar> feedforward_;
+  SampleGuard<Scalar> guard_;
   double sample_time_;
-  bool first_ = true;
   Scalar error_previous_ = 0.0, sum_ = 0.0, step_ = 0.0, computed_ = 0.0;
 };
 

@@ -10,6 +10,7 @@
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"
+#include "cogging/control/sample_guard.hpp"
 
 namespace cogging {
 
@@ -51,12 +52,15 @@ struct SpeedParameters {
 /// With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
 /// before the first sample. A command is held over its sample, so it cannot change within one: this is the mean
 /// over the sample of the held w that changes there, after the exact delay.
+///
+/// In a sample that is refused (see SampleGuard) w is held, and goes through the delay as ever.
 template <class Scalar = double>
 class Speed {
  public:
   using Parameters = SpeedParameters<Scalar>;
 
-  explicit Speed(const Parameters& parameters = {}) : parameters_(parameters), feedforward_(parameters) {
+  explicit Speed(const Parameters& parameters = {})
+      : parameters_(parameters), feedforward_(parameters), guard_(parameters.command_limit) {
     double samples = parameters.delay * parameters.sample_rate;
     // A delay of 2 ms at 1 kHz is two samples, whatever the rounding of the product.
     if (std::abs(samples - std::round(samples)) < 1e-9 * (1.0 + samples)) samples = std::round(samples);
@@ -69,15 +73,18 @@ class Speed {
   double sample_rate() const { return parameters_.sample_rate; }
   double command_limit() const { return parameters_.command_limit; }
   std::span<const Scalar> estimates() const { return {}; }
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
-    const Scalar forward = feedforward_(reference, reading);
-    past_[newest_] = parameters_.kp * (reference.velocity - feedforward_.measured_velocity()) + forward;
+    past_[newest_] = guard_.command(guard_.usable(reference), reading, [&](const auto& sample, const Scalar& y) {
+      const Scalar forward = feedforward_(sample, reference, y);
+      return Scalar(parameters_.kp * (reference.velocity - feedforward_.measured_velocity()) + forward);
+    });
     // A ring of n + 2: behind the newest stands the oldest, w[k-n-1], and behind that w[k-n].
     const std::size_t oldest = next(newest_);
     const Scalar delayed = (1.0 - fraction_) * past_[next(oldest)] + fraction_ * past_[oldest];
     newest_ = oldest;
-    return delayed;
+    return guard_.if_taken(delayed, guard_.limited(delayed));
   }
 
   void update(Scalar) noexcept {}
@@ -87,6 +94,7 @@ class Speed {
 
   Parameters parameters_;
   Feedforward<Scalar> feedforward_;
+  SampleGuard<Scalar> guard_;
   double fraction_ = 0.0;
   std::size_t newest_ = 0;
   std::vector<Scalar> past_;

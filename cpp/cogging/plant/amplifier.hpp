@@ -2,6 +2,8 @@
 // The amplifier: what becomes of a command on its way to the motor.
 
 #include <cstddef>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 #include "cogging/plant/amplifier_laws.hpp"
@@ -17,7 +19,8 @@ namespace cogging {
 template <class Scalar = double>
 class Amplifier {
  public:
-  Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time) : laws_(effects) {
+  Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time)
+      : laws_(effects), sample_time_(sample_time) {
     const double samples = laws_.delay() / sample_time;
     require(samples < 1e6, "command_delay.delay", "must be below a million samples", laws_.delay());
     whole_ = static_cast<std::size_t>(samples);
@@ -27,9 +30,14 @@ class Amplifier {
     history_.assign(whole_ + 2, Scalar(0.0));
   }
 
+  /// Raises DivergedError where what is passed on to the motor would not be a number: behind a current loop or under
+  /// friction that sticks, an infinity could look like rest.
   void accept(const Scalar& command) {
     head_ = head_ + 1 == history_.size() ? 0 : head_ + 1;
-    history_[head_] = laws_.shaped(command);
+    const Scalar shaped = laws_.shaped(command);
+    if (!all_finite(shaped)) refuse_command(shaped);
+    history_[head_] = shaped;
+    ++accepted_;
   }
 
   /// Within a sample: the offset, s, at which the delayed command changes; 0 where it changes at the sample.
@@ -51,9 +59,16 @@ class Amplifier {
   }
 
  private:
+  [[noreturn]] COGGING_NOINLINE void refuse_command(const Scalar& command) const {
+    std::string value = "a lane's";
+    if constexpr (std::is_same_v<Scalar, double>) value = format(command) + " V";
+    throw DivergedError("the run diverged at " + format(static_cast<double>(accepted_) * sample_time_) +
+                        " s: the command must be a finite number, got " + value);
+  }
+
   AmplifierLaws<Scalar> laws_;
-  double switch_ = 0.0;
-  std::size_t whole_ = 0, head_ = 0;
+  double sample_time_, switch_ = 0.0;
+  std::size_t whole_ = 0, head_ = 0, accepted_ = 0;
   std::vector<Scalar> history_;
   Scalar output_ = 0.0;
 };

@@ -1,6 +1,8 @@
 #pragma once
 // What the effects of a plant say of its amplifier.
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -24,8 +26,9 @@ class AmplifierLaws {
             if constexpr (HasCommandDelay<E>) delay_ += law.command_delay();
             if constexpr (HasLag<E>) {
               require(!lagging_, E::name, "may stand once among the effects, count", 2);
-              lagging_ = all(law.lag_time_constant() > 0.0);
-              if (lagging_) rate_ = Scalar(1.0) / law.lag_time_constant();
+              const Scalar rate = Scalar(1.0) / law.lag_time_constant();
+              lagging_ = all_finite(rate);  // of a loop that is faster than numbers can say nothing is seen
+              if (lagging_) rate_ = rate;
             }
           },
           effect);
@@ -46,11 +49,15 @@ class AmplifierLaws {
   const Scalar& rate() const { return rate_; }  // 1/s, of the current loop; 0 without one
 
   /// The end, s, of a step from `now` that is short enough to follow the current loop, which began to settle at
-  /// `changed`; infinite where it need not be followed.
+  /// `changed`; infinite where it need not be followed. Always behind `now`, also where the time constant is shorter
+  /// than what a time that late can tell apart.
   double followed_until(double now, double changed) const {
     if (!lagging_) return std::numeric_limits<double>::infinity();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     const double time_constant = 1.0 / largest(rate_);
-    return now - changed < settled * time_constant ? now + time_constant : std::numeric_limits<double>::infinity();
+    if (!(now - changed < settled * time_constant)) return infinity;
+    const double end = now + time_constant;
+    return end > now ? end : std::nextafter(now, infinity);
   }
 
  private:

@@ -136,7 +136,9 @@ class LooseLoad {
     const auto slope = [&](const Deflection& at) {
       return Deflection{at.rate, push - damping_ * at.rate - coupling_.force(at.value, at.rate) * inverse_};
     };
-    const int pieces = std::max(1, static_cast<int>(std::ceil(4.0 * coupling_.rate() * h)));
+    const double needed = std::ceil(4.0 * coupling_.rate() * h);
+    require(needed <= 1e5, "frequency", "must need at most 1e5 substeps a step", needed);
+    const int pieces = std::max(1, static_cast<int>(needed));
     const double step = h / pieces;
     for (int piece = 0; piece < pieces; ++piece) {
       const Deflection k1 = slope(z);

@@ -12,13 +12,19 @@
 #include <vector>
 
 #include "cogging/interruption.hpp"
+#include "cogging/require.hpp"
 
 namespace cogging {
+
+inline constexpr unsigned threads_max = 1024;
 
 /// Counts threads down as they end, so that who waits for them can look after other things meanwhile.
 class ThreadsAtWork {
  public:
-  explicit ThreadsAtWork(std::size_t count) : count_(count) {}
+  void one_begins() {
+    const std::lock_guard lock(mutex_);
+    ++count_;
+  }
 
   void one_ended() {
     const std::lock_guard lock(mutex_);  // held over the notification: who waits takes this object away
@@ -35,16 +41,19 @@ class ThreadsAtWork {
  private:
   std::mutex mutex_;
   std::condition_variable ended_;
-  std::size_t count_;
+  std::size_t count_ = 0;
 };
 
-/// Calls job(0) to job(count - 1), each once, on `threads` threads (0 = as many as the machine has). What a
-/// job throws is thrown here, of the job with the lowest number, once all threads have ended. The order in
+/// Calls job(0) to job(count - 1), each once, on `threads` threads (0 = as many as the machine has, 1024 at most).
+/// What a job throws is thrown here, of the job with the lowest number, once all threads have ended. The order in
 /// which jobs run has no influence on what each does. Throws Interrupted, with all threads ended, where `stop` (or
 /// none) asks for it: before a job begins, and in jobs that ask it themselves.
+///
+/// Raises std::invalid_argument for more than 1024 threads, and where the system cannot start as many as are used.
 template <class Job>
 void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job& job) {
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  require(threads <= threads_max, "threads", "must be from 0 to " + format(threads_max), threads);
+  if (threads == 0) threads = std::max(1u, std::min(threads_max, std::thread::hardware_concurrency()));
   threads = static_cast<unsigned>(std::min<std::size_t>(threads, std::max<std::size_t>(count, 1)));
   std::vector<std::exception_ptr> failures(count);
   std::atomic<std::size_t> next{0};
@@ -62,19 +71,32 @@ void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job
       }
     }
   };
-  ThreadsAtWork at_work(threads - 1);
+  ThreadsAtWork at_work;
   const auto work_and_end = [&] {
     work();
     at_work.one_ended();
   };
   std::vector<std::thread> others;
-  for (unsigned t = 1; t < threads; ++t) others.emplace_back(work_and_end);
-  work();
+  others.reserve(threads);
+  try {
+    while (others.size() + 1 < threads) {
+      at_work.one_begins();
+      others.emplace_back(work_and_end);
+    }
+  } catch (...) {
+    at_work.one_ended();
+    next = count;  // those that run end with the job that they are at
+  }
+  const bool started = others.size() + 1 == threads;
+  if (started) work();
   // The caller's thread may be the only one that learns of a request; the others then end by themselves.
   if (stop != nullptr)
     while (!at_work.all_ended(std::chrono::milliseconds(20)))
       if (stop->requested_now()) interrupted = true;
   for (std::thread& other : others) other.join();
+  require(started, "threads",
+          "must be no more than the system can start, which ended at " + format(static_cast<double>(others.size() + 1)),
+          threads);
   if (interrupted) throw Interrupted();
   for (const std::exception_ptr& failure : failures)
     if (failure) std::rethrow_exception(failure);

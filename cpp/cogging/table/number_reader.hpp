@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cogging/interruption.hpp"
@@ -61,6 +62,7 @@ struct TableLayout {
 class NumberReader {
  public:
   static constexpr std::size_t line_max = std::size_t{1} << 24;  // bytes; a longer line is no row of a log
+  static constexpr double rows_max = 1e12;
 
   /// Rows `first_row` to `end_row` (without) are kept; `first_line` is the number of the first line that will come.
   NumberReader(TableLayout layout, std::size_t first_row, std::size_t end_row, std::size_t first_line,
@@ -71,6 +73,8 @@ class NumberReader {
     for (std::size_t i = 0; i < layout_.wanted.size(); ++i)
       require(layout_.wanted[i] < layout_.fields && (i == 0 || layout_.wanted[i] > layout_.wanted[i - 1]), "wanted",
               "must be ascending and below fields", static_cast<double>(layout_.wanted[i]));
+    require(expected_rows <= rows_max, "expected_rows", "must be at most " + format(rows_max),
+            static_cast<double>(expected_rows));
     columns_.resize(layout_.wanted.size());
     for (std::vector<double>& column : columns_) column.reserve(expected_rows);  // pages unused cost nothing
   }
@@ -78,7 +82,7 @@ class NumberReader {
   /// Takes the next block of the file, which may end anywhere. Interrupted, it has taken a part of the block that
   /// nobody knows: a reader that is fed on refuses.
   void feed(std::string_view block, StopRequest* request = nullptr) {
-    require(!interrupted_, "block", "must not follow one whose reading was interrupted, bytes", double(block.size()));
+    require_whole();
     StopCheck stop(request);
     try {
       feed(block, stop);
@@ -90,16 +94,22 @@ class NumberReader {
 
   /// Takes what stands after the last line end.
   void finish() {
-    require(!interrupted_, "block", "must not be finished after its reading was interrupted, bytes",
-            double(carry_.size()));
+    require_whole();
     if (!carry_.empty() && !done()) read_line(carry_.data(), carry_.data() + carry_.size());
     carry_.clear();
   }
 
   /// Whether the last wanted row has been read.
   bool done() const { return row_ >= end_row_; }
-  std::size_t rows() const { return columns_.empty() ? 0 : columns_.front().size(); }
-  std::vector<std::vector<double>> take() { return std::move(columns_); }
+  /// Rows read since the start or the last `take`.
+  std::size_t rows() const { return columns_.empty() ? 0 : columns_.back().size(); }
+
+  /// The columns, all of one length: a line that was refused leaves no part of itself. Reading may go on behind them.
+  std::vector<std::vector<double>> take() {
+    const std::size_t whole = rows();
+    for (std::vector<double>& column : columns_) column.resize(whole);
+    return std::exchange(columns_, std::vector<std::vector<double>>(layout_.wanted.size()));
+  }
 
  private:
   void feed(std::string_view block, StopCheck& stop) {
@@ -161,6 +171,12 @@ class NumberReader {
   }
 
   void read_line(const char* p, const char* end) {
+    within_line_ = true;  // and so it stays where the line is refused
+    take_line(p, end);
+    within_line_ = false;
+  }
+
+  void take_line(const char* p, const char* end) {
     ++line_;
     if (p != end && end[-1] == '\r') --end;
     p = skip_blanks(p, end);
@@ -233,6 +249,11 @@ class NumberReader {
     refuse(place() + ": " + layout_.labels[column], "must be a finite number", shown(begin, stop));
   }
 
+  void require_whole() const {
+    require(!interrupted_, "block", "must not follow one whose reading was interrupted, bytes", double(carry_.size()));
+    if (within_line_) refuse("NumberReader", "may not go on behind a line that was refused", place());
+  }
+
   void require_line_length(std::size_t length) const {
     if (length > line_max)
       refuse("line " + std::to_string(line_), "must end within 16 MB", std::to_string(length) + " bytes");
@@ -240,6 +261,7 @@ class NumberReader {
 
   TableLayout layout_;
   std::size_t first_row_, end_row_, line_, row_ = 0;
+  bool within_line_ = false;
   std::string carry_;
   bool interrupted_ = false;
   std::vector<std::vector<double>> columns_;

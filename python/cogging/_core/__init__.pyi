@@ -665,6 +665,10 @@ class Pid:
     u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading - reference. The sum
     includes the current sample and starts at zero; e_prev = e in the first sample. With a command limit the sum does not
     take up an error that pushes further into it.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: PidParameters) -> None:
         ...
@@ -678,7 +682,7 @@ class Pid:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     @property
     def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -692,6 +696,11 @@ class Pid:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
         """
 class CascadeParameters:
     """
@@ -779,6 +788,10 @@ class CascadeParameters:
 class Cascade:
     """
     u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: CascadeParameters) -> None:
         ...
@@ -792,7 +805,7 @@ class Cascade:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     @property
     def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -806,6 +819,11 @@ class Cascade:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
         """
 class SpeedParameters:
     """
@@ -896,7 +914,12 @@ class Speed:
     
     w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
     sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
-    before the first sample: the mean over the sample of the held w after the exact delay.
+    before the first sample: the mean over the sample of the held w after the exact delay. What is held in a sample that is
+    refused is w, which goes through the delay as ever.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: SpeedParameters) -> None:
         ...
@@ -910,7 +933,7 @@ class Speed:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     @property
     def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -924,6 +947,11 @@ class Speed:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
         """
 class AdaptiveRobustParameters:
     """
@@ -1122,6 +1150,10 @@ class Arc:
     
     u = -phi^T theta_hat - k_s1 p + u_s2 with p = e' + k_1 e, the regressor phi at the measured state;
     theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscous, coulomb, d_n, then A_r.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: AdaptiveRobustParameters) -> None:
         ...
@@ -1135,7 +1167,7 @@ class Arc:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     @property
     def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1150,12 +1182,21 @@ class Arc:
         """
         Hz
         """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
+        """
 class Dcarc:
     """
     Desired compensation adaptive robust control (Lu et al. 2008, eq. 24 to 30).
     
     As Arc, with the regressor on the reference in place of the measured state. Estimates: mass, viscous, coulomb, d_n,
     then A_r.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: AdaptiveRobustParameters) -> None:
         ...
@@ -1169,7 +1210,7 @@ class Dcarc:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     @property
     def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1183,6 +1224,11 @@ class Dcarc:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
         """
 class OutputFeedbackArcParameters:
     """
@@ -1398,7 +1444,12 @@ class OutputFeedbackArc:
     Output-feedback adaptive robust control (Xu and Yao 2001).
     
     u = u* + coulomb S(reference velocity): filters (18), state estimate (13), two backstepping steps (25) to (47),
-    adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading.
+    adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading. The
+    filters of the applied command go on through samples that are refused; that of the readings makes up for them behind.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: OutputFeedbackArcParameters) -> None:
         ...
@@ -1412,7 +1463,7 @@ class OutputFeedbackArc:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     def velocity_state(self, theta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
         """
@@ -1439,6 +1490,11 @@ class OutputFeedbackArc:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
         """
     @property
     def z_1(self) -> float:
@@ -1556,7 +1612,12 @@ class ObserverBased:
     Observer-based cancellation (Malaize and Levine 2009).
     
     Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
-    Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period.
+    Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
+    were refused x_hat and nu_hat start anew from the readings at both ends.
+    
+    A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
+    `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
+    of the next reading are taken over all samples that have passed.
     """
     def __init__(self, parameters: ObserverBasedParameters) -> None:
         ...
@@ -1570,7 +1631,7 @@ class ObserverBased:
         """
     def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Ends the sample: the command (V) that was really applied.
+        Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, cut at the limit.
         """
     @property
     def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1589,6 +1650,11 @@ class ObserverBased:
     def sample_rate(self) -> float:
         """
         Hz
+        """
+    @property
+    def samples_refused(self) -> int:
+        """
+        How many samples were refused so far, for a reading or a reference that is not finite.
         """
 class StopFlag:
     """
@@ -1685,7 +1751,8 @@ class Predictor:
     after one longer than `gap` (s) the observer starts anew.
     
     Raises:
-        ValueError: columns of different lengths, time that does not increase, a bandwidth that is not positive.
+        ValueError: columns of different lengths, time that does not increase, a NaN or an infinity in one of them, a
+            bandwidth that is not positive.
     """
     @staticmethod
     def is_addable(plant: Plant, effect: effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone | effects.EmpiricalForce) -> bool:
@@ -1740,7 +1807,8 @@ class NumberReader:
     come. Blank lines are skipped, a number may stand in quotes.
     
     Raises:
-        ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line.
+        ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line. A
+            call while another thread is within one.
     """
     def __init__(self, *, separator: str, fields: typing.SupportsInt | typing.SupportsIndex, wanted: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], labels: collections.abc.Sequence[str], first_row: typing.SupportsInt | typing.SupportsIndex = 0, end_row: typing.SupportsInt | typing.SupportsIndex | None = None, first_line: typing.SupportsInt | typing.SupportsIndex = 1, expected_rows: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...
@@ -1754,7 +1822,7 @@ class NumberReader:
         """
     def take(self) -> list[numpy.typing.NDArray[numpy.float64]]:
         """
-        The columns, (n,) each, in the order of `wanted`; the reader is empty afterwards.
+        The columns, (n,) each, in the order of `wanted`; the reader is empty afterwards and may read on.
         """
     @property
     def done(self) -> bool:
@@ -1764,7 +1832,7 @@ class NumberReader:
     @property
     def rows(self) -> int:
         """
-        rows read so far
+        rows read since the start or the last `take`
         """
 def autoregression(residual: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], counts: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, order: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
     """

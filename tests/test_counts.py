@@ -1,0 +1,353 @@
+"""Counts that come in from files and callers: each is bounded before it is multiplied, indexed or allocated by."""
+
+import itertools
+import math
+import re
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging import _core
+from cogging._core import AdaptiveRobustParameters, BSpline, NumberReader, SplineHarmonics
+
+INT_MAX = 2**31 - 1
+STRUCTS = [kind for kind in vars(_core).values() if hasattr(kind, "FIELDS")] + list(cogging.EFFECTS.values())
+
+
+def basis(terms, control_points, order=1):
+    return SplineHarmonics(pitch=0.05, harmonics=list(range(1, terms + 1)), order=order, control_points=control_points)
+
+
+def run(program, *arguments):
+    """A program of its own, that may end by a signal without ending the tests."""
+    return subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, timeout=60)
+
+
+# Control points times columns ------------------------------------------------------------------------------------
+
+
+def wrapping():
+    """Sizes whose product with the columns overflows 32 bits, some to something that looks small."""
+    rng = np.random.default_rng(15)
+    sizes = [(2, 2**30), (2, 2**30 + 1), (1, 2**31 - 1), (16, 2**27), (32, 2**26 + 1), (3, 715827883)]
+    terms = rng.integers(1, 33, 20)
+    return sizes + [(int(n), int(rng.integers(5_000_001 // n + 1, INT_MAX))) for n in terms]
+
+
+@pytest.mark.parametrize(("terms", "points"), wrapping())
+def test_too_many_coefficients_are_refused_by_name(terms, points):
+    most = 10**7 // (2 * terms)
+    shown = f"{most:g}" if float(f"{most:g}") == most else str(most)
+    rule = rf"must be at most 1e\+07 / twice the terms = {re.escape(shown)}"
+    with pytest.raises(ValueError, match=rf"^control_points: {rule}"):
+        basis(terms, points)
+    with pytest.raises(ValueError, match=r"^control_points: must be at most 1e\+07"):
+        SplineHarmonics(periods=[0.01 * i for i in range(1, terms + 1)], pitch=0.05, order=1, control_points=points)
+    with pytest.raises(ValueError, match=rf"^cogging_control_points: {rule}"):
+        AdaptiveRobustParameters(
+            cogging_harmonics=list(range(1, terms + 1)), cogging_order=1, cogging_control_points=points
+        )
+
+
+@pytest.mark.parametrize("terms", [1, 3, 32])
+def test_the_largest_allowed_model_works(terms):
+    most = 10**7 // (2 * terms)
+    large = basis(terms, most, order=3)
+    assert large.coefficients == 2 * terms * most
+    first, values = large.active_regressor((most - 3) * 0.05 + 0.02)
+    assert first == 2 * terms * (most - 3)
+    assert first + len(values) == large.coefficients
+    controller = cogging.Dcarc(
+        AdaptiveRobustParameters(
+            cogging_harmonics=list(range(1, terms + 1)), cogging_control_points=most, cogging_adaptation=10.0
+        )
+    )
+    controller.command(reference=most * 0.05, reading=most * 0.05 + 1e-3)
+    controller.update(0.0)
+    learned = controller.estimates
+    assert np.flatnonzero(learned[4:]).min() >= first
+    assert len(learned) == 4 + large.coefficients
+
+
+def test_a_model_file_with_too_many_control_points_is_refused(tmp_path):
+    path = tmp_path / "model.toml"
+    path.write_text(
+        "[axis]\nmass = 0.12\ntravel = [0.0, 0.5]\n[controller]\ntype = 'dcarc'\ncogging_harmonics = [1, 2]\n"
+        "cogging_order = 1\ncogging_control_points = 1073741824\n"
+    )
+    with pytest.raises(ValueError, match="cogging_control_points: must be at most") as told:
+        cogging.Model.read(path)
+    assert "\n" not in str(told.value)
+    assert str(path) in str(told.value)
+
+
+@pytest.mark.parametrize("value", [2**31, -(2**31) - 1, 99999999999, 2**63 - 1, -(2**63)])
+def test_a_count_of_more_than_32_bits_is_told_by_name(value):
+    whole = [(struct, name) for struct in STRUCTS for name in struct.FIELDS if type(getattr(struct(), name)) is int]
+    assert len(whole) > 3
+    for struct, name in whole:
+        with pytest.raises(ValueError, match=rf"^{name}: must be below 2\^31, got "):
+            struct(**{name: value})
+    with pytest.raises(ValueError, match=r"^cogging_harmonics: must be below"):
+        AdaptiveRobustParameters(cogging_harmonics=[1, value])
+    spline = {"order": 1, "origin": 0.0, "pitch": 1.0, "control_points": 5}
+    for name in ("order", "control_points"):
+        with pytest.raises(ValueError, match=rf"^{name}: must be below"):
+            BSpline(**spline | {name: value})
+        with pytest.raises(ValueError, match=rf"^{name}: must be below"):
+            SplineHarmonics(harmonics=[1], **spline | {name: value})
+    with pytest.raises(ValueError, match=r"^harmonics: must be below"):
+        SplineHarmonics(harmonics=[value], pitch=0.1)
+
+
+def test_a_matrix_that_cannot_be_allocated_is_one_error():
+    positions = np.zeros(10**6)
+    for make in (
+        BSpline(order=1, origin=0.0, pitch=1.0, control_points=INT_MAX).design_matrix,
+        basis(5, 10**6).regressor,
+    ):
+        with pytest.raises(MemoryError, match="more memory was asked for than there is"):
+            make(positions)
+
+
+def test_an_update_before_the_first_command_touches_nothing():
+    rng = np.random.default_rng(0)
+    for kind, _ in itertools.product((cogging.Arc, cogging.Dcarc), range(20)):
+        noise = rng.normal(size=4000)  # what lies about in memory
+        controller = kind(AdaptiveRobustParameters(cogging_harmonics=[1, 2], cogging_adaptation=1e3))
+        before = controller.estimates
+        controller.update(float(noise[0]))
+        np.testing.assert_array_equal(controller.estimates, before)
+
+
+def test_gains_that_overflow_are_refused():
+    with pytest.raises(ValueError, match="sample_rate: must be high enough"):
+        cogging.OutputFeedbackArcParameters(observer_gain_2=1e308, sample_rate=1e-3)
+
+
+@pytest.mark.parametrize("position", [math.nan, math.inf, -math.inf, -math.nan])
+def test_a_position_that_is_no_number_is_no_index(position):
+    large = basis(2, 50, order=3)
+    first, values = large.active_regressor(position)
+    assert 0 <= first <= large.coefficients - len(values)
+    assert np.isnan(values).all()
+    assert math.isnan(cogging.CoggingModel(large, np.ones((2, 50)), np.ones((2, 50))).force(position))
+
+
+# Threads ---------------------------------------------------------------------------------------------------------
+
+
+def batches():
+    time = np.linspace(0.0, 0.1, 20)
+    predictor = _core.Predictor(time, time, time)
+    plant = _core.Plant(_core.AxisParameters())
+    along = predictor.predict(plant)
+    forces = np.zeros((3000, 20))
+    middle = np.zeros(20)
+    motion = cogging.PointToPoint(cogging.PointToPointParameters(distance=0.01, velocity=1.0, acceleration=100.0))
+    return {
+        "closed_loop_batch": lambda n: cogging.closed_loop_batch(
+            [plant] * 1500, [cogging.Pid(cogging.PidParameters(sample_rate=100.0))] * 1500, motion, threads=n
+        ),
+        "innovations": lambda n: predictor.innovations([plant] * 1500, threads=n),
+        "net_force": lambda n: predictor.net_force([plant] * 1500, middle, middle, threads=n),
+        "propagate": lambda n: predictor.propagate(along, 1.0, forces, threads=n),
+        "added": lambda n: predictor.added(
+            along, plant, [cogging.EFFECTS["constant_force"](force=0.1)] * 1500, [1.0] * 1500, threads=n
+        ),
+        "whiten": lambda n: _core.whiten(forces, [0.5], threads=n),
+    }
+
+
+@pytest.mark.parametrize("name", batches())
+def test_threads_are_bounded(name):
+    call = batches()[name]
+    for threads in (1025, 20_000, 2**32 - 1):
+        with pytest.raises(ValueError, match=rf"^threads: must be from 0 to 1024, got {threads}$"):
+            call(threads)
+    call(1024)
+    with pytest.raises(TypeError):
+        call(-1)
+
+
+NO_THREADS = """
+import resource, sys
+import numpy as np
+from cogging import _core
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (150 << 20), used + (150 << 20)))  # stacks of 8 MB: a few threads
+rows = np.arange(4000.0).reshape(1000, 4)
+try:
+    _core.whiten(rows, [0.5], threads=1000)
+except ValueError as error:
+    print(error)
+print(_core.whiten(rows, [0.5], threads=2)[1, 1])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits the address space by /proc")
+def test_threads_that_cannot_start_are_one_error():
+    done = run(NO_THREADS)
+    assert done.returncode == 0, done.stderr
+    told, goes_on = done.stdout.splitlines()
+    found = re.fullmatch(r"threads: must be no more than the system can start, which ended at (\d+), got 1000", told)
+    assert 1 <= int(found[1]) < 1000
+    assert float(goes_on) == 5.0 - 0.5 * 4.0
+
+
+# Tables ----------------------------------------------------------------------------------------------------------
+
+
+def reader(**changes):
+    return NumberReader(**{"separator": ",", "fields": 2, "wanted": [0, 1], "labels": ["a", "b"]} | changes)
+
+
+def test_a_reader_may_read_on_behind_take():
+    table = np.random.default_rng(4).normal(size=(50, 2))
+    text = "".join(f"{a!r},{b!r}\n" for a, b in table.tolist()).encode()
+    one = reader()
+    found = []
+    for cut in range(0, len(text), 97):
+        one.feed(text[cut : cut + 97])
+        found.append(np.stack(one.take(), axis=1))
+        assert one.rows == 0
+    one.finish()
+    found.append(np.stack(one.take(), axis=1))
+    np.testing.assert_array_equal(np.concatenate(found), table)
+
+
+def test_a_refused_line_ends_the_reading():
+    one = reader()
+    with pytest.raises(ValueError, match="line 2: b: must be a finite number"):
+        one.feed(b"1,2\n3,x\n5,6\n")
+    assert one.rows == 1
+    for again in (lambda: one.feed(b"7,8\n"), one.finish):
+        with pytest.raises(ValueError, match="may not go on behind a line that was refused, got line 2"):
+            again()
+    assert [column.tolist() for column in one.take()] == [[1.0], [2.0]]
+
+
+def test_threads_that_meet_in_a_reader_are_told():
+    """Whatever they do, whole rows come out or one is refused; nothing is read from memory that was given back."""
+    block = b"".join(b"%d,%d\n" % (i, 2 * i) for i in range(20_000))
+    one = reader()
+    refused, start = [], threading.Barrier(4)
+
+    def work(calls):
+        start.wait()
+        for _ in range(30):
+            try:
+                calls()
+            except ValueError as error:
+                refused.append(str(error))
+
+    taken = []
+    jobs = [lambda: one.feed(block), lambda: one.feed(block), lambda: taken.append(one.take()), lambda: one.rows]
+    threads = [threading.Thread(target=work, args=(job,)) for job in jobs]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    taken.append(one.take())
+    assert all("must be used by one thread at a time" in text for text in refused)
+    assert refused
+    for a, b in taken:
+        np.testing.assert_array_equal(b, 2.0 * a)
+    assert sum(len(a) for a, _ in taken) % 20_000 == 0
+
+
+@pytest.mark.parametrize("rows", [10**12 + 1, 2**62, 2**64 - 1])
+def test_more_expected_rows_than_there_can_be_are_refused(rows):
+    with pytest.raises(ValueError, match=r"expected_rows: must be at most 1e\+12"):
+        reader(expected_rows=rows)
+    with pytest.raises(MemoryError, match="more memory was asked for"):
+        reader(expected_rows=10**12)
+
+
+@pytest.mark.parametrize(
+    ("first", "end", "told"),
+    [
+        (3, 2, "end: must be from first"),
+        (0, 6, "end: must be from first"),
+        (6, 6, "end: must be from first"),
+        (2**62, 2**63 - 1, "end: must be from first"),
+        (-1, 2, "first: must be at least 0"),
+        (-5, -1, "first: must be at least 0"),
+        (0, -1, "end: must be from first"),
+    ],
+)
+def test_rows_that_are_not_there_are_refused(first, end, told):
+    with pytest.raises(ValueError, match=told):
+        _core.format_rows([np.arange(5.0), np.arange(5.0)], first, end)
+    with pytest.raises(ValueError, match="columns: must be at least one"):
+        _core.format_rows([], first, end)
+
+
+def test_rows_of_columns_of_two_lengths_end_with_the_shorter():
+    with pytest.raises(ValueError, match="end: must be from first"):
+        _core.format_rows([np.arange(5.0), np.arange(4.0)], 0, 5)
+    assert _core.format_rows([np.arange(5.0), np.arange(4.0)], 3, 4) == b"3,3\n"
+    assert _core.format_rows([np.arange(5.0)], 5, 5) == b""
+
+
+# Other numbers ---------------------------------------------------------------------------------------------------
+
+
+def test_a_subnormal_value_is_told_as_it_is():
+    for value in (5e-324, -2.2e-310, 1.5e-320):
+        with pytest.raises(ValueError, match="jerk: must be above 0") as told:
+            cogging.PointToPointParameters(distance=1.0, velocity=1.0, acceleration=1.0, jerk=-abs(value))
+        assert float(str(told.value).rsplit(" ", 1)[1]) == -abs(value)
+
+
+@pytest.mark.parametrize("column", range(3))
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_prediction_along_what_is_no_number_is_refused(column, value):
+    columns = [np.linspace(0.0, 1.0, 50), np.zeros(50), np.zeros(50)]
+    columns[column][49] = value
+    with pytest.raises(ValueError, match=f"{('time', 'position', 'command')[column]}: must be"):
+        _core.Predictor(*columns)
+
+
+def machine(effects=(), width=0.0):
+    axis = _core.AxisParameters(mass=0.1, coulomb=0.2, coulomb_width=width, travel=[-4.0, 4.0])
+    return _core.Plant(axis, effects=list(effects))
+
+
+MOTION = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-3])
+@pytest.mark.parametrize("lag", [0.0, 1e-3])
+def test_a_command_that_is_no_number_never_rests(width, lag):
+    """A current loop makes inf - inf of an infinite one, which is no force that breaks an axis away."""
+    lagging = [cogging.EFFECTS["actuator_lag"](time_constant=lag)]
+    saturated = [cogging.EFFECTS["command_saturation"](limit=1.0), *lagging]
+    motion = cogging.FilteredSine(cogging.FilteredSineParameters())  # starts with 20 m/s^2
+    for mass, value in ((0.0, "-inf"), (1e308, "-?nan")):
+        pid = cogging.Pid(cogging.PidParameters(kp=1e308, mass=mass, sample_rate=1000.0))
+        run = {"initial_position": 2.5, "duration": 0.1}
+        told = rf"diverged at 0 s: the command must be a finite number, got {value} V"
+        with pytest.raises(cogging.DivergedError, match=told):
+            cogging.closed_loop(machine(lagging, width), pid, motion, **run)
+        if mass == 0.0:  # an infinite command that is cut is a number again
+            log = cogging.closed_loop(machine(saturated, width), pid, motion, **run)
+            assert log["true_position"][-1] < 2.5 - 1e-3
+
+
+@pytest.mark.parametrize("lag", [5e-324, 1e-308, 1e-300, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12])
+@pytest.mark.parametrize("width", [0.0, 1e-3])
+def test_a_lag_shorter_than_time_can_tell_is_none(lag, width):
+    pid = cogging.Pid(cogging.PidParameters(kp=900.0, kd=10.0, sample_rate=1000.0))
+    run = {"duration": 0.3, "steps_per_sample": 2}
+    without = cogging.closed_loop(machine((), width), pid, MOTION, **run)
+    log = cogging.closed_loop(machine([cogging.EFFECTS["actuator_lag"](time_constant=lag)], width), pid, MOTION, **run)
+    np.testing.assert_allclose(log["true_position"], without["true_position"], rtol=0, atol=1e-9)
+    late = 1.7e9  # s: seconds since 1970, which doubles tell apart to 0.2 us
+    columns = late + log["time"], log["position"], log["command"]
+    plant = machine([cogging.EFFECTS["actuator_lag"](time_constant=max(lag, 1e-9))], width)
+    assert np.isfinite(_core.Predictor(*columns).predict(plant).innovation).all()

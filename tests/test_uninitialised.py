@@ -1,0 +1,234 @@
+"""An object whose __init__ has not run is refused with a TypeError wherever it is used, in every class of the core."""
+
+import copy
+import inspect
+import itertools
+import pickle
+import re
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging import _core
+
+MODULES = (_core, _core.effects)
+CLASSES = sorted(
+    {
+        kind
+        for module in MODULES
+        for kind in vars(module).values()
+        if inspect.isclass(kind) and not issubclass(kind, Exception)
+    },
+    key=lambda kind: kind.__name__,
+)
+FUNCTIONS = [
+    (f"{module.__name__}.{name}", function)
+    for module in MODULES
+    for name, function in vars(module).items()
+    if callable(function) and not inspect.isclass(function) and not name.startswith("_")
+]
+OWN = re.compile(r"cogging\._core\.(?:effects\.)?(\w+)")
+EVERY = pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.__name__)
+
+
+def raw(kind):
+    return kind.__new__(kind)
+
+
+def members(kind):
+    """Names of what pybind11 has bound: properties and methods, __eq__, __repr__ and __getstate__ among them."""
+    inherited = set(dir(object)) - {"__eq__", "__repr__"}
+    names = [name for name in dir(kind) if name not in inherited and not name.startswith("_pybind11")]
+    return [name for name in names if name not in ("__init__", "__setstate__", "__hash__", "__module__", "__doc__")]
+
+
+def signatures(function):
+    """Each overload's parameters as (name, annotation)."""
+    for line in (function.__doc__ or "").splitlines():
+        found = re.match(r"^(?:\d+\. )?\w+\((.*)\) -> ", line)
+        if found:
+            parts = re.split(r", (?=\*|\w+: )", found.group(1))
+            yield [tuple(part.split(": ", 1)) for part in parts if ": " in part]
+
+
+def sample(annotation, without):
+    """Some value that fits; `without` is the class whose place stays for an uninitialised object."""
+    for name in OWN.findall(annotation):
+        kind = getattr(_core, name, None) or getattr(_core.effects, name)
+        value = raw(kind) if kind is without else VALUES.get(name)
+        if value is None:
+            value = kind() if hasattr(kind, "FIELDS") else raw(kind)
+        return [value] if "Sequence[" in annotation else value
+    if "Sequence[" in annotation or "ndarray" in annotation or "numpy" in annotation:
+        return np.linspace(0.0, 1.0, 4)
+    if "bytes" in annotation:
+        return b"1\n"
+    return 1 if "Int" in annotation or "int" in annotation else 0.5
+
+
+def plain_values():
+    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1])
+    plant = _core.Plant(_core.AxisParameters())
+    time = np.linspace(0.0, 0.1, 50)
+    predictor = _core.Predictor(time, time, time)
+    values = [
+        basis,
+        basis.spline,
+        plant,
+        predictor,
+        predictor.predict(plant),
+        cogging.CoggingModel(basis, [[0.1]], [[0.1]]),
+        cogging.Sine(cogging.SineParameters()),
+        cogging.Pid(cogging.PidParameters()),
+    ]
+    named = {type(value).__name__: value for value in values}
+    return named | {"Reference": named["Sine"]}
+
+
+VALUES = plain_values()
+
+
+def test_the_walk_sees_the_whole_core():
+    names = {kind.__name__ for kind in CLASSES}
+    assert {"Pid", "Plant", "NumberReader", "Predictor", "Prediction", "Reference", "Backlash"} <= names
+    assert len(CLASSES) > 50
+    assert {"closed_loop", "closed_loop_batch", "replay_controller"} <= {name.split(".")[-1] for name, _ in FUNCTIONS}
+
+
+@EVERY
+def test_no_member_of_an_uninitialised_object_answers(kind):
+    asked = 0
+    for name in members(kind):
+        bound = inspect.getattr_static(kind, name)
+        if isinstance(bound, property):
+            with pytest.raises(TypeError, match="must be initialised"):
+                getattr(raw(kind), name)
+            asked += 1
+        elif isinstance(bound, staticmethod) or not callable(getattr(kind, name)):
+            continue  # a class' own constant, or what no object takes part in
+        else:
+            method = getattr(raw(kind), name)
+            for parameters in signatures(getattr(kind, name)):
+                arguments = {
+                    name: sample(annotation.split(" = ")[0], None) for name, annotation in parameters if name != "self"
+                }
+                positional = name.startswith("__") or any(word.startswith("arg") for word in arguments)
+                with pytest.raises(TypeError, match="must be initialised"):
+                    method(*arguments.values()) if positional else method(**arguments)
+                asked += 1
+    assert asked > 0
+
+
+@EVERY
+def test_an_uninitialised_object_is_no_copy(kind):
+    for use in (pickle.dumps, copy.copy, copy.deepcopy):
+        with pytest.raises(TypeError):
+            use(raw(kind))
+    if "__repr__" in vars(kind):
+        with pytest.raises(TypeError, match="must be initialised"):
+            repr(raw(kind))
+    if hasattr(kind, "FIELDS"):
+        for one, other in ((raw(kind), kind()), (kind(), raw(kind)), (raw(kind), raw(kind))):
+            with pytest.raises(TypeError, match="must be initialised"):
+                _ = one == other
+
+
+@EVERY
+def test_no_function_takes_an_uninitialised_object(kind):
+    """Every function, method and constructor that has a place for one; the other places are filled with sound ones."""
+    callables = list(FUNCTIONS)
+    for owner in CLASSES:
+        if owner.__name__ in VALUES or hasattr(owner, "FIELDS"):
+            value = VALUES.get(owner.__name__) or owner()
+            callables += [(f"{owner.__name__}.{name}", getattr(value, name)) for name in members(owner)]
+        callables.append((owner.__name__, owner))
+    tried = 0
+    for name, function in callables:
+        if not callable(function):
+            continue
+        described = function.__init__ if inspect.isclass(function) else function
+        for parameters in signatures(described):
+            places = [word for word, annotation in parameters if takes(annotation, kind)]
+            for place in places:
+                if place in ("self", "arg0"):
+                    continue
+                arguments = {
+                    word: sample_at(annotation, kind if word == place else None)
+                    for word, annotation in parameters
+                    if (word != "self" and " = " not in annotation) or word == place
+                }
+                with pytest.raises(TypeError) as raised:
+                    function(**arguments)
+                assert "must be initialised" in str(raised.value), f"{name}({place})"
+                tried += 1
+    wanted = kind.__name__ in (
+        "Plant",
+        "CoggingModel",
+        "AxisParameters",
+        "SplineHarmonics",
+        "Pid",
+        "Prediction",
+        "Sine",
+    )
+    assert tried > 0 or not wanted
+
+
+def takes(annotation, kind):
+    return any(issubclass(kind, owner) for owner in CLASSES if owner.__name__ in OWN.findall(annotation))
+
+
+def sample_at(annotation, without):
+    """As sample; of a union, the member that is to stay uninitialised."""
+    annotation = annotation.split(" = ")[0]
+    if without is not None:
+        value = raw(without)
+        return [value] if "Sequence[" in annotation else value
+    return sample(annotation, None)
+
+
+@EVERY
+def test_a_subclass_that_skips_init_is_refused(kind):
+    class Skips(kind):
+        def __init__(self):
+            pass
+
+    class Early(kind):
+        def __init__(self):
+            for name in members(kind):
+                getattr(self, name)
+
+    with pytest.raises(TypeError, match="__init__"):
+        Skips()
+    if any(isinstance(inspect.getattr_static(kind, name), property) for name in members(kind)):
+        with pytest.raises(TypeError, match="initialised"):
+            Early()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CLASSES if hasattr(kind, "FIELDS")], ids=lambda kind: kind.__name__)
+def test_copies_and_subclasses_of_sound_objects_work(kind):
+    class Sound(kind):
+        def __init__(self, **fields):
+            super().__init__(**fields)
+
+    for value in (kind(), Sound()):
+        assert value == kind()
+        assert repr(value).startswith(kind.__name__)
+    for copied in (copy.copy(kind()), copy.deepcopy(kind()), pickle.loads(pickle.dumps(kind())), kind().replace()):
+        assert copied == kind()
+
+
+def test_a_model_survives_pickle_and_copies():
+    model = VALUES["CoggingModel"]
+    for copied in (copy.copy(model), copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
+        assert copied.force(0.013) == model.force(0.013)
+
+
+def test_init_may_run_late_but_must_have_run():
+    made = raw(cogging.Pid)
+    for _ in range(2):
+        with pytest.raises(TypeError, match="must be initialised"):
+            _ = made.sample_rate
+    made.__init__(cogging.PidParameters(sample_rate=123.0))
+    assert made.sample_rate == 123.0
+    assert all(one == 123.0 for one in itertools.repeat(made.sample_rate, 3))
