@@ -1,6 +1,12 @@
 """What the tests share."""
 
 import os
+import signal
+
+# Started in the background by a shell, the tests would ignore Ctrl-C, and so would all that they start.
+for _signal, _answer in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
+    if signal.getsignal(_signal) == signal.SIG_IGN:
+        signal.signal(_signal, _answer)
 
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

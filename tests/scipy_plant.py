@@ -39,11 +39,12 @@ class ScipyPlant:
                 (TWO_PI * h / pitch, amplitude(s, order, origin, pitch), amplitude(c, order, origin, pitch))
                 for h, s, c in zip(harmonics, sine, cosine, strict=True)
             ]
-        mode = self.by_name.get("flexible_mode", {})
-        self.ratio = mode.get("mass_ratio", 0.0)
+        load = self.by_name.get("flexible_mode") or self.by_name.get("backlash") or {}
+        self.ratio, self.gap = load.get("mass_ratio", 0.0), load.get("gap")
         reduced = self.mass * self.ratio * (1 - self.ratio)
-        w = TWO_PI * mode.get("frequency", 0.0)
-        self.spring, self.damper = w * w * reduced, 2 * mode.get("damping_ratio", 0.0) * w * reduced
+        w = TWO_PI * load.get("frequency", load.get("contact_frequency", 0.0))
+        damping_ratio = load.get("damping_ratio", load.get("contact_damping_ratio", 0.0))
+        self.spring, self.damper = w * w * reduced, 2 * damping_ratio * w * reduced
         self.frequency = self.by_name.get("disturbance_tone", {}).get("frequency", 1e-9)
         self.lag = self.by_name.get("actuator_lag", {}).get("time_constant", 0.0)
 
@@ -71,6 +72,16 @@ class ScipyPlant:
                 total -= p["stiffness"] * (x - p["center"])
             elif name == "cogging_harmonic":
                 total -= wave(x, p)
+            elif name == "cogging_modulation":
+                sine, cosine = (amplitude(p[part], p["order"], p["origin"], p["pitch"]) for part in ("sine", "cosine"))
+                total -= wave(x, {"sine": sine(x), "cosine": cosine(x), "period": p["period"]})
+            elif name == "disturbance_step":
+                total += p["force"] * (p["start"] <= t < p["stop"])
+            elif name == "constant_force":
+                total += p["force"]
+            elif name == "empirical_force":
+                for at, kind in ((x, "position"), (v, "velocity"), (t, "time")):
+                    total += np.interp(at, p[f"{kind}_nodes"], p[f"{kind}_forces"])
             elif name == "viscous_asymmetry":
                 total -= 0.5 * p["difference"] * abs(v)
             elif name == "quadratic_drag":
@@ -85,7 +96,10 @@ class ScipyPlant:
         return total + gain * drive
 
     def pull(self, q, rate):
-        return self.spring * q + self.damper * rate
+        if self.gap is None:
+            return self.spring * q + self.damper * rate
+        push = self.spring * (q - np.clip(q, -self.gap / 2, self.gap / 2))  # a contact, which never pulls
+        return push + np.clip(self.damper * rate, -abs(push), abs(push))
 
     def rates(self, t, state, command, direction):
         """`direction`: None = friction as it is, -1 or +1 = sliding, 0 = at rest."""
@@ -131,8 +145,17 @@ class ScipyPlant:
         """True positions and velocities at the sample times, (n, 2)."""
         delay = self.by_name.get("command_delay", {}).get("delay", 0.0)
         limit = self.by_name.get("command_saturation", {}).get("limit", np.inf)
-        arrival, shaped = time + delay, np.clip(commands, -limit, limit)
-        edges = np.concatenate([time, arrival[arrival < time[-1]]])
+        dead = self.by_name.get("command_dead_zone", {}).get("width", 0.0)
+        shaped = commands
+        for name, _ in self.effects:
+            if name == "command_saturation":
+                shaped = np.clip(shaped, -limit, limit)
+            elif name == "command_dead_zone":
+                shaped = np.sign(shaped) * np.maximum(np.abs(shaped) - dead, 0.0)
+        arrival = time + delay
+        step, empirical = self.by_name.get("disturbance_step", {}), self.by_name.get("empirical_force", {})
+        breaks = np.array([step.get("start", 0.0), step.get("stop", 0.0), *empirical.get("time_nodes", [])])
+        edges = np.concatenate([time, arrival[arrival < time[-1]], breaks[(breaks > 0) & (breaks < time[-1])]])
         edges = np.unique(np.round(edges, 13))
         state = np.array([x0, v0, 0.0, 0.0, 0.0, 0.0])
         scale = [max(abs(v0), 1e-6)]
@@ -140,7 +163,7 @@ class ScipyPlant:
         for start, stop in pairwise(edges):
             index = np.searchsorted(arrival, 0.5 * (start + stop), side="right") - 1
             command = shaped[index] if index >= 0 else 0.0
-            state = self._piece(start, stop, state, command, scale)
+            state = self._piece(start, np.nextafter(stop, start), state, command, scale)
             scale.append(abs(state[1]))
             if np.abs(time - stop).min() < 1e-10:
                 states.append(state[:2])

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import cogging
+import cogging_command
 from cogging.cli import main
 from cogging.columns import read_columns
 from cogging.files import InputError
@@ -82,7 +83,8 @@ def test_cogging_is_found_where_its_parent_found_it(found_through, tmp_path):
     python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     library = tmp_path / "library"
     library.mkdir()
-    (library / "cogging").symlink_to(Path(cogging.__file__).parent)
+    for package in (cogging, cogging_command):
+        (library / package.__name__).symlink_to(Path(package.__file__).parent)
     installed = [str(Path(module.__file__).parents[1]) for module in (np, __import__("scipy"), __import__("tqdm"))]
     folder = library if found_through.startswith("the") else tmp_path
     made("a.mat", folder if found_through.endswith("log") else tmp_path)

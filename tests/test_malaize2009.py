@@ -22,13 +22,13 @@ COMPARED = {
     "pid": 2.156,
     "arc C1": 8.071,
     "dcarc C1": 8.342,
-    "arc C2": 3.198,
-    "dcarc C2": 3.110,
-    "arc C3": 2.432,
+    "arc C2": 3.196,
+    "dcarc C2": 3.109,
+    "arc C3": 2.431,
     "dcarc C3": 2.306,
-    "output_feedback_arc": 3.186,
-    "observer_based": 4.928,
-    "observer_based fast": 0.9225,
+    "output_feedback_arc": 3.187,
+    "observer_based": 4.926,
+    "observer_based fast": 0.9616,
 }
 
 

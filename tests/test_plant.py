@@ -436,17 +436,21 @@ def test_runge_kutta_is_of_fourth_order():
     effects = [example(n) for n in ("cable_spring", "disturbance_tone", "actuator_lag", "cogging_harmonic")]
     plant = cogging.Plant(SMOOTH, cogging=model, effects=effects)
     reference = sine(center=0.1, amplitude=0.04, frequency=3.0)
-    controller = pid(800.0, kp=60.0, ki=100.0, kd=3.0)
+    controller = pid(200.0, kp=60.0, ki=100.0, kd=3.0)
 
     def positions(steps):
         options = {"duration": 0.6, "steps_per_sample": steps}
         return cogging.closed_loop(plant, controller, reference, **options)["true_position"]
 
-    finest = positions(256)
-    errors = np.array([np.std(positions(n) - finest) for n in (1, 2, 4, 8)])
+    finest = positions(512)
+    errors = np.array([np.std(positions(n) - finest) for n in (16, 32, 64)])
     slopes = np.log2(errors[:-1] / errors[1:])
-    assert errors[-1] > 1e-13  # above rounding
-    np.testing.assert_allclose(slopes, 4.0, rtol=0, atol=0.1)
+    assert errors[-1] > 1e-14  # above rounding
+    np.testing.assert_allclose(slopes, 4.0, rtol=0, atol=0.15)
+    # Where so few would not be accurate it takes more by itself.
+    few = np.array([np.std(positions(n) - finest) for n in (1, 2, 4, 8)])
+    assert (few < 1e-8 * np.ptp(finest)).all()
+    assert few.max() < 1.1 * few.min()
 
 
 def test_the_closed_loop_is_the_independent_one_step_by_step():
@@ -579,7 +583,9 @@ def test_the_gain_acts_on_the_amplifiers_output_alone(width):
     gained = driven(cogging.Plant(axis, effects=[ripple, cut, *lag], noise=noise), commands, 1000.0, seed=3)
     larger = np.clip(commands, -1.25, 1.25) * 1.25
     same = driven(cogging.Plant(axis, effects=lag, noise=noise), larger, 1000.0, seed=3)
-    np.testing.assert_allclose(gained["true_position"], same["true_position"], rtol=0, atol=1e-12)
+    # Of one motion: the two may take different steps, each accurate to some 1e-9 of it.
+    agreed = 1e-7 * np.ptp(same["true_position"])
+    np.testing.assert_allclose(gained["true_position"], same["true_position"], rtol=0, atol=agreed)
     assert np.ptp(same["true_position"]) > 1e-4
     warm = effect("force_constant_drift", change=0.15, time_constant=1e-9)
     part = effect("force_constant_ripple", cosine=0.10, period=1e9)

@@ -35,7 +35,7 @@ def radau(commands, rate, mass, viscous, level, stiffness, damping):
 
 
 @pytest.mark.parametrize(("stiffness", "damping"), [(2e4, 0.0), (2e4, 20.0), (1e6, 0.0), (1e6, 50.0)])
-def test_a_stiff_bristle_converges_to_the_stiff_integrator(stiffness, damping):
+def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
     """1 ms steps; where the axis slides, the bristle's rate stiffness |v| / g is 17,000 to 800,000 /s."""
     mass, viscous, rate = 0.12, 0.2, 1000.0
     t = np.arange(401) / rate
@@ -53,15 +53,10 @@ def test_a_stiff_bristle_converges_to_the_stiff_integrator(stiffness, damping):
             effect("stribeck_friction", static_excess=0.06, velocity=0.02),
         ],
     )
-    errors = []
-    for steps in (1, 16, 256, 1024):
+    for steps in (1, 16):  # one is enough
         x = driven(plant, commands, rate, steps_per_sample=steps)["true_position"]
-        errors.append(np.abs(x - expected[:, 0]).max())
-    span = np.ptp(expected[:, 0])
-    assert errors[0] < 1e-3 * span, errors
-    assert errors[2] < 0.2 * errors[1], errors
-    assert errors[3] < 0.2 * errors[2], errors
-    assert errors[3] < 1e-6 * span, errors
+        # Seen: 3e-8 to 1.2e-6, the most where a contact of 1e6 V/m rings and nothing damps it.
+        assert np.abs(x - expected[:, 0]).max() < 2e-6 * np.ptp(expected[:, 0])
 
 
 @pytest.mark.parametrize("stiffness", 10.0 ** np.arange(2, 11))

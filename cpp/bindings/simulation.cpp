@@ -86,12 +86,14 @@ milliseconds after another thread has set it.)")
       R"(One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
 
 A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
-duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by
-`steps_per_sample` Runge-Kutta steps of fourth order. The axis starts at rest on the reference unless told otherwise.
+duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by Runge-Kutta
+steps of fourth order: `steps_per_sample`, or as many more as keep what they err by below 1e-6 of the motion. The axis
+starts at rest on the reference unless told otherwise.
 `added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
 
 Raises:
-    ValueError: the reference leaves the travel, a motion without an end and no duration.
+    ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
+        needs more than 1e5 steps (the message says how fast).
     DivergedError: the state left the travel by half its length or is not finite; says when and where.)");
 
   module.def(

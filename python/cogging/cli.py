@@ -13,6 +13,7 @@ from cogging import _core
 from cogging.columns import read_columns
 from cogging.files import InputError, to_json, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
+from cogging.model import STEPS_MAX
 from cogging.outputs import check_folder, check_outputs, sidecar, with_sidecars
 from cogging.papers import PAPERS, Reproduction, compare, reproduce
 from cogging.reference import files_of_reference
@@ -73,6 +74,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--reference", required=True, metavar="REF.toml")
     command.add_argument("--out", required=True, metavar="LOG.csv")
     command.add_argument("--seed", type=int, default=0, help="of the noise (default: 0)")
+    command.add_argument(
+        "--steps-per-sample", type=int, metavar="N", help="fewest integration steps a sample (default: the model's)"
+    )
     command.set_defaults(run=_simulate)
 
     command = commands.add_parser("predict", help="the tracking error of each controller, before the machine moves")
@@ -197,10 +201,13 @@ def _show(result: Reproduction, folder: str) -> None:
 
 def _simulate(options: argparse.Namespace) -> None:
     _require_whole("--seed", options.seed, 0, SEEDS - 1)
+    steps = options.steps_per_sample
+    if steps is not None:
+        _require_whole("--steps-per-sample", steps, 1, STEPS_MAX)
     outputs = {"--out": options.out, "its sidecar": sidecar(options.out)}
     check_outputs(outputs, [options.model, *files_of_reference(options.reference)])
     try:
-        log = simulate(options.model, options.reference, seed=options.seed)
+        log = simulate(options.model, options.reference, seed=options.seed, steps_per_sample=steps)
     except InputError:
         raise
     except ValueError as error:  # what only the run itself can find wrong

@@ -59,10 +59,11 @@ ControllerParameters = (
 )
 Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased
 
-SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "bounds")
+SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
 LARGEST_FLOAT = int(sys.float_info.max)
 COUNTED = 1 << 31  # whole numbers that the core counts with
+STEPS_MAX = 10_000  # a sample, of those that may be asked for
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
@@ -83,6 +84,8 @@ class Model:
         uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
         intervals: 95 % intervals by parameter path, as `identify` writes them into `[bounds]`; [-inf, inf] where the
             logs do not determine the parameter.
+        steps_per_sample: the fewest integration steps between two samples of a simulated run; it takes as many more
+            as its accuracy needs.
     """
 
     axis: AxisParameters
@@ -94,6 +97,7 @@ class Model:
     controller_type: str | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    steps_per_sample: int = 1
 
     def __post_init__(self) -> None:
         if (self.controller is None) != (self.controller_type is None):
@@ -186,6 +190,7 @@ class Model:
             controller_type=controller_type,
             uncertainty=_uncertainty_from(uncertainty),
             intervals=_intervals_from(_table(document, "bounds")),
+            steps_per_sample=_steps_from(_table(document, "simulation")),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -201,6 +206,8 @@ class Model:
         document["noise"] = self.noise.to_dict()
         if self.controller is not None:
             document["controller"] = {"type": self.controller_type, **self.controller.to_dict()}
+        if self.steps_per_sample != 1:
+            document["simulation"] = {"steps_per_sample": self.steps_per_sample}
         if self.intervals:
             document["bounds"] = {path: list(interval) for path, interval in self.intervals.items()}
         return document
@@ -349,6 +356,15 @@ def _uncertainty_from(section: Any) -> dict[str, float]:
         if not is_number(value) or not 0.0 <= value <= LARGEST:
             raise FieldError("axis.uncertainty", key, f"must be a number from 0 to {LARGEST:g}, got {quoted(value)}")
     return {key: float(value) for key, value in section.items()}
+
+
+def _steps_from(section: Mapping[str, Any]) -> int:
+    refuse_unknown_keys(section, ("steps_per_sample",), "simulation")
+    steps = section.get("steps_per_sample", 1)
+    if not isinstance(steps, int) or isinstance(steps, bool) or not 1 <= steps <= STEPS_MAX:
+        rule = f"must be a whole number from 1 to {STEPS_MAX}"
+        raise FieldError("simulation", "steps_per_sample", f"{rule}, got {quoted(steps)}")
+    return steps
 
 
 def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:

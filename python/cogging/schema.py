@@ -8,7 +8,7 @@ from typing import Any
 
 from cogging import _core
 from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
-from cogging.model import CONTROLLERS, UNCERTAINTY_KEYS
+from cogging.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
 from cogging.reference import REFERENCES
 
 NUMBER = {"type": "number"}
@@ -24,6 +24,13 @@ COGGING: dict[str, tuple[dict[str, Any], str, str]] = {
     "origin": (NUMBER, "m", "first knot of the first full span, default 0"),
     "sine": ({"type": "array", "items": NUMBERS}, "V", "one row a term, one column a control point"),
     "cosine": ({"type": "array", "items": NUMBERS}, "V", "one row a term, one column a control point"),
+}
+SIMULATION: dict[str, tuple[dict[str, Any], str, str]] = {
+    "steps_per_sample": (
+        {"type": "integer", "minimum": 1, "maximum": STEPS_MAX, "default": 1},
+        "1",
+        "fewest integration steps between two samples; a run takes as many more as its accuracy needs",
+    ),
 }
 SAMPLED: dict[str, tuple[dict[str, Any], str, str]] = {
     "file": ({"type": "string"}, "", "log file with time and reference, beside the reference file"),
@@ -68,6 +75,7 @@ def _model() -> dict[str, Any]:
             "encoder": _section(EncoderParameters.__doc__ or "", _fields(EncoderParameters)),
             "noise": _section(NoiseParameters.__doc__ or "", _fields(NoiseParameters)),
             "controller": {"oneOf": controllers, "description": "absent: unknown"},
+            "simulation": _section("how a run is integrated", _described(SIMULATION)),
             "bounds": {
                 "type": "object",
                 "additionalProperties": bound,

@@ -22,7 +22,7 @@ def simulate(
     controller: Controller | None = None,
     duration: float = 0.0,
     seed: int = 0,
-    steps_per_sample: int = 1,
+    steps_per_sample: int | None = None,
     record_estimates: bool = False,
     initial_position: float | None = None,
     initial_velocity: float = 0.0,
@@ -31,7 +31,8 @@ def simulate(
     """Run an axis under its controller along a reference: reference -> controller -> axis -> encoder -> log.
 
     A pure function: the same arguments give the same bits. Between samples the command is held and the axis is
-    integrated by `steps_per_sample` Runge-Kutta steps of fourth order; with coulomb_width = 0 it sticks and slips.
+    integrated by Runge-Kutta steps of fourth order, as many as keep what they err by below 1e-6 of the motion; with
+    coulomb_width = 0 it sticks and slips.
 
     Args:
         model: a Model, or the path of a model file.
@@ -39,14 +40,15 @@ def simulate(
         controller: a controller to use in place of the model's own; it is not changed.
         duration: s; 0 = that of the reference file, or the motion's own end.
         seed: of force and encoder noise.
-        steps_per_sample: integration steps between two samples.
+        steps_per_sample: the fewest integration steps between two samples; the model's own when None.
         record_estimates: also keep what the controller believed, one row a sample.
         initial_position: m; the reference's first position when None.
         initial_velocity: m/s.
         added_command: V, (n,), added to what the controller computes: test pulses.
 
     Raises:
-        ValueError: an argument breaks its rule, the reference leaves the travel, or no controller is known.
+        ValueError: an argument breaks its rule, the reference leaves the travel, no controller is known, or the plant
+            is so fast beside its sample time that it needs more than 1e5 steps a sample: the message says how fast.
         DivergedError: the run left the travel by half its length, or is not finite; says when and where.
     """
     if not isinstance(model, Model):
@@ -57,6 +59,7 @@ def simulate(
     elif not isinstance(reference, Reference):
         reference, own_duration = read_reference(reference)
         duration = duration or own_duration
+    steps_per_sample = model.steps_per_sample if steps_per_sample is None else steps_per_sample
     metadata: dict[str, Any] = {"seed": seed, "steps_per_sample": steps_per_sample}
     if controller is not None:
         metadata["controller"] = "given"  # whatever it had learned is not in the log

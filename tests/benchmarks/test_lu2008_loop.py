@@ -1,4 +1,8 @@
-"""The loops of the benchmark do the same arithmetic: a ratio between them compares like with like."""
+"""The loops of the benchmark do the same arithmetic: a ratio between them compares like with like.
+
+All but the core take one Runge-Kutta step a sample, whatever it errs by. The core takes more where friction reverses
+within less than a step; with friction that is wide enough it takes the same, and gives the same.
+"""
 
 import os
 
@@ -8,10 +12,14 @@ import pytest
 
 import cogging
 
+WIDE = 0.2  # m/s, of the friction's smoothing
 
-@pytest.fixture(scope="module")
-def short():
+
+@pytest.fixture(scope="module", params=["as timed", "wide friction"])
+def short(request):
     setup = {**lu2008_loop.SETUP, "repeats": 2.0}
+    if request.param == "wide friction":
+        setup["coulomb_width"] = WIDE
     coefficients = lu2008_loop.random_coefficients()
     core = cogging.closed_loop(*lu2008_loop.core_arguments(setup, coefficients))
     return setup, coefficients, core
@@ -29,8 +37,10 @@ def test_hand_written_loop_agrees(short):
         assert "CI" not in os.environ, "continuous integration needs a C++ compiler"
         pytest.skip("no C++ compiler here")
     setup, coefficients, core = short
-    command = check(core, lu2008_loop.compile_hand_written()(setup, coefficients, len(core["time"])), 1e-12)
-    assert command < 1e-9  # V
+    wide = setup["coulomb_width"] == WIDE
+    tolerance = 1e-12 if wide else setup["resolution"]  # a reading may move by a count
+    command = check(core, lu2008_loop.compile_hand_written()(setup, coefficients, len(core["time"])), tolerance)
+    assert not wide or command < 1e-9  # V
 
 
 def test_numba_loop_agrees(short):

@@ -70,7 +70,8 @@ class Axis {
             if constexpr (HasFrictionLevel<E, Scalar>) has_friction_ = true;
             if constexpr (HasCommandGain<E, Scalar>) gains_.push_back(effect);
             if constexpr (HasEvents<E>) events_.push_back(effect);
-            if constexpr (HasKinks<E>) accuracy_.add_places(law.kinks());
+            if constexpr (HasKinks<E>) accuracy_.add_kinks(law.kinks(), {});
+            if constexpr (HasVelocityKinks<E>) accuracy_.add_kinks({}, law.velocity_kinks());
             if constexpr (HasVariation<E>) accuracy_.add(law.variation(), smallest(parameters_.mass));
             if constexpr (HasBristle<E>) {
               if (law.bristle().exists()) add_state(E::name, bristle_, law.bristle(), bristle_.exists());
@@ -88,7 +89,7 @@ class Axis {
     plain_ = !has_states_ && !sticks_ && gains_.empty();
     if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
       accuracy_.add({.velocity = bristle_.exists() ? 0.0 : smallest(parameters_.coulomb_width)}, 1.0);
-    accuracy_.add_places(cogging_.kinks());
+    accuracy_.add_kinks(cogging_.kinks(), {});
     for (const auto& [amplitude, wavenumber] : cogging_.waves())
       accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
   }
@@ -230,18 +231,17 @@ class Axis {
   // One step with the smooth sign; by how much it errs more than it may.
   Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h) const {
     if (gains_.empty())
-      return runge_kutta(
-          state, drive, time, offset, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-            // Cogging first: in a Runge-Kutta step the position is known before the velocity.
-            const Scalar cogging = cogging_.force(x);
-            const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
-            const auto [force, friction_level] = forces(cogging, x, v, direction, t);
-            return (u + force - friction_level * direction) * inverse_mass_;
-          });
-    return runge_kutta(state, drive, time, offset, h,
-                       [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-                         return acceleration(x, v, u, t, drive.force);
-                       });
+      return runge_kutta(state, drive, time, offset, h,
+                         [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+                           // Cogging first: in a Runge-Kutta step the position is known before the velocity.
+                           const Scalar cogging = cogging_.force(x);
+                           const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
+                           const auto [force, friction_level] = forces(cogging, x, v, direction, t);
+                           return (u + force - friction_level * direction) * inverse_mass_;
+                         });
+    return runge_kutta(state, drive, time, offset, h, [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+      return acceleration(x, v, u, t, drive.force);
+    });
   }
 
   // From the start again, for each lane whose whole step was not accurate; what the others do is left.
@@ -270,7 +270,7 @@ class Axis {
   // before a4 is begun, so that the next reading need not wait for it.
   template <class Acceleration>
   Scalar runge_kutta(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
-                   const Acceleration& f) const {
+                     const Acceleration& f) const {
     const double half = 0.5 * h, sixth = h / 6.0, start = time + offset;
     const Scalar u_start = drive.at(offset) + drive.force;
     const Scalar u_middle = drive.lagging ? drive.at(offset + half) + drive.force : u_start;
@@ -287,17 +287,19 @@ class Axis {
     const Scalar a4 = f(x + h * v3, v4, u_end, events_.empty() ? start + h : start + h * (1.0 - 1e-9));
     state.velocity = v1 + sixth * (a1 + 2.0 * (a2 + a3) + a4);
     Scalar excess = accuracy_.excess(h, a1, a2, a3, a4, v1, state.velocity, state.speed_max);
-    if (accuracy_.has_places()) excess = larger(excess, excess_at_kinks(x, state, h, a1, a2, a3, a4));
+    if (accuracy_.has_kinks()) excess = larger(excess, excess_at_kinks(x, v1, state, h, a1, a2, a3, a4));
     if (!accuracy_.varies() && !drive.lagging) return excess;
-    return larger(excess, accuracy_.excess_of_waves(h, v1, state.velocity, u_start - drive.force,
+    return larger(excess, accuracy_.excess_of_waves(start, h, v1, state.velocity, u_start - drive.force,
                                                     drive.settling(offset) * inverse_mass_, state.speed_max));
   }
 
-  COGGING_NOINLINE Scalar excess_at_kinks(const Scalar& from, const AxisState<Scalar>& to, double h, const Scalar& a1,
-                                          const Scalar& a2, const Scalar& a3, const Scalar& a4) const {
-    Scalar excess = accuracy_.excess_at_kink(h, a1, a2, a3, a4, larger(to.speed_max, abs(to.velocity)));
+  COGGING_NOINLINE Scalar excess_at_kinks(const Scalar& x1, const Scalar& v1, const AxisState<Scalar>& end, double h,
+                                          const Scalar& a1, const Scalar& a2, const Scalar& a3,
+                                          const Scalar& a4) const {
+    Scalar excess = accuracy_.excess_at_kink(h, a1, a2, a3, a4, larger(end.speed_max, abs(end.velocity)));
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
-      if (!accuracy_.crosses_kink(lane(from, i), lane(to.position, i))) set_lane(excess, i, -1.0);
+      if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+        set_lane(excess, i, -1.0);
     return excess;
   }
 
@@ -322,7 +324,8 @@ class Axis {
   double breakaway(const AxisState<double>& state, const Drive<double>& drive, double time, double offset) const {
     const double u = drive.at(offset) + drive.force;
     for (double direction : {-1.0, 1.0})
-      if (sliding(state.position, 0.0, u, drive.force, time + offset, direction) * direction > 0.0) return direction;
+      if (!(sliding(state.position, 0.0, u, drive.force, time + offset, direction) * direction <= 0.0))
+        return direction;  // a force that is no number is no rest either
     return 0.0;
   }
 

@@ -14,7 +14,7 @@
 namespace cogging {
 
 /// Runge-Kutta of fourth order in position, velocity and deflection of the load, in as many substeps as the
-/// fastest of its vibrations needs, and more where they would not be accurate; the bristle follows the path of each
+/// fastest of its vibrations needs, and more where they would not be accurate; a stiff bristle follows the path of each
 /// stage exactly.
 ///
 /// `Axis` gives balance(position, velocity, direction, drive, held, time): all forces but friction, and its level; and
@@ -52,7 +52,7 @@ class BodyWithStates {
     for (double direction : {-1.0, 1.0}) {
       const auto [push, level] =
           axis_.balance(state.position, 0.0, direction, drive.at(offset) + drive.force, drive.force, time + offset);
-      if ((push + coupling - level * direction) * direction > 0.0) return direction;
+      if (!((push + coupling - level * direction) * direction <= 0.0)) return direction;  // nor is NaN a rest
     }
     return 0.0;
   }
@@ -60,18 +60,21 @@ class BodyWithStates {
  private:
   enum class Mode { moves, slides, rests };  // friction as it is, exact friction in one direction, exact at rest
 
+  using Stages = std::array<double, 4>;
+
   struct Rates {
     double acceleration, relative, level;  // m/s^2, of motor and deflection; V, friction level
   };
 
-  // A sixth of a radian a substep: the vibration then keeps its frequency within 1e-5.
+  // A sixth of a radian a substep: the vibration then keeps its frequency within 1e-5. That of a bristle, which nothing
+  // may damp, within 1e-6.
   int substeps(double h) const {
-    double rate = coupling_.exists() ? coupling_.rate() : 0.0;
+    double rate = coupling_.exists() ? 6.0 * coupling_.rate() : 0.0;
     if (bristle_.exists()) {
       const double mass = coupling_.motor_mass();
-      rate = std::max(rate, std::sqrt(bristle_.stiffness / mass) + bristle_.damping / mass);
+      rate = std::max(rate, 10.0 * std::sqrt(bristle_.stiffness / mass) + 6.0 * bristle_.damping / mass);
     }
-    const double needed = std::ceil(6.0 * rate * h);
+    const double needed = std::ceil(rate * h);
     require(needed <= 1e5, "stiffness, frequency", "must need at most 1e5 substeps a step", needed);
     return std::max(1, static_cast<int>(needed));
   }
@@ -94,9 +97,8 @@ class BodyWithStates {
     return coupling_.exists() ? coupling_.force(state.deflection, state.deflection_rate) : 0.0;
   }
 
-  // `path` leads from `bristle`, the deflection at the start of the step, to this state.
-  Rates rates(const AxisState<double>& state, double bristle, double path, double drive, double held, double time,
-              Mode mode, double direction) const {
+  Rates rates(const AxisState<double>& state, double drive, double held, double time, Mode mode,
+              double direction) const {
     const double coupling = coupling_force(state);
     const double load = coupling_.exists() ? -coupling / coupling_.load_mass() : 0.0;
     if (mode == Mode::rests) return {0.0, load, 0.0};
@@ -104,9 +106,8 @@ class BodyWithStates {
       direction =
           bristle_.exists() ? sign(state.velocity) : smooth_sign(state.velocity, axis_.parameters().coulomb_width);
     const auto [push, level] = axis_.balance(state.position, state.velocity, direction, drive, held, time);
-    const double friction = bristle_.exists()
-                                ? bristle_.force(bristle_.moved(bristle, path, level), state.velocity, level)
-                                : level * direction;
+    const double friction =
+        bristle_.exists() ? bristle_.force(state.bristle, state.velocity, level) : level * direction;
     const double acceleration = (push + coupling - friction) / coupling_.motor_mass();
     return {acceleration, coupling_.exists() ? load - acceleration : 0.0, level};
   }
@@ -116,14 +117,23 @@ class BodyWithStates {
             double direction) const {
     const AxisState<double> start = state;
     struct Slope {
-      double velocity, acceleration, deflection_rate, relative;
+      double velocity, acceleration, deflection_rate, relative, bristle_rate, level;
     };
-    double levels = 0.0;
-    const auto slope_at = [&](const AxisState<double>& here, double at, double weight) {
-      const Rates r = rates(here, start.bristle, here.position - start.position, drive.at(at) + drive.force,
-                            drive.force, time + at, mode, direction);
-      levels += weight * r.level;
-      return Slope{here.velocity, r.acceleration, here.deflection_rate, r.relative};
+    const auto slope_at = [&](const AxisState<double>& here, double at) {
+      const Rates r = rates(here, drive.at(at) + drive.force, drive.force, time + at, mode, direction);
+      const double bends =
+          bristle_.exists() && r.level > 0.0 ? bristle_.rate(here.bristle, here.velocity, r.level) : 0.0;
+      return Slope{here.velocity, r.acceleration, here.deflection_rate, r.relative, bends, r.level};
+    };
+    const Slope k1 = slope_at(start, offset);
+    const bool by_path = follows_path(start.velocity, k1.acceleration, k1.level, h);
+    const auto bent = [&](AxisState<double> here, double level) {
+      here.bristle = bristle_.moved(start.bristle, here.position - start.position, k1.level, level);
+      return here;
+    };
+    const auto stage = [&](const AxisState<double>& here, double at) {
+      const Slope slope = slope_at(here, at);
+      return by_path ? slope_at(bent(here, slope.level), at) : slope;
     };
     const auto moved = [&](const Slope& slope, double length) {
       AxisState<double> there = start;
@@ -131,44 +141,65 @@ class BodyWithStates {
       there.velocity += length * slope.acceleration;
       there.deflection += length * slope.deflection_rate;
       there.deflection_rate += length * slope.relative;
+      there.bristle += length * slope.bristle_rate;
       return there;
     };
     const double half = 0.5 * h;
-    const Slope k1 = slope_at(start, offset, 1.0);
-    const Slope k2 = slope_at(moved(k1, half), offset + half, 2.0);
-    const Slope k3 = slope_at(moved(k2, half), offset + half, 2.0);
+    const Slope k2 = stage(moved(k1, half), offset + half);
+    const Slope k3 = stage(moved(k2, half), offset + half);
     // A law that jumps at the end of the step must not be felt in it: look just before.
-    const Slope k4 = slope_at(moved(k3, h), offset + h * (1.0 - 1e-9), 1.0);
+    const Slope k4 = stage(moved(k3, h), offset + h * (1.0 - 1e-9));
     const auto mean = [&](double Slope::* part) { return (k1.*part + 2.0 * (k2.*part + k3.*part) + k4.*part) / 6.0; };
-    state = moved(
-        {mean(&Slope::velocity), mean(&Slope::acceleration), mean(&Slope::deflection_rate), mean(&Slope::relative)}, h);
-    if (bristle_.exists()) state.bristle = bristle_.moved(start.bristle, state.position - start.position, levels / 6.0);
+    state = moved({mean(&Slope::velocity), mean(&Slope::acceleration), mean(&Slope::deflection_rate),
+                   mean(&Slope::relative), mean(&Slope::bristle_rate), 0.0},
+                  h);
+    if (by_path) state = bent(state, k4.level);
+    if (bristle_.exists() && mode != Mode::rests) {
+      // A path that turns hides its way there and back.
+      if (by_path && start.velocity * state.velocity < 0.0) return false;
+      if (by_path && !keeps_level(start, h, {k1.level, k2.level, k3.level, k4.level})) return false;
+      if (!relaxes_accurately(start, state, h, k1.level)) return false;
+    }
     const auto stages = [&](double Slope::* part) { return std::array{k1.*part, k2.*part, k3.*part, k4.*part}; };
     return loads_accurately(start, state, h, stages(&Slope::relative)) &&
-           (mode == Mode::rests ||
-            moves_accurately(start, state, drive, offset, h, stages(&Slope::acceleration), mode == Mode::slides));
+           (mode == Mode::rests || moves_accurately(start, state, drive, time + offset, offset, h,
+                                                    stages(&Slope::acceleration), mode == Mode::slides));
   }
 
-  using Stages = std::array<double, 4>;
-
   bool moves_accurately(const AxisState<double>& start, const AxisState<double>& end, const Drive<double>& drive,
-                        double offset, double h, const Stages& a, bool one_way) const {
+                        double time, double offset, double h, const Stages& a, bool one_way) const {
     const StepAccuracy<double>& accuracy = axis_.accuracy();
     const double turned = one_way ? start.velocity : end.velocity;  // friction has one direction, whatever the end
     const double settling = drive.settling(offset) / coupling_.motor_mass();
     return accuracy.excess(h, a[0], a[1], a[2], a[3], start.velocity, turned, start.speed_max) <= 0.0 &&
-           accuracy.excess_of_waves(h, start.velocity, end.velocity, drive.at(offset), settling, start.speed_max) <=
-               0.0 &&
-           (!accuracy.crosses_kink(start.position, end.position) ||
-            accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], start.speed_max) <= 0.0) &&
-           (start.velocity * end.velocity >= 0.0 || !bristle_.exists() || turns_accurately(start, end, h));
+           accuracy.excess_of_waves(time, h, start.velocity, end.velocity, drive.at(offset), settling,
+                                    start.speed_max) <= 0.0 &&
+           (!accuracy.crosses_kink(start.position, end.position, start.velocity, end.velocity) ||
+            accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], start.speed_max) <= 0.0);
   }
 
-  // Where a step turns, the bristle does not feel the way there and back. It bends by as much too little, and pushes
-  // the motor with that for about a radian of its vibration.
-  bool turns_accurately(const AxisState<double>& start, const AxisState<double>& end, double h) const {
-    const double hidden = h * std::min(std::abs(start.velocity), std::abs(end.velocity));
-    return hidden * std::sqrt(bristle_.stiffness / coupling_.motor_mass()) <=
+  // A bristle that a step bends through more than it can is followed by the path, which is exact at a constant level;
+  // one that it bends less is a state like the others.
+  bool follows_path(double velocity, double acceleration, double level, double h) const {
+    if (!bristle_.exists()) return false;
+    return !(bristle_.stiffness * (std::abs(velocity) + h * std::abs(acceleration)) * h < level);
+  }
+
+  bool keeps_level(const AxisState<double>& start, double h, const Stages& levels) const {
+    const auto [least, most] = std::minmax_element(levels.begin(), levels.end());
+    const double change = *most - *least;
+    return h * change * change / (coupling_.motor_mass() * std::max(*most, 1e-300)) <=
+           StepAccuracy<double>::share * std::max(start.speed_max, std::abs(start.velocity));
+  }
+
+  // What of the bristle has yet to relax goes with exp(-stiffness path / level): Simpson's error of that, and a margin
+  // for errors of one sign.
+  bool relaxes_accurately(const AxisState<double>& start, const AxisState<double>& end, double h, double level) const {
+    if (!(level > 0.0)) return true;
+    const double speed = std::max(std::abs(start.velocity), std::abs(end.velocity));
+    const double left = std::abs(bristle_.stiffness * start.bristle - level * sign(start.velocity));
+    const double bent = bristle_.stiffness * speed * h / level;
+    return left * h / coupling_.motor_mass() * std::min(1.0, bent * bent * bent * bent / 500.0) <=
            StepAccuracy<double>::share * std::max(start.speed_max, std::abs(start.velocity));
   }
 
@@ -176,7 +207,8 @@ class BodyWithStates {
     if (!coupling_.exists()) return true;
     const StepAccuracy<double>& accuracy = axis_.accuracy();
     const double speed = std::max({start.speed_max, std::abs(start.velocity), std::abs(end.deflection_rate)});
-    if (coupling_.piece(start.deflection, start.deflection_rate) == coupling_.piece(end.deflection, end.deflection_rate))
+    if (coupling_.piece(start.deflection, start.deflection_rate) ==
+        coupling_.piece(end.deflection, end.deflection_rate))
       return accuracy.excess(h, a[0], a[1], a[2], a[3], 0.0, 0.0, speed) <= 0.0;
     return accuracy.excess_at_kink(h, a[0], a[1], a[2], a[3], speed) <= 0.0;
   }

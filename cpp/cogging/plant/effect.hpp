@@ -20,6 +20,7 @@
 // Beside these it may have
 //   Variation variation() const;                          // how quickly it changes along the travel and in time
 //   std::vector<double> kinks() const;                    // m, places at which it has a kink or a jump
+//   std::vector<double> velocity_kinks() const;           // m/s, velocities at which it has one
 //   double next_event(double time) const;                 // s, the next time at which its law jumps: steps end there
 //   void bind(const PlantContext&);                       // takes what it needs from the plant; throws where that
 //                                                         // is missing
@@ -61,6 +62,8 @@ template <class E>
 concept HasVariation = requires(const E& effect) { effect.variation(); };
 template <class E>
 concept HasKinks = requires(const E& effect) { effect.kinks(); };
+template <class E>
+concept HasVelocityKinks = requires(const E& effect) { effect.velocity_kinks(); };
 template <class E>
 concept HasEvents = requires(const E& effect, double time) { effect.next_event(time); };
 template <class E>

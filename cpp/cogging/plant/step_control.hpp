@@ -13,12 +13,14 @@ namespace cogging {
 
 /// How quickly a law changes along the travel and in time, beside what follows from its slope: a step must not skip it.
 /// `force` (V) and `gain` (relative, of what the amplifier puts out) are its size, `wavenumber` in rad/m, `rate` in
-/// rad/s; of a law without a period, the inverse of the distance or time on which it changes. `velocity` (m/s) is the
+/// rad/s; of a law without a period, the inverse of the distance or time on which it changes. What fades in time, from
+/// t = 0, does so with `decay` (1/s). `velocity` (m/s) is the
 /// speed within which a law changes about rest: 0 for a kink.
 /// `stiffness` (V/m) is the largest slope along the travel of a law that is not a wave.
 struct Variation {
   double force = 0.0, gain = 0.0;
   double wavenumber = 0.0, rate = 0.0;
+  double decay = 0.0;
   double stiffness = 0.0;
   double velocity = std::numeric_limits<double>::infinity();
 };
@@ -40,11 +42,14 @@ class StepAccuracy {
     const double along = std::pow(law.wavenumber, 4) / mass, in_time = std::pow(law.rate, 4) / mass;
     stiffness_ += (law.force * law.wavenumber + law.stiffness) / mass;
     gain_stiffness_ += law.gain * law.wavenumber / mass;
-    along_ += law.force * along, in_time_ += law.force * in_time;
-    gain_along_ += law.gain * along, gain_in_time_ += law.gain * in_time;
+    along_ += law.force * along, gain_along_ += law.gain * along;
+    if (law.decay > 0.0)
+      fading_.push_back({law.force * in_time, law.gain * in_time, law.decay});
+    else
+      in_time_ += law.force * in_time, gain_in_time_ += law.gain * in_time;
     turning_ = std::min(turning_, law.velocity * law.velocity);
     quickest_ = std::max(quickest_, law.force > 0.0 || law.gain > 0.0 ? law.rate : 0.0);
-    varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ + stiffness_ > 0.0;
+    varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ + stiffness_ > 0.0 || !fading_.empty();
   }
 
   /// By how much one step of length h errs more than it may, m/s: at most 0 where it is accurate. Of the accelerations
@@ -69,29 +74,28 @@ class StepAccuracy {
     return bend_of(h, a1, a2, a3, a4) - share * speed_max;
   }
 
-  /// The same of waves; `drive` is what the amplifier puts out, V, `settling` the fourth derivative of it over the
-  /// mass.
-  Scalar excess_of_waves(double h, const Scalar& v1, const Scalar& v_end, const Scalar& drive, const Scalar& settling,
-                         const Scalar& speed_max) const {
+  /// The same of waves, of a step from `time`; `drive` is what the amplifier puts out, V, `settling` the fourth
+  /// derivative of it over the mass.
+  Scalar excess_of_waves(double time, double h, const Scalar& v1, const Scalar& v_end, const Scalar& drive,
+                         const Scalar& settling, const Scalar& speed_max) const {
     const Scalar tolerance = share * larger(larger(speed_max, abs(v1)), abs(v_end));
     const Scalar speed = larger(v1 * v1, v_end * v_end);
     const Scalar amplified = abs(drive);
-    const Scalar wave = (along_ + gain_along_ * amplified) * (speed * speed) + in_time_ + gain_in_time_ * amplified;
+    Scalar wave = (along_ + gain_along_ * amplified) * (speed * speed) + in_time_ + gain_in_time_ * amplified;
+    for (const Fading& law : fading_) wave += std::exp(-law.decay * time) * (law.force + law.gain * amplified);
     const Scalar ringing = h * h * (stiffness_ + gain_stiffness_ * amplified) - ringing_max;
     return larger(h * h * h * h * h * (wave + settling) - 2880.0 * tolerance, ringing);
   }
 
-  /// Places (m) at which a law has a kink or a jump join those that are known.
-  void add_places(const std::vector<double>& places) {
-    places_.insert(places_.end(), places.begin(), places.end());
-    std::sort(places_.begin(), places_.end());
+  /// Positions (m) and velocities (m/s) at which a law has a kink or a jump join those that are known.
+  void add_kinks(const std::vector<double>& positions, const std::vector<double>& velocities) {
+    join(positions_, positions), join(velocities_, velocities);
   }
-  bool has_places() const { return !places_.empty(); }
+  bool has_kinks() const { return !positions_.empty() || !velocities_.empty(); }
 
-  /// Whether such a place lies between two positions.
-  bool crosses_kink(double from, double to) const {
-    const auto next = std::upper_bound(places_.begin(), places_.end(), std::min(from, to));
-    return next != places_.end() && *next <= std::max(from, to);
+  /// Whether one lies between two positions or two velocities.
+  bool crosses_kink(double x1, double x2, double v1, double v2) const {
+    return crosses(positions_, x1, x2) || crosses(velocities_, v1, v2);
   }
 
   bool varies() const { return varies_; }
@@ -101,21 +105,36 @@ class StepAccuracy {
   static constexpr double share = 1e-9;
 
  private:
+  static void join(std::vector<double>& known, const std::vector<double>& added) {
+    known.insert(known.end(), added.begin(), added.end());
+    std::sort(known.begin(), known.end());
+  }
+
+  static bool crosses(const std::vector<double>& places, double from, double to) {
+    const auto next = std::upper_bound(places.begin(), places.end(), std::min(from, to));
+    return next != places.end() && *next <= std::max(from, to);
+  }
+
   // What a kink between the stages makes of the velocity at the end, m/s.
   static Scalar bend_of(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4) {
     return 0.2 * h * abs((a1 - a2) - (a3 - a4));
   }
 
+  struct Fading {
+    double force, gain, decay;  // m/s^2 times 1/s^4, at t = 0; the same for a drive of 1 V; 1/s
+  };
+
   // (h w)^2 up to which a step errs by less than `share` of a vibration at w: (h w)^5 / 120.
   static constexpr double ringing_max = 1.6e-3;
 
   double stiffness_ = 0.0, gain_stiffness_ = 0.0;  // 1/s^2; the same for a drive of 1 V
-  double along_ = 0.0, in_time_ = 0.0;            // m/s^2 times 1/m^4, 1/s^4
-  double gain_along_ = 0.0, gain_in_time_ = 0.0;  // the same for a drive of 1 V
+  double along_ = 0.0, in_time_ = 0.0;             // m/s^2 times 1/m^4, 1/s^4
+  double gain_along_ = 0.0, gain_in_time_ = 0.0;   // the same for a drive of 1 V
   double quickest_ = 0.0;
   double turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
   bool varies_ = false;
-  std::vector<double> places_;  // m, increasing
+  std::vector<Fading> fading_;
+  std::vector<double> positions_, velocities_;  // of kinks, increasing
 };
 
 /// The lengths of the pieces of one step: halved until a piece is accurate, doubled after.

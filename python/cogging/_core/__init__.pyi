@@ -1848,12 +1848,14 @@ def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | 
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
     A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
-    duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by
-    `steps_per_sample` Runge-Kutta steps of fourth order. The axis starts at rest on the reference unless told otherwise.
+    duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by Runge-Kutta
+    steps of fourth order: `steps_per_sample`, or as many more as keep what they err by below 1e-6 of the motion. The axis
+    starts at rest on the reference unless told otherwise.
     `added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
     
     Raises:
-        ValueError: the reference leaves the travel, a motion without an end and no duration.
+        ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
+            needs more than 1e5 steps (the message says how fast).
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
 def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:

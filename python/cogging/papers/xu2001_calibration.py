@@ -22,17 +22,18 @@ from cogging_command import run_command
 
 FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
 
-#: Where the search begins and what each law holds fixed: 0 takes an effect away.
+#: Where the search begins and what each law holds fixed: 0 takes an effect away. The values that an earlier search had
+#: found for smooth_stribeck, rounded.
 START = {
-    "coulomb": 0.14,
-    "coulomb_width": 1.0 / 700.0,
-    "static_excess": 0.03,
-    "stribeck_velocity": 0.01,
-    "offset": 0.02,
-    "delay": 3.5e-4,
-    "encoder_noise": 0.33e-6,
-    "ripple": 0.08,
-    "ripple_period": 0.05,
+    "coulomb": 0.154,
+    "coulomb_width": 1.7e-3,
+    "static_excess": 0.0194,
+    "stribeck_velocity": 0.011,
+    "offset": 0.0106,
+    "delay": 3.73e-4,
+    "encoder_noise": 0.368e-6,
+    "ripple": 0.0783,
+    "ripple_period": 0.0419,
 }
 LAWS: dict[str, dict[str, float]] = {
     "smooth_stribeck": {},

@@ -37,7 +37,8 @@ struct CoggingHarmonic {
     return -(sine * s + cosine * c);
   }
   Variation variation() const {
-    return {.force = largest(abs(sine)) + largest(abs(cosine)), .wavenumber = 2.0 * std::numbers::pi / smallest(period)};
+    return {.force = largest(abs(sine)) + largest(abs(cosine)),
+            .wavenumber = 2.0 * std::numbers::pi / smallest(period)};
   }
 };
 

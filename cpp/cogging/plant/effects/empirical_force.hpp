@@ -52,6 +52,7 @@ struct EmpiricalForce {
   }
 
   std::vector<double> kinks() const { return position_nodes; }
+  std::vector<double> velocity_kinks() const { return velocity_nodes; }
 
   double next_event(double time) const {
     const auto next = std::upper_bound(time_nodes.begin(), time_nodes.end(), time);

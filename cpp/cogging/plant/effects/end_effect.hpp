@@ -45,9 +45,7 @@ struct EndEffect {
     return level *
            (exp((motion.position - travel[1]) / decay_length) - exp((travel[0] - motion.position) / decay_length));
   }
-  Variation variation() const {
-    return {.force = largest(abs(level)), .wavenumber = 1.0 / smallest(decay_length)};
-  }
+  Variation variation() const { return {.force = largest(abs(level)), .wavenumber = 1.0 / smallest(decay_length)}; }
 };
 
 }  // namespace cogging

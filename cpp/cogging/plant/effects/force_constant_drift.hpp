@@ -29,7 +29,10 @@ struct ForceConstantDrift {
   }
 
   Scalar command_gain(const Scalar&, double time) const { return change * (1.0 - exp(Scalar(-time) / time_constant)); }
-  Variation variation() const { return {.gain = largest(abs(change)), .rate = 1.0 / smallest(time_constant)}; }
+  Variation variation() const {
+    const double rate = 1.0 / smallest(time_constant);
+    return {.gain = largest(abs(change)), .rate = rate, .decay = rate};
+  }
 };
 
 }  // namespace cogging
