@@ -3,11 +3,6 @@
 import os
 import signal
 
-# Started in the background by a shell, the tests would ignore Ctrl-C, and so would all that they start.
-for _signal, _answer in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
-    if signal.getsignal(_signal) == signal.SIG_IGN:
-        signal.signal(_signal, _answer)
-
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -15,6 +10,13 @@ import pytest
 
 from cogging.diagnose.null import fit_null
 from tests.moving_axis import machine, record
+
+
+def pytest_configure():
+    """Answer signals: started in the background by a shell the tests would ignore Ctrl-C, with all that they start."""
+    for number, answer in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, answer)
 
 
 @pytest.fixture(scope="session")

@@ -17,6 +17,7 @@ from cogging._core import (
     Predictor,
     Sampled,
     closed_loop,
+    friction_slope_max,
 )
 from cogging.difference_steps import central, one_sided
 from cogging.logs import Log
@@ -66,12 +67,15 @@ class Innovations:
         *,
         bandwidth: float = 20.0,
         rest: float | None = None,
+        steps_per_sample: int | None = None,
         quick_starts: bool = False,
     ) -> None:
         self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
         steps = np.diff(log.time)
         sample_time = float(np.median(steps))
         plant = quiet_plant(model)
+        if steps_per_sample is None:
+            steps_per_sample = steps_needed(model, sample_time)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time,
@@ -80,6 +84,7 @@ class Innovations:
             bandwidth=bandwidth,
             gap=max(5.0 * sample_time, 0.1 / bandwidth),
             initial_velocity=self.initial_velocity,
+            steps_per_sample=steps_per_sample,
         )
         self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
         self.along = self.predictor.predict(plant)
@@ -224,6 +229,7 @@ class Replay:
         # A run may leave the travel, but what an effect takes from the travel stays.
         effects = tuple(effect.resolved(model.axis, model.cogging) for effect in model.effects)
         axis = model.axis.replace(travel=[-np.inf, np.inf])
+        steps = steps_needed(model, 1.0 / model.make_controller().sample_rate)
         return closed_loop(
             model.replace(axis=axis, effects=effects).plant(),
             model.make_controller(),
@@ -232,6 +238,7 @@ class Replay:
             initial_position=float(self.log.position[0]),
             initial_velocity=self.initial_velocity,
             added_command=self.added_command,
+            steps_per_sample=steps,
         )
 
     def of(self, models: Sequence[Model]) -> FloatArray:
@@ -301,6 +308,15 @@ def initial_velocity(log: Log) -> float:
     few = max(6, min(len(log) // 10, round(0.02 / float(np.median(np.diff(log.time))))))
     time, position = log.time[:few] - log.time[0], log.position[:few] - log.position[0]
     return float(np.polyfit(time / time[-1], position, 2)[1] / time[-1])
+
+
+def steps_needed(model: Model, sample_time: float) -> int:
+    """Runge-Kutta steps a sample so that the friction's slope at rest stays well inside the stable region."""
+    width = model.axis.coulomb_width
+    if width == 0.0:
+        return 1
+    rate = friction_slope_max(width) * model.axis.coulomb / model.axis.mass
+    return int(np.clip(np.ceil(rate * sample_time), 1, 20))
 
 
 def moving_average(values: FloatArray, length: int) -> FloatArray:

@@ -168,6 +168,9 @@ class Axis {
     state.speed_max = larger(state.speed_max, abs(state.velocity));
   }
 
+  /// Takes steps as they are given, whatever they err by.
+  void leave_steps() { accuracy_.leave_steps(); }
+
   /// What a step of a body on this axis errs by.
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
@@ -288,7 +291,7 @@ class Axis {
     state.velocity = v1 + sixth * (a1 + 2.0 * (a2 + a3) + a4);
     Scalar excess = accuracy_.excess(h, a1, a2, a3, a4, v1, state.velocity, state.speed_max);
     if (accuracy_.has_kinks()) excess = larger(excess, excess_at_kinks(x, v1, state, h, a1, a2, a3, a4));
-    if (!accuracy_.varies() && !drive.lagging) return excess;
+    if (!accuracy_.varies() && !(drive.lagging && accuracy_.controls())) return excess;
     return larger(excess, accuracy_.excess_of_waves(start, h, v1, state.velocity, u_start - drive.force,
                                                     drive.settling(offset) * inverse_mass_, state.speed_max));
   }

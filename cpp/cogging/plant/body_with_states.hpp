@@ -154,6 +154,7 @@ class BodyWithStates {
                    mean(&Slope::relative), mean(&Slope::bristle_rate), 0.0},
                   h);
     if (by_path) state = bent(state, k4.level);
+    if (!axis_.accuracy().controls()) return true;
     if (bristle_.exists() && mode != Mode::rests) {
       // A path that turns hides its way there and back.
       if (by_path && start.velocity * state.velocity < 0.0) return false;

@@ -56,6 +56,7 @@ class StepAccuracy {
   /// of the stages, the velocity at start and end, and the largest speed before.
   COGGING_INLINE Scalar excess(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4,
                                const Scalar& v1, const Scalar& v_end, const Scalar& speed_max) const {
+    if (!controls_) return Scalar(-1.0);
     const Scalar tolerance = share * larger(larger(speed_max, abs(v1)), 0.01 * h * abs(a1));
     const Scalar first = a2 - a1, second = abs(a3 - a2);
     // A velocity that is no number must not pass: 0 times it is none either.
@@ -98,6 +99,13 @@ class StepAccuracy {
     return crosses(positions_, x1, x2) || crosses(velocities_, v1, v2);
   }
 
+  /// Steps are taken as they are given, whatever they err by.
+  void leave_steps() {
+    controls_ = varies_ = false;
+    positions_.clear(), velocities_.clear();
+  }
+  bool controls() const { return controls_; }
+
   bool varies() const { return varies_; }
   double quickest() const { return quickest_; }  // rad/s, of what changes in time
 
@@ -132,7 +140,7 @@ class StepAccuracy {
   double gain_along_ = 0.0, gain_in_time_ = 0.0;   // the same for a drive of 1 V
   double quickest_ = 0.0;
   double turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
-  bool varies_ = false;
+  bool varies_ = false, controls_ = true;
   std::vector<Fading> fading_;
   std::vector<double> positions_, velocities_;  // of kinks, increasing
 };

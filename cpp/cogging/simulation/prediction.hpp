@@ -86,7 +86,8 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
                           bool with_slopes) {
   const std::size_t rows = log.time.size();
   require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
-  const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
+  Axis<double> axis(plant.axis, plant.cogging, plant.effects);
+  axis.leave_steps();  // each row is held to its reading: what one step errs by does not add up
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
   StopCheck stop(options.stop);
   stop.ask();
