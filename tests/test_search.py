@@ -91,8 +91,8 @@ def test_a_scan_on_many_threads_finds_what_one_finds(quiet_evidence, monkeypatch
         (EFFECTS["disturbance_tone"](frequency=7.3, sine=0.05, cosine=0.05), set()),
         (EFFECTS["force_constant_ripple"](period=0.021, sine=0.03, cosine=0.0), set()),
         (EFFECTS["quadratic_drag"](coefficient=4.0), {"stribeck_friction"}),
-        # A logged command carries the noise that the loop fed back, and so do columns made of it: a delay above a sample
-        # comes out too small, and on some logs (not on this one) other motion refutes it for that.
+        # A logged command carries the noise that the loop fed back, and so do columns made of it: a delay above a
+        # sample comes out too small, and on some logs (not on this one) other motion refutes it for that.
         (EFFECTS["command_delay"](delay=1.5e-3), {"actuator_lag"}),
     ],
     ids=lambda value: getattr(value, "NAME", ""),
