@@ -14,9 +14,8 @@ namespace cogging {
 /// How quickly a law changes along the travel and in time, beside what follows from its slope: a step must not skip it.
 /// `force` (V) and `gain` (relative, of what the amplifier puts out) are its size, `wavenumber` in rad/m, `rate` in
 /// rad/s; of a law without a period, the inverse of the distance or time on which it changes. What fades in time, from
-/// t = 0, does so with `decay` (1/s). `velocity` (m/s) is the
-/// speed within which a law changes about rest: 0 for a kink.
-/// `stiffness` (V/m) is the largest slope along the travel of a law that is not a wave.
+/// t = 0, does so with `decay` (1/s). `stiffness` (V/m) is the largest slope along the travel of a law that is not a
+/// wave; `velocity` (m/s) the speed within which a law changes about rest: 0 for a kink.
 struct Variation {
   double force = 0.0, gain = 0.0;
   double wavenumber = 0.0, rate = 0.0;
@@ -39,14 +38,16 @@ class StepAccuracy {
 
   /// A law joins; `mass` in V/(m/s^2).
   void add(const Variation& law, double mass) {
+    // A law of no size does nothing, however quickly.
+    const auto sized = [](double size, double change) { return size > 0.0 ? size * change : 0.0; };
     const double along = std::pow(law.wavenumber, 4) / mass, in_time = std::pow(law.rate, 4) / mass;
-    stiffness_ += (law.force * law.wavenumber + law.stiffness) / mass;
-    gain_stiffness_ += law.gain * law.wavenumber / mass;
-    along_ += law.force * along, gain_along_ += law.gain * along;
-    if (law.decay > 0.0)
-      fading_.push_back({law.force * in_time, law.gain * in_time, law.decay});
+    stiffness_ += (sized(law.force, law.wavenumber) + law.stiffness) / mass;
+    gain_stiffness_ += sized(law.gain, law.wavenumber) / mass;
+    along_ += sized(law.force, along), gain_along_ += sized(law.gain, along);
+    if (law.decay > 0.0 && (law.force > 0.0 || law.gain > 0.0))
+      fading_.push_back({sized(law.force, in_time), sized(law.gain, in_time), law.decay});
     else
-      in_time_ += law.force * in_time, gain_in_time_ += law.gain * in_time;
+      in_time_ += sized(law.force, in_time), gain_in_time_ += sized(law.gain, in_time);
     turning_ = std::min(turning_, law.velocity * law.velocity);
     quickest_ = std::max(quickest_, law.force > 0.0 || law.gain > 0.0 ? law.rate : 0.0);
     varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ + stiffness_ > 0.0 || !fading_.empty();
