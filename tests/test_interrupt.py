@@ -1,7 +1,7 @@
 """Ctrl-C and SIGTERM: the caller gets its KeyboardInterrupt out of the core's loops; the command ends in one line.
 
 Half a second is what is promised, and what was measured (docs/evidence.md). These tests run on machines that are shared
-and may be busy with anything: they allow three times that, for the best of three tries; the loops went on for 4 to 20 s.
+and may be busy with anything: they allow three times that, for the best of three tries; the loops took 4 to 20 s.
 """
 
 import os
