@@ -14,11 +14,8 @@ from tests.moving_axis import machine, record
 
 def pytest_configure():
     """Answer signals: started in the background by a shell the tests would ignore them, with all that they start."""
-    for name, answer in (
-        ("SIGINT", signal.default_int_handler),
-        ("SIGTERM", signal.SIG_DFL),
-        ("SIGHUP", signal.SIG_DFL),
-    ):
+    answers = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGHUP": signal.SIG_DFL}
+    for name, answer in answers.items():
         number = getattr(signal, name, None)  # not every system has all
         if number is not None and signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, answer)
