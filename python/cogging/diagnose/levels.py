@@ -10,7 +10,7 @@ from cogging._core import DivergedError
 from cogging.diagnose.null import width_floor
 from cogging.estimation import columns_of, least_squares
 from cogging.model import Model
-from cogging.parameters import Scales, parameters_of, with_values
+from cogging.parameters import Scales, parameters_of, paths_in, with_values
 from cogging.residuals import Innovations
 
 ITERATIONS = 3
@@ -23,6 +23,7 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
     A fit of whitened residuals weighs high frequencies, where the noise is low: what is slightly wrong there bends the
     levels, and the gap with them. Models are compared by their gaps, each with the levels that make its own smallest.
     """
+    paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
     floors = width_floor(sources)
     counts = [source.counts > 0 for source in sources]
