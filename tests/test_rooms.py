@@ -51,7 +51,7 @@ def imports(path):
             assert node.level == 0
             for name in node.names:
                 full = f"{node.module}.{name.name}"
-                yield full if full in MODULES else node.module
+                yield full if full in MODULES or full == "cogging._core" else node.module
         elif isinstance(node, ast.Import):
             yield from (name.name for name in node.names if name.name.split(".")[0] == "cogging")
 

@@ -20,8 +20,6 @@ from typing import Any
 
 import numpy as np
 
-import cogging
-
 #: What a process of its own is started with. The package's own start is left out: readers need none of it.
 BEGIN = """
 import json, sys, types
@@ -52,7 +50,11 @@ def isolated(code: str, job: Mapping[str, Any], beside: str) -> Iterator[subproc
         job: what JSON can hold; `sys_path` and `package` are added.
         beside: a file beside which no code is taken from.
     """
-    job = {**job, "sys_path": import_paths(beside), "package": [os.path.abspath(folder) for folder in cogging.__path__]}
+    job = {
+        **job,
+        "sys_path": import_paths(beside),
+        "package": [os.path.abspath(folder) for folder in sys.modules["cogging"].__path__],
+    }
     process = subprocess.Popen(
         [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + code],
         stdin=subprocess.PIPE,
