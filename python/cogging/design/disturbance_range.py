@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals, valid_end
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, with_values
-
-FloatArray = npt.NDArray[np.float64]
 
 GRID = 201  # points along position, velocity and time
 HORIZON = 10.0  # s, of effects that depend on time; longer where a field of theirs says so

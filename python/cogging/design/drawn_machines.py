@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model
 from cogging.model.parameters import with_values
@@ -63,7 +64,7 @@ def draw(value: float, interval: Interval, normal: float) -> float:
 
 def covariance_root(
     covariance: tuple[Sequence[str], npt.ArrayLike], paths: tuple[str, ...]
-) -> tuple[list[str], npt.NDArray[np.float64]]:
+) -> tuple[list[str], FloatArray]:
     """The paths and a matrix R with R R^T the covariance.
 
     Raises:
@@ -86,5 +87,5 @@ def covariance_root(
     values, vectors = np.linalg.eigh((correlation + correlation.T) / 2)
     if values.min(initial=0.0) < -1e-6 * len(names):
         raise ValueError(f"covariance: must have no negative eigenvalue, got {values.min():.3g} of the correlation")
-    root: npt.NDArray[np.float64] = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+    root: FloatArray = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
     return names, root

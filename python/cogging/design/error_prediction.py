@@ -25,6 +25,7 @@ from cogging._core import (
     closed_loop,
     performance,
 )
+from cogging.arrays import FloatArray
 from cogging.design.bounds import Bounds
 from cogging.design.drawn_machines import drawn_machines
 from cogging.design.observer import design_observer
@@ -32,8 +33,6 @@ from cogging.model.intervals import Interval, Intervals
 from cogging.model.model import Controller, Model
 from cogging.simulation.reference import read_reference, reference_from
 from cogging.threads import on_threads
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The controllers that are designed from the bounds of a model.
 DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")

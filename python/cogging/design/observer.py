@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from cogging.arrays import FloatArray
 
 # By how much the solver is asked to keep the inequalities, so that they hold in truth. Tried in turn: what stops it for
 # one of them (it is near the end of double precision there) often does not for the next.

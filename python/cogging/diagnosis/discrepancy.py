@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.shapes import coordinates
 from cogging.estimation.residuals import Innovations, Replay
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 FEW = 0.1  # of the rows, which must be in motion for the slow observer
 FAST = 50.0  # Hz
@@ -37,7 +35,7 @@ class Seen:
     rms: float
     signal: str
     series: tuple[FloatArray, ...]
-    counts: tuple[npt.NDArray[np.bool_], ...]
+    counts: tuple[Mask, ...]
     position: float | None
 
 
@@ -103,7 +101,7 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
     ]
 
 
-def _rms(rows: Sequence[FloatArray], counts: Sequence[npt.NDArray[np.bool_]]) -> float:
+def _rms(rows: Sequence[FloatArray], counts: Sequence[Mask]) -> float:
     moving = np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)])
     return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 

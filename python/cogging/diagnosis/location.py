@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.scan import Finding, judged, sharpen
 from cogging.diagnosis.candidates.signatures import tables
 from cogging.diagnosis.candidates.waves import is_wave, peaks, refine
@@ -28,7 +28,6 @@ from cogging.model.model import Model
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FloatArray = npt.NDArray[np.float64]
 
 SIGNIFICANT = -9.5  # ln of the chance from which a coordinate is told
 WAVES_MAX = 5

@@ -10,13 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError, autoregression, whiten
+from cogging.arrays import FloatArray, Mask
 from cogging.estimation.residuals import Innovations, Residuals
 from cogging.model.difference_steps import central
 from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
-
-FloatArray = npt.NDArray[np.float64]
 
 LOOSE = 1e-3  # of a direction that nothing determines: a parameter that has more of it is not determined
 ALONE = 2.0  # times its variance, by which a parameter loses where one block is left out: that block alone shows it
@@ -175,7 +174,7 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
 
 
 def widened(
-    covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: npt.NDArray[np.bool_], blocks: int
+    covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: Mask, blocks: int
 ) -> tuple[FloatArray, FloatArray]:
     """The covariance (p, p) with that of white residuals for what `hangs` on one block, and its freedom (p,).
 

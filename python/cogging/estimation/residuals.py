@@ -19,13 +19,12 @@ from cogging._core import (
     closed_loop,
     friction_slope_max,
 )
+from cogging.arrays import FloatArray, Mask
 from cogging.logs.log import Log
 from cogging.model.difference_steps import central, one_sided
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, effect_at
 from cogging.threads import on_threads
-
-FloatArray = npt.NDArray[np.float64]
 
 WIDE = 0.03  # of a parameter: the step of a difference quotient through contacts
 SETTLED = 6.0  # time constants of the observer, after which what it did not know (7 exp(-6) of it) is forgotten
@@ -330,9 +329,7 @@ def moving_average(values: FloatArray, length: int) -> FloatArray:
     return np.asarray((total[last] - total[first]) / (last - first))
 
 
-def settling(
-    still: npt.NDArray[np.bool_], time: FloatArray, velocity: FloatArray, rest: float, bandwidth: float
-) -> FloatArray:
+def settling(still: Mask, time: FloatArray, velocity: FloatArray, rest: float, bandwidth: float) -> FloatArray:
     """Seconds for which each row must wait after the last that was still, (n,).
 
     What friction does below `rest` is not known. It has 2 rest / a to act in, at an acceleration a, and leaves a speed
@@ -351,7 +348,7 @@ def settling(
     return np.asarray(constant * needed[np.searchsorted(starts, last)])
 
 
-def since(event: npt.NDArray[np.bool_], time: FloatArray) -> FloatArray:
+def since(event: Mask, time: FloatArray) -> FloatArray:
     """Seconds since the last row with the event, 0 in such a row, infinite before the first, (n,)."""
     last = np.maximum.accumulate(np.where(event, np.arange(len(time)), -1))
     return np.where(last >= 0, time - time[np.maximum(last, 0)], np.inf)

@@ -9,10 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import EFFECTS, smooth_sign
+from cogging.arrays import FloatArray, IntArray
 from cogging.friction.law import FrictionParameter, Law, steady_friction
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 
 SPARE = 2  # points more than parameters, at least, for a model to be tried
 

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
+from cogging.arrays import FloatArray
 from cogging.model.intervals import student
-
-FloatArray = npt.NDArray[np.float64]
 
 UNITS = {
     "coulomb": "V",

@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.arrays import FloatArray, Mask
 from cogging.estimation.gauss_newton import columns_of, whitened
 from cogging.estimation.residuals import Residuals
 from cogging.identification.force_balance import ForceBalance, Simulator
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, effect_at, parameters_of, role_at
-
-FloatArray = npt.NDArray[np.float64]
 
 UNDETERMINED = 0.2  # 1-sigma, relative to the parameter's size, above which a log does not determine it
 PARALLEL = 1e3  # by which the others inflate a variance; beyond, model errors are larger than what tells them apart
@@ -125,14 +124,14 @@ def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
 _Table = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # columns (p, n), residual (n,), block (n,) of a log
 
 
-def _dead(tables: Sequence[_Table], sizes: FloatArray) -> npt.NDArray[np.bool_]:
+def _dead(tables: Sequence[_Table], sizes: FloatArray) -> Mask:
     """Which parameters move no row, (p,)."""
     power = sum((columns**2).sum(axis=1) for columns, _, _ in tables)
     rows = sum(columns.shape[1] for columns, _, _ in tables)
     return np.asarray(np.sqrt(power / rows) * sizes < 1e-9)
 
 
-def foreseen(tables: Sequence[_Table], dead: npt.NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+def foreseen(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, FloatArray]:
     """1-sigma (p,) of a linear fit, by a sandwich over blocks, and correlation (p, p) of its parameters."""
     p = len(dead)
     curvature, right = np.zeros((p, p)), np.zeros(p)

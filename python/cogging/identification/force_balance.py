@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.arrays import FloatArray, Mask
 from cogging.estimation.gauss_newton import spread_of
 from cogging.estimation.residuals import START
 from cogging.identification.inverse_dynamics import InverseDynamics
@@ -22,8 +23,6 @@ from cogging.logs.log import Log
 from cogging.model.difference_steps import central
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
-
-FloatArray = npt.NDArray[np.float64]
 
 Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
 
@@ -46,7 +45,7 @@ class ForceBalance:
 
     log: Log
     dynamics: InverseDynamics
-    counts: npt.NDArray[np.bool_]
+    counts: Mask
     block: npt.NDArray[np.int64]
     scales: Scales
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import AxisParameters, DivergedError
+from cogging.arrays import FloatArray
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.residuals import Innovations, Residuals
 from cogging.identification.determinability import Determinability, determinability, size_of
@@ -24,8 +25,6 @@ from cogging.logs.repeated_rows import counted_once
 from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, role_of, with_values
-
-FloatArray = npt.NDArray[np.float64]
 
 FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which ...

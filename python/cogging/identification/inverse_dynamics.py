@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import Predictor
+from cogging.arrays import FloatArray
 from cogging.estimation.residuals import quiet_plant
 from cogging.logs.log import Log
 from cogging.logs.pauses import running_time
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 JITTER = 0.01  # of the median step: logs that are evener than this take the command as it stands in the rows
 

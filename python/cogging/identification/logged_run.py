@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.arrays import FloatArray
 from cogging.estimation.residuals import Replay
 from cogging.identification.force_balance import Simulator
 from cogging.identification.inverse_dynamics import InverseDynamics
@@ -16,8 +17,6 @@ from cogging.log_check.controller import MISMATCH, ControllerCheck
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 ROUGH = 1e-3  # of the rms command: a stated controller that is further off is fitted ...
 FOLLOWED = 0.05  # of the reference's standard deviation: closer, the reference is a noise-free likeness of the motion

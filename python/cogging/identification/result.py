@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.log_check.audit import Audit
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 CORRELATED = 0.8  # above which two parameters are shown as correlated
 

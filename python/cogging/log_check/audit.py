@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.logs.log import Log, require_sizes
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 JITTER = 0.01  # of the median step
 GAP = 1.5  # median steps

@@ -7,17 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import replay_controller
+from cogging.arrays import FloatArray, Mask
 from cogging.files import LARGEST
 from cogging.log_check.controller_samples import LONG, Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
 from cogging.model.model import CONTROLLERS, Model
-
-FloatArray = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
 SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is moved

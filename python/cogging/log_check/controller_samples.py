@@ -9,10 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Sampled
+from cogging.arrays import FloatArray, Mask
 from cogging.logs.log import Log
-
-FloatArray = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 LONG = 1.5  # samples, beyond which some may be missing between two rows
 FILLED = 8  # missing samples on end, at most, over which the readings are drawn as lines; longer, all starts anew

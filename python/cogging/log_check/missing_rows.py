@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.log_check.controller import check_controller, compared
 from cogging.log_check.controller_samples import FILLED
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:

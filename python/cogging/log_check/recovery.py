@@ -7,16 +7,13 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
+from cogging.arrays import FloatArray, Mask
 from cogging.log_check.controller import fit_samples, least_squares, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
-
-FloatArray = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 Columns = dict[str, FloatArray]
 
@@ -174,7 +171,7 @@ def _round_rate(rate: float) -> float:
     return float(f"{rate:.6g}")
 
 
-def _limit(command: FloatArray) -> tuple[float, npt.NDArray[np.bool_]]:
+def _limit(command: FloatArray) -> tuple[float, Mask]:
     """The limit at which a command was cut, V (0 = none), and the rows that were not and are not the first."""
     top = float(np.abs(command).max())
     at_top = np.abs(command) >= top * (1.0 - 1e-9)

@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.files import InputError, require_file
 from cogging.logs.readers import text_table
 from cogging.logs.readers.apart import FORMATS, read_apart
 from cogging.logs.readers.request import Request
 
-FloatArray = npt.NDArray[np.float64]
 SUFFIXES = {".mat": "matlab", ".mf4": "mdf", ".mdf": "mdf", ".parquet": "parquet"}
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 OTHERS = {  # what is often given by mistake

@@ -16,11 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import format_rows
+from cogging.arrays import FloatArray
 from cogging.files import LARGEST, InputError, read_toml, target_of, to_toml, write_files
 from cogging.logs.columns import read_columns
 from cogging.outputs import sidecar
-
-FloatArray = npt.NDArray[np.float64]
 
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-
-FloatArray = npt.NDArray[np.float64]
 
 SPARSE = 4.0  # times as many even rows as there are rows: from there on pauses are cut
 CUT = 0.5  # s, to which they are cut, or ...

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cogging.arrays import FloatArray, Mask
 from cogging.logs.log import Log
-
-FloatArray = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 BLOCK_BITS = 5
 BLOCK = 1 << BLOCK_BITS  # rows that are compared at once, to find where logs may be the same

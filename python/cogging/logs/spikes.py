@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray, Mask
 from cogging.logs.log import Log
-
-FloatArray = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 HIGH = 8.0  # times what nearly all values are off the median of five by
 NEARLY_ALL = 0.97

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-
-FloatArray = npt.NDArray[np.float64]
 
 OVERSAMPLING = 8  # frequencies between two that the travel tells apart
 THRESHOLD = 8.0  # times the noise level (the median of the amplitudes that are left): a line above it is proposed

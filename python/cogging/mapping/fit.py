@@ -9,12 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
+from cogging.arrays import FloatArray
 from cogging.mapping.result import CrossValidation, HarmonicAmplitude, MapFit
 from cogging.mapping.scan import Scan, read_scan
 from cogging.mapping.spectrum import FLOOR, HarmonicSpectrum, Line
 from cogging.mapping.spline_fit import FOLDS, SplineFit, cogging_of, cross_validate, fit_splines, predict, rows_of
-
-FloatArray = npt.NDArray[np.float64]
 
 ORDERS = (0, 1, 2, 3, 4)  # compared where none is given; 0 = periodic
 MOST_TERMS = 32  # of SplineHarmonics

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import CoggingModel
+from cogging.arrays import FloatArray
 from cogging.files import InputError, same_file, to_toml, write_files
 from cogging.model.model import cogging_to_dict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

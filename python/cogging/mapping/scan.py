@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cogging.arrays import FloatArray, Mask
 from cogging.files import LARGEST
 from cogging.logs.log import SMALLEST
-
-FloatArray = npt.NDArray[np.float64]
 
 FEWEST_POINTS = 10
 TURN = 0.01  # of the travel: going back by less is noise of the encoder or a rest, no reversal
@@ -125,7 +124,7 @@ def _spacing(position: FloatArray) -> float:
     return float(gaps[np.searchsorted(np.cumsum(gaps), 0.5 * gaps.sum())])
 
 
-def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, npt.NDArray[np.bool_]]:
+def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, Mask]:
     """For each row the number of its pass, the pass's direction and whether the row is still near where it turned.
 
     The row at which the motion turns belongs to the pass that arrives there.

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
+from cogging.arrays import FloatArray
 from cogging.mapping.spline_fit import normal_equations, predict
 
-FloatArray = npt.NDArray[np.float64]
 Lines = npt.NDArray[np.bool_]
 
 WINDOW = 61  # lines of the spectrum whose median makes the noise level

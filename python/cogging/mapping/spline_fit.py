@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import CoggingModel, SplineHarmonics
-
-FloatArray = npt.NDArray[np.float64]
+from cogging.arrays import FloatArray
 
 FOLDS = 8
 LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regular where there is no noise

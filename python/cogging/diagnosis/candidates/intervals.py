@@ -7,14 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import EFFECTS
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
-
-FloatArray = npt.NDArray[np.float64]
 
 LENGTHS = 40  # of spells, from SHORTEST to the whole log
 SHORTEST = 0.2  # s: what is shorter may be a single blow

@@ -8,17 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import DivergedError
+from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Test, gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit, least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
-
-FloatArray = npt.NDArray[np.float64]
 
 SIZE = 0.3  # of the amplitude, assumed: 1-sigma of a constant error of the map, and of a ratio of sines to cosines
 SHOWN = -5.0  # ln of the chance from which an error of the map is seen

@@ -9,16 +9,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.intervals import long_enough, spells
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range, tables
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence, Test
 from cogging.diagnosis.evidence.log_p_value import log_survival
-
-FloatArray = npt.NDArray[np.float64]
 
 STANDS_OUT = -3.0  # ln of the chance
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it

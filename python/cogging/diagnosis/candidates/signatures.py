@@ -8,15 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import EFFECTS
+from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.estimation.residuals import LINEAR_HOOKS, Innovations, quiet_plant
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
-
 
 TURNS = 3.0  # of a wave in the travel, at least, for its amplitude to change along it
 NODES = 6  # of an amplitude that is given as a list along the travel

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Prediction, whiten
+from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.noise_filter import (
     CLIP,
     Filter,
@@ -26,8 +27,6 @@ from cogging.estimation.residuals import Innovations, quiet_plant
 from cogging.identification.inverse_dynamics import fast_length
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
-
-FloatArray = npt.NDArray[np.float64]
 
 TOGETHER = 8  # columns that are whitened at once
 GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import whiten
+from cogging.arrays import FloatArray
 from cogging.estimation.residuals import Innovations
 from cogging.identification.inverse_dynamics import fast_length
-
-FloatArray = npt.NDArray[np.float64]
 
 LINES = 12  # of a periodogram in a band of its level, at least
 LEVEL_MIN = 1e-3  # of a band: what the first filter left

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import EFFECTS
+from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import candidates, quantities, tables
 from cogging.diagnosis.evidence.evidence import Evidence, orthonormal
 from cogging.diagnosis.naming.names import LOOK_ALIKE
@@ -14,8 +14,6 @@ from cogging.estimation.gauss_newton import SINGULAR, Estimate, Whitened, jackkn
 from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
-
-FloatArray = npt.NDArray[np.float64]
 
 CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
 SHARED = 0.7  # of what a change does to the logs, that an alternative does too

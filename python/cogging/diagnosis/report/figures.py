@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.events import MOMENTS
 from cogging.diagnosis.residual.shapes import Shape
 from cogging.estimation.residuals import moving_average
@@ -16,7 +16,6 @@ from cogging.model.intervals import SIGMAS_95
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FloatArray = npt.NDArray[np.float64]
 Series = Mapping[str, Sequence[FloatArray]]
 
 BLOCK = 0.25  # s: rows closer than this say much the same, so that bands are computed from blocks
@@ -167,7 +166,7 @@ def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
     return moving_average(values, round(SMOOTH / float(np.median(np.diff(time)))))
 
 
-def liveliest(gap: FloatArray, counts: npt.NDArray[np.bool_], rows: int) -> slice:
+def liveliest(gap: FloatArray, counts: Mask, rows: int) -> slice:
     """A stretch of that many rows in the middle of the log in which the axis moves most of the time."""
     moving = np.concatenate([[0], np.cumsum(counts > 0)])
     starts = np.arange(0, max(1, len(gap) - rows), max(1, rows // 4))

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
 from cogging.diagnosis.residual.shapes import Shape
-
-FloatArray = npt.NDArray[np.float64]
 
 JUMPS, SPELLS = "jumps of the reading over time", "friction in spells of time"
 MOMENTS = (JUMPS, SPELLS)  # coordinates whose places are moments

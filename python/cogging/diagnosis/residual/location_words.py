@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.diagnosis.residual.events import JUMPS, MOMENTS
 from cogging.diagnosis.residual.shapes import Shape
-
-FloatArray = npt.NDArray[np.float64]
 
 STRONG = 3.0  # deviations from which a place counts
 

@@ -8,14 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Test
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.estimation.residuals import Innovations, quiet_plant
 from cogging.model.model import Model
-
-FloatArray = npt.NDArray[np.float64]
 
 PHASES = 8  # places in a pitch
 ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too

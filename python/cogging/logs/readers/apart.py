@@ -19,12 +19,11 @@ from typing import IO, Any
 import numpy as np
 import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.logs.readers import matlab, mdf, parquet
 from cogging.logs.readers.isolated import confine, isolated
 from cogging.logs.readers.request import Request
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Formats by name: what they are called, the extra that brings the library, and the reader.
 FORMATS: dict[str, tuple[str, str, Callable[[Request], dict[str, Any]]]] = {

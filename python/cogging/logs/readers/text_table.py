@@ -7,15 +7,12 @@ import os
 import re
 import sys
 
-import numpy as np
-import numpy.typing as npt
 from tqdm import tqdm
 
 from cogging._core import NumberReader
+from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.logs.readers.request import Request, split_unit
-
-FloatArray = npt.NDArray[np.float64]
 
 BLOCK = 1 << 22  # bytes read at once
 HEAD = 1 << 18  # bytes in which the header row must stand

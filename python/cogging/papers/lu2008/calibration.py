@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import CoggingModel, Plant, PointToPoint
+from cogging.arrays import FloatArray
 from cogging.files import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.lu2008.reproduce import (
@@ -42,7 +42,7 @@ def rms_errors(
     motion: PointToPoint | None = None,
     machine: Callable[[CoggingModel], Plant] | None = None,
     **controller_changes: Any,
-) -> npt.NDArray[np.float64]:
+) -> FloatArray:
     """The rms errors (m) of C1, C2, C3, (3,); motion and machine are the paper's unless given."""
     motion = motion or reference(axis)
     cogging = cogging_map(axis, amplitudes)
@@ -58,11 +58,11 @@ def calibrate(axis: GantryAxis, **setup: Any) -> Amplitudes:
     only as exact as that roughness, about 0.1 %.
     """
 
-    def rounded(values: npt.NDArray[np.float64]) -> Amplitudes:
+    def rounded(values: FloatArray) -> Amplitudes:
         periodic, modulated, uncompensated = (round_to_digits(value) for value in values)
         return periodic, modulated, uncompensated
 
-    def gap(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    def gap(values: FloatArray) -> FloatArray:
         return np.log(rms_errors(axis, rounded(values), **setup) / axis.error_rms)
 
     return rounded(fit_logarithms(gap, np.array(START), step=0.1, tolerance=TOLERANCE)[0])

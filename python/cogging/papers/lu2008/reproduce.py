@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import (
     AdaptiveRobustParameters,
@@ -28,6 +27,7 @@ from cogging._core import (
     closed_loop_batch,
     performance,
 )
+from cogging.arrays import FloatArray
 from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.mapping.fit import fit_map
@@ -354,6 +354,6 @@ def figure_errors(axis: GantryAxis, logs: dict[str, Log], number: int, last_peri
 
 def _errors(
     logs: dict[str, Log],
-) -> Iterator[tuple[str, npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
+) -> Iterator[tuple[str, FloatArray, FloatArray]]:
     for name, log in logs.items():
         yield name, log.time, log.error

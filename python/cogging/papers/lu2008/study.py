@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import (
     CoggingModel,
@@ -24,6 +23,7 @@ from cogging._core import (
     desired_compensation_condition,
     friction_slope_max,
 )
+from cogging.arrays import FloatArray
 from cogging.papers.lu2008.calibration import calibrate
 from cogging.papers.lu2008.reproduce import (
     AXES,
@@ -78,7 +78,7 @@ def variations(axis: GantryAxis) -> Iterator[Variation]:
     yield Variation("encoder noise 0.5 um rms", {}, {}, {}, encoder_noise=0.5e-6)
 
 
-def vary(axis: GantryAxis, variation: Variation) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def vary(axis: GantryAxis, variation: Variation) -> tuple[FloatArray, FloatArray]:
     """Ratios simulated / paper of the three maxima and the three rms values, amplitudes calibrated anew."""
     motion = reference(axis, **variation.motion)
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from cogging.arrays import FloatArray
 from cogging.design.observer import design_observer
 from cogging.files import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
@@ -24,11 +24,11 @@ from cogging_command import run_command
 def calibrate(motor: Motor) -> Calibrated:
     """Find amplitude and pole radius of a motor."""
 
-    def pid_gap(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    def pid_gap(values: FloatArray) -> FloatArray:
         machine = plant(motor, round_to_digits(values[0]))
         return np.log([accuracy(run(machine, pid(), motor), motor) / motor.accuracy[0]])
 
-    def lambda_gap(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    def lambda_gap(values: FloatArray) -> FloatArray:
         design = design_observer(problem(motor, round_to_digits(values[0])))
         return np.log([design.lambda_equal / motor.lambda_star])
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import DivergedError, Pid
+from cogging.arrays import FloatArray
 from cogging.files import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.xu2001.setup import INDEXES, SETS, TABLE_1, Unknowns, indexes, pid_parameters, run, to_dict
@@ -44,7 +44,7 @@ LAWS: dict[str, dict[str, float]] = {
 STARTS = 8  # the first as above, the others with each unknown off by a factor of about 1.5
 
 
-def log_ratios(unknowns: Unknowns) -> npt.NDArray[np.float64]:
+def log_ratios(unknowns: Unknowns) -> FloatArray:
     """Logarithms of simulated / printed for the 15 PID numbers, (15,)."""
     logs = run(unknowns, Pid(pid_parameters()))
     found = [[indexes(logs[name])[index] for index in FITTED] for name in SETS]
@@ -52,15 +52,15 @@ def log_ratios(unknowns: Unknowns) -> npt.NDArray[np.float64]:
     return np.asarray(np.log(np.array(found) / np.array(printed)).ravel())
 
 
-def calibrate(law: str, starts: int = STARTS) -> tuple[Unknowns, npt.NDArray[np.float64], list[float]]:
+def calibrate(law: str, starts: int = STARTS) -> tuple[Unknowns, FloatArray, list[float]]:
     """Fit the unknowns of a friction law: the best ones, their log-ratios, and the rms log-ratio of every start."""
     fixed = LAWS[law]
     names = [name for name in START if name not in fixed]
 
-    def unknowns_of(values: npt.NDArray[np.float64]) -> Unknowns:
+    def unknowns_of(values: FloatArray) -> Unknowns:
         return Unknowns(**fixed, **{name: round_to_digits(value) for name, value in zip(names, values, strict=True)})
 
-    def gap(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    def gap(values: FloatArray) -> FloatArray:
         try:
             return log_ratios(unknowns_of(values))
         except DivergedError:

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging import effects
 from cogging._core import (
@@ -29,6 +28,7 @@ from cogging._core import (
     PointToPointParameters,
     closed_loop,
 )
+from cogging.arrays import FloatArray
 from cogging.files import write_bytes
 from cogging.logs.log import Log
 from cogging.model.model import Controller
@@ -66,7 +66,7 @@ ROBUST_TERMS = (
 )
 
 
-def columns(controller: Controller, unknowns: Unknowns, seed: int = 2001) -> npt.NDArray[np.float64]:
+def columns(controller: Controller, unknowns: Unknowns, seed: int = 2001) -> FloatArray:
     """The judged indexes of a controller in the three sets, (3, 5).
 
     Raises:
@@ -76,12 +76,12 @@ def columns(controller: Controller, unknowns: Unknowns, seed: int = 2001) -> npt
     return np.array([[indexes(logs[name])[index] for index in JUDGED] for name in SETS])
 
 
-def printed(controller: str) -> npt.NDArray[np.float64]:
+def printed(controller: str) -> FloatArray:
     """The same of Table 1, (3, 5)."""
     return np.array([[TABLE_1[controller][name][INDEXES.index(index)] for index in JUDGED] for name in SETS])
 
 
-def gap(found: npt.NDArray[np.float64], controller: str = "ARC") -> float:
+def gap(found: FloatArray, controller: str = "ARC") -> float:
     """The rms log-ratio to the printed column."""
     return float(np.sqrt(np.mean(np.log(found / printed(controller)) ** 2)))
 
