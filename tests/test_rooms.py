@@ -20,8 +20,8 @@ BASE = {"_core", "arrays", "effects", "files", "outputs", "shown", "threads"}
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "report", "location", "result", "search", "patched"]
-DIAGNOSIS += ["experiment", "naming", "diagnose"]
+DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
+DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 

@@ -11,17 +11,18 @@ from cogging import EFFECTS
 from cogging._core import Predictor
 from cogging.diagnosis.candidates import waves
 from cogging.diagnosis.candidates.scan import judged, profiled, scan
-from cogging.diagnosis.candidates.signatures import Candidate, candidates, tables
+from cogging.diagnosis.candidates.signatures import Candidate, candidates
+from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_wave
-from cogging.diagnosis.evidence import evidence as evidence_module
-from cogging.diagnosis.evidence.evidence import orthonormal
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.noise_filter import spectrum
 from cogging.diagnosis.evidence.null import fit_null, nuisances, starts_fit
+from cogging.diagnosis.evidence.score_test import ScoreTest, orthonormal
 from cogging.diagnosis.naming.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, unlisted
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
-from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, events, with_events
+from cogging.diagnosis.residual.events import events, with_events
 from cogging.diagnosis.residual.location_words import shape_text
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
 from cogging.diagnosis.residual.shapes import coordinates, shapes
 from cogging.diagnosis.search.search import search
 from cogging.identification.inverse_dynamics import fast_length
@@ -101,7 +102,7 @@ def test_a_level_known_from_few_lines_bounds_what_a_column_is_worth(quiet_eviden
     middle = float(np.mean(frequency[band]))
     narrow = np.sin(2.0 * np.pi * middle * np.arange(n) * source.scales.sample_time)
     narrow *= np.sqrt(400.0 / np.sum(narrow**2))
-    made = evidence_module.Test
+    made = ScoreTest
     test = made(400.0, 1, np.ones(1), narrow, np.ones(1))
     expected = (freedom[6] - 1) * np.log1p(400.0 / quiet_evidence.overdispersion / (freedom[6] - 1))
     assert quiet_evidence.bounded(test) == pytest.approx(expected, rel=0.1)
