@@ -17,8 +17,9 @@ namespace cogging {
 template <class Scalar = double>
 class AmplifierLaws {
  public:
-  /// Raises std::invalid_argument where there is more than one current loop.
+  /// Raises std::invalid_argument for a parameter that breaks its rule, and where there is more than one current loop.
   explicit AmplifierLaws(const std::vector<Effect<Scalar>>& effects) {
+    validate_effects(effects);
     for (const Effect<Scalar>& effect : effects)
       std::visit(
           [&]<class E>(const E& law) {

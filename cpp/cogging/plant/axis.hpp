@@ -55,10 +55,11 @@ class Axis {
  public:
   Axis() = default;
 
-  /// Raises std::invalid_argument for effects that lack what they need of the plant or that exclude each other.
+  /// Raises std::invalid_argument for a parameter that breaks its rule, for effects that lack what they need of the
+  /// plant or that exclude each other.
   Axis(const AxisParameters<Scalar>& parameters, CoggingModel<Scalar> cogging,
        const std::vector<Effect<Scalar>>& effects = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         cogging_(std::move(cogging)),
         inverse_mass_(Scalar(1.0) / parameters.mass),
         has_friction_(!all(parameters.coulomb == 0.0)) {

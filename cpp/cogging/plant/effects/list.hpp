@@ -58,11 +58,18 @@ using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             EmpiricalForce<Scalar>              // of any shape, of no known cause
                             >;
 
+/// Raises std::invalid_argument for a parameter of an effect that breaks its rule.
+template <class Scalar>
+void validate_effects(const std::vector<Effect<Scalar>>& effects) {
+  for (const Effect<Scalar>& effect : effects) std::visit([](const auto& law) { law.validate(); }, effect);
+}
+
 /// A copy of the effects, each having taken from the plant what it needs of it.
 ///
-/// Raises std::invalid_argument where the plant lacks that.
+/// Raises std::invalid_argument where the plant lacks that, and for a parameter that breaks its rule.
 template <class Scalar>
 std::vector<Effect<Scalar>> bind_effects(std::vector<Effect<Scalar>> effects, const PlantContext& plant) {
+  validate_effects(effects);
   for (Effect<Scalar>& effect : effects)
     std::visit(
         [&]<class E>(E& law) {
