@@ -53,6 +53,7 @@ from cogging.audit import Audit, audit, check_against_model
 from cogging.bounds import Bounds
 from cogging.controller_check import ControllerCheck, check_controller
 from cogging.controller_recovery import RecoveredController, recover_controller
+from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.diagnose import Diagnosis, Location, diagnose, locate_gap
 from cogging.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
@@ -140,6 +141,8 @@ __all__ = [
     "fit_friction_curve",
     "fit_map",
     "friction_slope_max",
+    "get_cmake_dir",
+    "get_include",
     "identify",
     "locate_gap",
     "parameters_of",

@@ -11,6 +11,7 @@ from typing import Any
 
 from cogging import _core
 from cogging.columns import read_columns
+from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError, to_json, to_toml, write_files, write_text
 from cogging.logs import Log, read_log
 from cogging.model import STEPS_MAX
@@ -58,9 +59,21 @@ class _Parser(argparse.ArgumentParser):
         say(message.rstrip("\n"))  # help and version
 
 
+class _Tell(argparse.Action):
+    """Says what `const` gives, and ends the command."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        say(self.const())
+        parser.exit()
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="cogging", description="Simulate, control and identify axes with cogging linear motors.")
     parser.add_argument("--version", action="version", version=importlib.metadata.version("cogging"))
+    parser.add_argument("--include-dir", action=_Tell, nargs=0, const=get_include, help="folder of the C++ headers")
+    parser.add_argument(
+        "--cmake-dir", action=_Tell, nargs=0, const=get_cmake_dir, help="cogging_DIR of a CMake project"
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     command = commands.add_parser("reproduce", help="the published experiments beside the papers' numbers")
