@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 
-import cogging
 from cogging.files import InputError
 
 __all__ = ["get_cmake_dir", "get_include"]
@@ -50,4 +50,6 @@ def get_cmake_dir() -> str:
 
 def _installed(place: str) -> list[Path]:
     # Of an editable installation the package has two folders: the sources and what was built.
-    return [Path(folder) / place for folder in cogging.__path__]
+    package = importlib.util.find_spec("cogging")
+    assert package is not None
+    return [Path(folder) / place for folder in package.submodule_search_locations or ()]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.model import CONTROLLERS
+from cogging.model.model import CONTROLLERS
 
 PITCH, POINTS, TRAVEL = 0.05, 13, [0.0, 0.51]
 
