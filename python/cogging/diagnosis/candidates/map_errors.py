@@ -80,8 +80,10 @@ def beyond_tuning(evidence: Evidence, explained: list[FloatArray]) -> list[Float
 def likeliest(evidence: Evidence, columns: list[FloatArray]) -> tuple[Test, float]:
     """The likeliest of errors of 1-sigma 1, and ln det (I + curvature), which their mean likelihood is smaller by."""
     free = evidence.project(evidence.whitened(columns))
-    curvature = np.eye(len(free)) + free @ free.T / evidence.excess
-    amplitudes = np.asarray(np.linalg.solve(curvature, free @ evidence.free_residual / evidence.excess), np.float64)
+    curvature = np.eye(len(free)) + free @ free.T / evidence.overdispersion
+    amplitudes = np.asarray(
+        np.linalg.solve(curvature, free @ evidence.free_residual / evidence.overdispersion), np.float64
+    )
     statistic = float(amplitudes @ curvature @ amplitudes)
     test = Test(statistic, len(free), amplitudes, amplitudes @ free, np.full(len(free), np.inf))
     test = replace(test, statistic=min(statistic, evidence.bounded(test)))
