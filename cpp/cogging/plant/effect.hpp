@@ -55,6 +55,9 @@ template <class E>
 concept HasBristle = requires(const E& effect) { effect.bristle(); };
 template <class E>
 concept HasCoupling = requires(const E& effect) { effect.coupling(); };
+/// More of the axis than position and velocity has a memory.
+template <class E>
+concept HasState = HasBristle<E> || HasCoupling<E>;
 /// A load that is loose: its coupling has play, of which the effect's own `gap` is the width.
 template <class E>
 concept HasPlay = HasCoupling<E> && requires(E& effect) { effect.gap *= 1.0; };
