@@ -63,8 +63,8 @@ class Axis {
         inverse_mass_(Scalar(1.0) / parameters.mass),
         has_friction_(!all(parameters.coulomb == 0.0)) {
     const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
-    for_each_law(bound, [&](const HasForce<Scalar> auto& law) { forces_.push_back(law); });
-    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto& law) { levels_.push_back(law); });
+    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) { laws_.push_back(law); });
+    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { has_friction_ = true; });
     for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) { gains_.push_back(law); });
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
     for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
@@ -78,7 +78,6 @@ class Axis {
     for_each_law(bound, [&](const HasCoupling auto& law) {
       if (!law.coupling().rigid()) add_state(law.name, coupling, law.coupling(), !coupling.rigid());
     });
-    has_friction_ = has_friction_ || !levels_.empty();
     if constexpr (std::is_same_v<Scalar, double>) {
       coupling_ = Coupling(coupling, parameters_.mass);
       sticks_ = parameters_.coulomb_width == 0.0 && has_friction_ && !bristle_.exists();
@@ -126,7 +125,7 @@ class Axis {
   /// Coulomb level with all that the effects add to it, V, before it is kept from pushing.
   Scalar summed_friction_level(const Motion<Scalar>& motion) const {
     Scalar level = parameters_.coulomb;
-    for_each_law(levels_, [&](const HasFrictionLevel<Scalar> auto& law) { level += law.friction_level(motion); });
+    for_each_law(laws_, [&](const HasFrictionLevel<Scalar> auto& law) { level += law.friction_level(motion); });
     return level;
   }
 
@@ -167,15 +166,16 @@ class Axis {
   Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity, const Scalar& direction,
                 double time) const {
     const Forces sum{-parameters_.viscous * velocity - cogging, parameters_.coulomb};
-    return forces_.empty() && levels_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
+    return laws_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
   }
 
   // Out of line and by value: where there are no laws, position and velocity then stay apart in registers.
   COGGING_NOINLINE Forces add_laws(Forces sum, Scalar position, Scalar velocity, Scalar direction, double time) const {
     const Motion<Scalar> motion{position, velocity, direction, time};
-    for_each_law(forces_, [&](const HasForce<Scalar> auto& law) { sum.without_friction += law.force(motion); });
-    for_each_law(levels_,
-                 [&](const HasFrictionLevel<Scalar> auto& law) { sum.friction_level += law.friction_level(motion); });
+    for_each_law(laws_, [&]<HasMotionLaw<Scalar> E>(const E& law) {  // in one pass: two take a tenth longer
+      if constexpr (HasForce<E, Scalar>) sum.without_friction += law.force(motion);
+      if constexpr (HasFrictionLevel<E, Scalar>) sum.friction_level += law.friction_level(motion);
+    });
     sum.friction_level = select(sum.friction_level < 0.0, Scalar(0.0), sum.friction_level);  // friction never pushes
     return sum;
   }
@@ -315,8 +315,8 @@ class Axis {
   CoggingModel<Scalar> cogging_;
   Scalar inverse_mass_ = 1.0;
   bool has_friction_ = false, sticks_ = false, has_states_ = false;
-  bool plain_ = true;  // smooth friction without states or gains: the fast way
-  std::vector<Effect<Scalar>> forces_, levels_, gains_, events_;  // by what they answer to
+  bool plain_ = true;                                  // smooth friction without states or gains: the fast way
+  std::vector<Effect<Scalar>> laws_, gains_, events_;  // by what they answer to
   StepAccuracy<Scalar> accuracy_;
   Bristle bristle_;
   Coupling coupling_;

@@ -40,6 +40,9 @@ template <class E, class Scalar>
 concept HasForce = requires(const E& effect, const Motion<Scalar>& motion) { effect.force(motion); };
 template <class E, class Scalar>
 concept HasFrictionLevel = requires(const E& effect, const Motion<Scalar>& motion) { effect.friction_level(motion); };
+/// Either of them: what a motion decides.
+template <class E, class Scalar>
+concept HasMotionLaw = HasForce<E, Scalar> || HasFrictionLevel<E, Scalar>;
 template <class E, class Scalar>
 concept HasCommandGain =
     requires(const E& effect, const Scalar& position, double time) { effect.command_gain(position, time); };
