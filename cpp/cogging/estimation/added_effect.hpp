@@ -8,10 +8,10 @@
 #include <variant>
 #include <vector>
 
-#include "cogging/simulation/added_force.hpp"
-#include "cogging/simulation/added_load.hpp"
+#include "cogging/estimation/added_force.hpp"
+#include "cogging/estimation/added_load.hpp"
+#include "cogging/estimation/observer_loop.hpp"
 #include "cogging/simulation/batch.hpp"
-#include "cogging/simulation/observer_loop.hpp"
 
 namespace cogging {
 

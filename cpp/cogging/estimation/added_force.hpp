@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "cogging/estimation/prediction.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/plant/recorded_amplifier.hpp"
-#include "cogging/simulation/prediction.hpp"
 
 namespace cogging {
 

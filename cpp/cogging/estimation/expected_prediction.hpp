@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "cogging/simulation/added_effect.hpp"
-#include "cogging/simulation/prediction.hpp"
+#include "cogging/estimation/added_effect.hpp"
+#include "cogging/estimation/prediction.hpp"
 
 namespace cogging {
 
