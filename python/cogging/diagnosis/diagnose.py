@@ -23,7 +23,7 @@ from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.search import LEFT_OVER, Added, Search, search
-from cogging.estimation.gauss_newton import NothingCounts
+from cogging.estimation.whitening import NothingCounts
 from cogging.log_check.audit import check_against_model
 from cogging.log_check.controller import check_controller
 from cogging.log_check.missing_rows import with_missing_rows

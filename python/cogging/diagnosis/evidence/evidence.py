@@ -22,8 +22,11 @@ from cogging.diagnosis.evidence.noise_filter import (
     robust_rms,
     spectrum,
 )
-from cogging.estimation.gauss_newton import BLOCK, Estimate, columns_of, least_squares, whitening_filter
-from cogging.estimation.residuals import Innovations, quiet_plant
+from cogging.estimation.gauss_newton import Estimate, columns_of
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet_plant
+from cogging.estimation.statistics import least_squares
+from cogging.estimation.whitening import BLOCK, whitening_filter
 from cogging.identification.inverse_dynamics import fast_length
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of

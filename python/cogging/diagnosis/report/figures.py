@@ -10,7 +10,7 @@ import numpy as np
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.events import MOMENTS
 from cogging.diagnosis.residual.shapes import Shape
-from cogging.estimation.residuals import moving_average
+from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 
 if TYPE_CHECKING:

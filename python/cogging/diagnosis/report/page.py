@@ -15,7 +15,7 @@ from cogging._core import EFFECTS
 from cogging.diagnosis.report.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnosis.report.words import term_text
 from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, MOMENTS
-from cogging.estimation.residuals import moving_average
+from cogging.estimation.statistics import moving_average
 from cogging.files import to_toml
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of

@@ -12,7 +12,8 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Test
 from cogging.diagnosis.evidence.log_p_value import log_survival
-from cogging.estimation.residuals import Innovations, quiet_plant
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
 PHASES = 8  # places in a pitch
