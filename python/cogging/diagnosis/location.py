@@ -21,9 +21,9 @@ from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
 from cogging.estimation.statistics import moving_average
-from cogging.files import finite
 from cogging.log_check.audit import check_against_model
 from cogging.model.model import Model
+from cogging.outputs import finite
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
