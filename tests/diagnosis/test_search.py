@@ -285,7 +285,7 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
         nominal.plant(), nominal.make_controller(), reference, seed=23, duration=8.0, steps_per_sample=4,
         added_command=added,
     )  # fmt: skip
-    logged = cogging.Log(columns["time"], columns["position"], columns["command"] - added)
+    logged = cogging.Log(columns.time, columns.position, columns.command - added)
     evidence = fit_null([logged], nominal)[1]
     best = max(scan(evidence, ["force_constant_ripple", "cogging_harmonic"]), key=lambda one: one.score)
     found = {shape.coordinate.split(" every ")[0]: shape for shape in modulated_look_alikes(evidence, best)}

@@ -28,7 +28,7 @@ from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.search import LEFT_OVER
 from cogging.diagnosis.search.state import Added, Search
-from cogging.estimation.residuals import moving_average
+from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values

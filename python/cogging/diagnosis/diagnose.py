@@ -15,7 +15,7 @@ from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_o
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
-from cogging.estimation.gauss_newton import NothingCounts
+from cogging.estimation.whitening import NothingCounts
 from cogging.model.model import Model
 
 SECONDS_MIN = 1.0  # of motion

@@ -10,7 +10,8 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.shapes import coordinates
-from cogging.estimation.residuals import Innovations, Replay
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.replay import Replay
 from cogging.logs.log import Log
 from cogging.model.model import Model
 

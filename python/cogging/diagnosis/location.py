@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from cogging.arrays import FloatArray
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shape import Shape
-from cogging.files import finite
 from cogging.model.model import Model
+from cogging.outputs import finite
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

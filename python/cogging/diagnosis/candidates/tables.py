@@ -11,7 +11,8 @@ from cogging._core import EFFECTS, Plant
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.estimation.residuals import LINEAR_HOOKS, Innovations, quiet_plant
+from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
+from cogging.estimation.residuals import quiet_plant
 
 
 def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatArray]]:

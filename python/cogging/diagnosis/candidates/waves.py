@@ -14,7 +14,7 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.innovations import Innovations
 
 BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
 PEAKS = 5  # of each view of the spectrum, that are looked at exactly

@@ -19,8 +19,8 @@ from cogging.diagnosis.evidence.noise_filter import (
     periodogram,
 )
 from cogging.diagnosis.evidence.score_test import ScoreTest, groups
-from cogging.estimation.gauss_newton import least_squares
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.statistics import least_squares
 from cogging.identification.inverse_dynamics import fast_length
 from cogging.model.model import Model
 from cogging.model.parameters import Scales

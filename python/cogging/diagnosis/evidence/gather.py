@@ -12,8 +12,11 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Unweighted
 from cogging.diagnosis.evidence.noise_filter import CLIP, Filter, coloured, robust_rms, spectrum
 from cogging.diagnosis.evidence.score_test import orthonormal
-from cogging.estimation.gauss_newton import BLOCK, Estimate, columns_of, least_squares, whitening_filter
-from cogging.estimation.residuals import Innovations, quiet_plant
+from cogging.estimation.gauss_newton import Estimate, columns_of
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet_plant
+from cogging.estimation.statistics import least_squares
+from cogging.estimation.whitening import BLOCK, whitening_filter
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.shape import MOMENTS, Shape
-from cogging.estimation.residuals import moving_average
+from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 
 if TYPE_CHECKING:

@@ -25,9 +25,9 @@ from cogging.diagnosis.report.words import (
     where_words,
 )
 from cogging.diagnosis.residual.shape import MOMENTS
-from cogging.files import to_toml
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
+from cogging.outputs import to_toml
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

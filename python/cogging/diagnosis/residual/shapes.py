@@ -15,7 +15,8 @@ from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.residual.shape import Shape
-from cogging.estimation.residuals import Innovations, quiet_plant
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
 PHASES = 8  # places in a pitch

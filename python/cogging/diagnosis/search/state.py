@@ -10,7 +10,7 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.confirmation import Confirmation
 from cogging.estimation.gauss_newton import Estimate
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.innovations import Innovations
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
