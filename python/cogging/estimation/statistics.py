@@ -7,6 +7,13 @@ import numpy as np
 from cogging.arrays import FloatArray
 
 
+def student(freedom: float, confidence: float = 0.95) -> float:
+    """The two-sided quantile of Student's t; taken at 2 degrees of freedom where there are fewer."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(max(freedom, 2.0), 0.5 + 0.5 * confidence))
+
+
 def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-10) -> FloatArray:
     """Weights (p,) of columns (p, n) that make a row (n,), scaled so that units do not matter."""
     size = np.sqrt(np.einsum("ij,ij->i", columns, columns))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from cogging._core import smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray
-from cogging.model.intervals import student
+from cogging.estimation.statistics import student
 
 UNITS = {
     "coulomb": "V",
@@ -108,6 +107,8 @@ class Law:
         """Least squares on the points."""
         if not self.bow:
             return Fit(self.solve(v, f, np.empty(0))[0], np.empty(0))
+        from scipy.optimize import least_squares
+
         low, high = self.limits(v)
 
         def residual(logarithms: FloatArray) -> FloatArray:
@@ -116,8 +117,11 @@ class Law:
         axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, (STARTS, 6), strict=False)]
         grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, low.size)
         cost = np.array([np.sum(residual(point) ** 2) for point in grid])
-        refined = [descend(residual, grid[i], low, high) for i in np.argsort(cost)[:4]]
-        best = min(refined, key=lambda point: float(np.sum(residual(point) ** 2)))
+        tight = {"xtol": 1e-11, "ftol": 1e-15, "gtol": 1e-15}
+        refined = [
+            least_squares(residual, grid[i], bounds=(low, high), method="dogbox", **tight) for i in np.argsort(cost)[:4]
+        ]
+        best = min(refined, key=lambda found: float(found.cost)).x
         return Fit(self.solve(v, f, self.shape(best))[0], self.shape(best))
 
     def intervals(
@@ -167,34 +171,6 @@ def steady_friction(effect: Any, velocity: FloatArray) -> FloatArray:
     if "force" in effect.HOOKS:
         friction -= effect.force_at(velocity=velocity)
     return friction
-
-
-def descend(
-    residual: Callable[[FloatArray], FloatArray], start: FloatArray, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Damped Gauss-Newton steps on the projected residual (Levenberg, Marquardt), within the box."""
-    point, damping = start, 1e-3
-    r = residual(point)
-    for _ in range(60):
-        steps = np.where(point + 1e-6 > high, -1e-6, 1e-6)
-        jacobian = np.stack(
-            [(residual(point + step) - r) / size for step, size in zip(np.diag(steps), steps, strict=True)], axis=1
-        )
-        normal = jacobian.T @ jacobian
-        scale = np.diag(np.maximum(np.diag(normal), np.finfo(float).tiny))
-        move = np.linalg.lstsq(normal + damping * scale, -jacobian.T @ r, rcond=None)[0]
-        trial = np.clip(point + move, low, high)
-        r_trial = residual(trial)
-        if r_trial @ r_trial < r @ r:
-            done = bool(np.max(np.abs(trial - point)) < 1e-10)
-            point, r, damping = trial, r_trial, 0.2 * damping
-            if done:
-                break
-        else:
-            damping *= 5.0
-            if damping > 1e9:
-                break
-    return point
 
 
 def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
