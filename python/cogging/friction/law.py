@@ -11,6 +11,7 @@ from cogging._core import smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray
 from cogging.estimation.statistics import student
+from cogging.linear import least_squares
 
 UNITS = {
     "coulomb": "V",
@@ -83,12 +84,10 @@ class Law:
     def solve(self, v: FloatArray, f: FloatArray, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The linear parameters at this shape, and the residual."""
         design = self.design(v, shape)
-        size = np.linalg.norm(design, axis=0)
-        size[size == 0.0] = 1.0
-        linear = np.linalg.lstsq(design / size, f, rcond=None)[0] / size
+        linear = least_squares(design.T, f, rcond=1e-14)
         if self.bow and linear[-1] < 0.0:  # friction that rises from zero speed is no Stribeck effect
             linear[-1] = 0.0
-            linear[:-1] = np.linalg.lstsq(design[:, :-1] / size[:-1], f, rcond=None)[0] / size[:-1]
+            linear[:-1] = least_squares(design.T[:-1], f, rcond=1e-14)
         return linear, f - design @ linear
 
     def limits(self, v: FloatArray) -> FloatArray:
@@ -107,7 +106,7 @@ class Law:
         """Least squares on the points."""
         if not self.bow:
             return Fit(self.solve(v, f, np.empty(0))[0], np.empty(0))
-        from scipy.optimize import least_squares
+        from scipy import optimize
 
         low, high = self.limits(v)
 
@@ -117,10 +116,8 @@ class Law:
         axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, (STARTS, 6), strict=False)]
         grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, low.size)
         cost = np.array([np.sum(residual(point) ** 2) for point in grid])
-        tight = {"xtol": 1e-11, "ftol": 1e-15, "gtol": 1e-15}
-        refined = [
-            least_squares(residual, grid[i], bounds=(low, high), method="dogbox", **tight) for i in np.argsort(cost)[:4]
-        ]
+        options = {"bounds": (low, high), "method": "dogbox", "xtol": 1e-11, "ftol": 1e-15, "gtol": 1e-15}
+        refined = [optimize.least_squares(residual, grid[i], **options) for i in np.argsort(cost)[:4]]
         best = min(refined, key=lambda found: float(found.cost)).x
         return Fit(self.solve(v, f, self.shape(best))[0], self.shape(best))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
-from cogging.log_check.controller import fit_samples, least_squares, linear_regressors
+from cogging.log_check.controller import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
@@ -112,7 +112,7 @@ def _fit_rows(
             columns["coulomb"] = smooth_sign(velocity[::every], width)
         if "ki" in columns and not apart:
             columns["start"] = np.ones(len(columns["ki"]))
-        return (*least_squares(columns, command[::every]), columns)
+        return (*fit_columns(columns, command[::every]), columns)
 
     every = 1 + command.size // SEARCHED
     top = float(np.abs(velocity).max())

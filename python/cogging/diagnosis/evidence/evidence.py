@@ -26,8 +26,8 @@ from cogging.diagnosis.evidence.noise_filter import (
 from cogging.estimation.gauss_newton import Estimate, columns_of
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet_plant
-from cogging.estimation.statistics import least_squares
 from cogging.estimation.whitening import BLOCK, whitening_filter
+from cogging.linear import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
 
@@ -368,4 +368,4 @@ def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatA
     """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
     a = whitening_filter(source, noise)
     table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.counts
-    return np.asarray(least_squares(table[1:], table[0], rcond=1e-9) @ part.columns)
+    return np.asarray(least_squares(table[1:], table[0], 3e-5) @ part.columns)
