@@ -17,7 +17,7 @@ from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit
-from cogging.estimation.statistics import least_squares
+from cogging.linear import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 

@@ -17,11 +17,11 @@ from cogging.diagnosis.evidence.noise_filter import (
     bands,
     filtered,
     periodogram,
+    periodogram_length,
 )
 from cogging.diagnosis.evidence.score_test import ScoreTest, groups
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.statistics import least_squares
-from cogging.identification.inverse_dynamics import fast_length
+from cogging.linear import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
 
@@ -104,7 +104,7 @@ class Evidence:
         result, start = [], 0
         for source in self.sources:
             n = len(source.log)
-            length = fast_length(n)
+            length = periodogram_length(n)
             parts = bands(np.asarray(np.fft.rfftfreq(length, source.scales.sample_time)))
             taken = np.zeros(length // 2 + 1)
             for row in self.basis:
@@ -124,7 +124,7 @@ class Evidence:
         powers, freedoms, start = [], [], 0
         for source, (parts, freedom) in zip(self.sources, self.freedom, strict=True):
             n = len(source.log)
-            length = fast_length(n)
+            length = periodogram_length(n)
             power = np.abs(np.fft.rfft(test.explained[start : start + n], length)) ** 2 / (length * self.overdispersion)
             powers += [float(power[0]) + 2.0 * float(power[parts[0]].sum())]
             powers += [2.0 * float(power[part].sum()) for part in parts[1:]]

@@ -15,8 +15,8 @@ from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.estimation.gauss_newton import Estimate, columns_of
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet_plant
-from cogging.estimation.statistics import least_squares
 from cogging.estimation.whitening import BLOCK, whitening_filter
+from cogging.linear import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
 

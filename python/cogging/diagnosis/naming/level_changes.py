@@ -14,8 +14,8 @@ from cogging.diagnosis.naming.names import LOOK_ALIKE
 from cogging.diagnosis.search.state import Search
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.jackknife import SINGULAR, jackknife
+from cogging.estimation.statistics import student
 from cogging.estimation.whitening import Whitened
-from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 
