@@ -49,7 +49,8 @@ from cogging._core import (
     project,
     replay_controller,
 )
-from cogging.log_check.audit import Audit, audit, check_against_model
+from cogging.log_check.audit import Audit, audit
+from cogging.log_check.unit_check import check_against_model
 from cogging.design.bounds import Bounds
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.recovery import RecoveredController, recover_controller

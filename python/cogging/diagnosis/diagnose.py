@@ -24,10 +24,10 @@ from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.search import LEFT_OVER, Added, Search, search
 from cogging.estimation.gauss_newton import NothingCounts
-from cogging.log_check.audit import check_against_model
 from cogging.log_check.controller import check_controller
 from cogging.log_check.missing_rows import with_missing_rows
 from cogging.log_check.recovery import recover_controller
+from cogging.log_check.unit_check import check_against_model
 from cogging.logs.log import Log
 from cogging.logs.pauses import without_pauses
 from cogging.logs.repeated_rows import counted_once, repeated, repeated_text

@@ -21,7 +21,7 @@ from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
 from cogging.estimation.residuals import moving_average
-from cogging.log_check.audit import check_against_model
+from cogging.log_check.unit_check import check_against_model
 from cogging.model.model import Model
 from cogging.outputs import finite
 
