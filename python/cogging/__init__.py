@@ -58,7 +58,8 @@ from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
 from cogging.diagnosis.location import locate_gap
-from cogging.design.error_prediction import ErrorPrediction, predict_error
+from cogging.design.predicted_error import ErrorPrediction
+from cogging.design.error_prediction import predict_error
 from cogging.files import InputError
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
