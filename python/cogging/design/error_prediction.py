@@ -81,27 +81,37 @@ def predict_error(
     intervals = Intervals(model, default, beside=("disturbance",))
     machines = drawn_machines(intervals, samples, int(seed), covariance)
     chosen, left_out = chosen_controllers(model, motion, duration, controllers, bandwidth, default)
-    plants = [machine.plant() for machine, _ in machines]
-
-    def run(job: tuple[Controller, int]) -> tuple[float, float, float]:
-        controller, place = job
-        try:
-            log = closed_loop(plants[place], controller, motion, duration=duration, seed=machines[place][1])
-        except DivergedError:
-            return (np.inf,) * 3
-        error = log["position"] - log["reference"]
-        last = performance(log["time"], error, log["command"], start=window[0])
-        return last.error_rms, last.error_max, float(np.abs(error).max())
-
-    jobs = [(controller, place) for controller in chosen.values() for place in range(samples)]
-    found = np.array(on_threads(run, jobs, int(threads) or os.cpu_count()))
-    found = found.reshape(len(chosen), samples, len(INDEXES))
+    found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count())
     predictions = []
     for name, values in zip(chosen, found, strict=True):
         indexes = {index: _index(values[:, i]) for i, index in enumerate(INDEXES)}
         predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
     coverage = min(COVERAGE, (samples - 1) / (samples + 1))
     return ErrorPrediction(tuple(predictions), window, int(samples), int(seed), coverage, (*intervals.notes, *left_out))
+
+
+def _errors(
+    machines: Sequence[tuple[Model, int]],
+    controllers: Sequence[Controller],
+    motion: Reference,
+    window: Interval,
+    threads: int | None,
+) -> FloatArray:
+    """The indexes of each controller on each machine, (controllers, machines, 3), m; infinite where a run diverged."""
+    plants = [machine.plant() for machine, _ in machines]
+
+    def run(job: tuple[Controller, int]) -> tuple[float, float, float]:
+        controller, place = job
+        try:
+            log = closed_loop(plants[place], controller, motion, duration=window[1], seed=machines[place][1])
+        except DivergedError:
+            return (np.inf,) * 3
+        error = log["position"] - log["reference"]
+        last = performance(log["time"], error, log["command"], start=window[0])
+        return last.error_rms, last.error_max, float(np.abs(error).max())
+
+    jobs = [(controller, place) for controller in controllers for place in range(len(machines))]
+    return np.array(on_threads(run, jobs, threads)).reshape(len(controllers), len(machines), len(INDEXES))
 
 
 def _motion(reference: Any, duration: float) -> tuple[Reference, float]:
