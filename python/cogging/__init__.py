@@ -47,7 +47,8 @@ from cogging._core import (
     project,
     replay_controller,
 )
-from cogging.log_check.audit import Audit, audit, check_against_model
+from cogging.log_check.audit import Audit, audit
+from cogging.log_check.unit_check import check_against_model
 from cogging.design.bounds import Bounds
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.recovery import RecoveredController, recover_controller
@@ -55,8 +56,9 @@ from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
 from cogging.diagnosis.locate import locate_gap
-from cogging.design.error_prediction import ErrorPrediction, predict_error
 from cogging.cpp_library import get_cmake_dir, get_include
+from cogging.design.predicted_error import ErrorPrediction
+from cogging.design.error_prediction import predict_error
 from cogging.files import InputError
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter

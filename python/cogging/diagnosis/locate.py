@@ -22,7 +22,7 @@ from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.residual.shapes import low_power, shapes
 from cogging.estimation.statistics import moving_average
-from cogging.log_check.audit import check_against_model
+from cogging.log_check.unit_check import check_against_model
 from cogging.model.model import Model
 
 WAVES_MAX = 5

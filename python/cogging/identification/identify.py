@@ -20,7 +20,7 @@ from cogging.identification.force_balance import BalanceEstimate, ForceBalance, 
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.result import Identification, LogFit, ParameterEstimate
-from cogging.log_check.audit import encoder_quantum
+from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once

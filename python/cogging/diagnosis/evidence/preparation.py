@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cogging.diagnosis.evidence.given_logs import Logs, read_logs
-from cogging.log_check.audit import check_against_model
 from cogging.log_check.controller import check_controller
 from cogging.log_check.missing_rows import with_missing_rows
+from cogging.log_check.unit_check import check_against_model
 from cogging.logs.log import Log
 from cogging.logs.pauses import without_pauses
 from cogging.logs.repeated_rows import counted_once, repeated, repeated_text

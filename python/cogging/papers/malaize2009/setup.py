@@ -2,7 +2,7 @@
 
 Forces are accelerations in the paper: a mass of 1 and m/s^2 as the command unit. Lambda pushes (+), so F_cogging of
 this project is -Lambda. What is not reported is assumed and says so; the amplitudes are calibrated on the PID row and
-the pole radius on lambda* (malaize2009_calibration.py), the observer row then follows.
+the pole radius on lambda* (calibration.py), the observer row then follows.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class Calibrated:
 
 
 def shipped(motor: Motor) -> Calibrated:
-    """The calibrated values that come with the package (written by malaize2009_calibration.py)."""
+    """The calibrated values that come with the package (written by calibration.py)."""
     text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text()
     part = parse_toml(text)[motor.name]
     return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
