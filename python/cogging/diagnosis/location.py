@@ -20,10 +20,15 @@ from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
+<<<<<<< HEAD
 from cogging.estimation.statistics import moving_average
 from cogging.files import finite
+=======
+from cogging.estimation.residuals import moving_average
+>>>>>>> wip-cli
 from cogging.log_check.audit import check_against_model
 from cogging.model.model import Model
+from cogging.outputs import finite
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

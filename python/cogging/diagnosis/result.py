@@ -11,8 +11,8 @@ from cogging.diagnosis.location import Location, locate_gap
 from cogging.diagnosis.report.page import html, overview
 from cogging.diagnosis.report.words import step_text, term_text
 from cogging.diagnosis.residual.shapes import Shape
-from cogging.files import finite, write_text
 from cogging.model.model import Model
+from cogging.outputs import finite, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

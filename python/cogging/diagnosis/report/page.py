@@ -16,9 +16,9 @@ from cogging.diagnosis.report.figures import coordinates_figure, folded_figure, 
 from cogging.diagnosis.report.words import term_text
 from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, MOMENTS
 from cogging.estimation.statistics import moving_average
-from cogging.files import to_toml
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
+from cogging.outputs import to_toml
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
