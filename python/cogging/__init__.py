@@ -39,8 +39,6 @@ from cogging._core import (
     Speed,
     SpeedParameters,
     SplineHarmonics,
-    closed_loop,
-    closed_loop_batch,
     cogging_slope_max,
     desired_compensation_condition,
     desired_compensation_matrix,
@@ -73,6 +71,8 @@ from cogging.design.observer import ObserverDesign, ObserverProblem, design_obse
 from cogging.papers.reproduction import compare
 from cogging.papers.reproduction import reproduce
 from cogging.model.parameters import parameters_of
+from cogging.simulation.batch import Batch, closed_loop_batch
+from cogging.simulation.closed_loop import closed_loop
 from cogging.simulation.reference import read_reference
 from cogging.file_schema import schema
 from cogging.simulation.run import repeat, simulate
@@ -87,6 +87,7 @@ __all__ = [
     "Audit",
     "AxisParameters",
     "BSpline",
+    "Batch",
     "Bounds",
     "Cascade",
     "CascadeParameters",

@@ -54,10 +54,12 @@ def test_elementary_functions(printed):
 @pytest.mark.parametrize(
     "header",
     [
+        "basis/regressor",
         "basis/spline_harmonics",
         "control/adaptive_robust",
         "control/desired_compensation_condition",
         "control/sample_guard",
+        "estimation/predictor",
         "lanes",
         "plant/axis",
         "plant/body_with_states",
