@@ -54,7 +54,7 @@ from cogging.log_check.recovery import RecoveredController, recover_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
-from cogging.diagnosis.location import locate_gap
+from cogging.diagnosis.locate import locate_gap
 from cogging.design.error_prediction import ErrorPrediction, predict_error
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError

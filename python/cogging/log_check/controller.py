@@ -11,6 +11,7 @@ import numpy as np
 from cogging._core import replay_controller
 from cogging.arrays import FloatArray, Mask
 from cogging.files import LARGEST
+from cogging.linear import least_squares
 from cogging.log_check.controller_samples import LONG, Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
@@ -289,15 +290,11 @@ def linear_regressors(
     return columns
 
 
-def least_squares(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[dict[str, float], float]:
-    """Coefficients of columns (n,) that fit a target, and the rms of what is left. Columns are scaled to unit rms."""
-    names = list(columns)
-    matrix = np.column_stack([columns[name] for name in names])
-    size = np.sqrt(np.mean(matrix**2, axis=0))
-    size[size == 0.0] = 1.0
-    solution = np.linalg.lstsq(matrix / size, target, rcond=1e-12)[0]
-    residual = target - (matrix / size) @ solution
-    return dict(zip(names, (solution / size).tolist(), strict=True)), _rms(residual)
+def fit_columns(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[dict[str, float], float]:
+    """Coefficients of columns (n,) that fit a target, and the rms of what is left."""
+    table = np.stack(list(columns.values()))
+    solution = least_squares(table, target, rcond=1e-12)
+    return dict(zip(columns, solution.tolist(), strict=True)), _rms(target - solution @ table)
 
 
 def _stated_gains(controller: Any, names: tuple[str, ...]) -> dict[str, float]:
@@ -341,7 +338,7 @@ def fit_samples(
     elif integral:
         columns = {**columns, "start": np.ones(len(target))}
     for _ in range(2):
-        fitted, rms = least_squares({name: column[rows] for name, column in columns.items()}, target[rows])
+        fitted, rms = fit_columns({name: column[rows] for name, column in columns.items()}, target[rows])
         made = np.asarray(sum(fitted[name] * column for name, column in columns.items()))
         doubted = _doubted(target, made, rows)
         if not doubted.any():

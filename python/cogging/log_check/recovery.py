@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
-from cogging.log_check.controller import fit_samples, least_squares, linear_regressors
+from cogging.log_check.controller import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
@@ -112,15 +112,14 @@ def _fit_rows(
             columns["coulomb"] = smooth_sign(velocity[::every], width)
         if "ki" in columns and not apart:
             columns["start"] = np.ones(len(columns["ki"]))
-        return (*least_squares(columns, command[::every]), columns)
+        return (*fit_columns(columns, command[::every]), columns)
 
     every = 1 + command.size // SEARCHED
     top = float(np.abs(velocity).max())
     widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
     width = min(widths, key=lambda candidate: solve(None, candidate, every)[1])
     if width > 0.0:
-        middle = math.log(width)
-        width = _golden(lambda exponent: solve(None, math.exp(exponent), every)[1], middle - 0.4, middle + 0.4)
+        width = _narrowed(lambda candidate: solve(None, candidate, every)[1], width)
     names: set[str] | None = None
     for _ in range(6):
         gains, rms, columns = solve(names, width)
@@ -149,21 +148,14 @@ def _fit_rows(
     return gains, rms
 
 
-def _golden(cost: Callable[[float], float], low: float, high: float) -> float:
-    """The exponent between low and high with the smallest cost, as a width (golden section)."""
-    share = 0.5 * (math.sqrt(5.0) - 1.0)
-    a, b = high - share * (high - low), low + share * (high - low)
-    cost_a, cost_b = cost(a), cost(b)
-    for _ in range(40):
-        if cost_a <= cost_b:
-            high, b, cost_b = b, a, cost_a
-            a = high - share * (high - low)
-            cost_a = cost(a)
-        else:
-            low, a, cost_a = a, b, cost_b
-            b = low + share * (high - low)
-            cost_b = cost(b)
-    return math.exp(0.5 * (low + high))
+def _narrowed(cost: Callable[[float], float], width: float) -> float:
+    """The width with the smallest cost, within a factor of exp(0.4)."""
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(
+        lambda shift: cost(width * math.exp(shift)), bounds=(-0.4, 0.4), method="bounded", options={"xatol": 1e-9}
+    )
+    return width * math.exp(float(found.x))
 
 
 def _round_rate(rate: float) -> float:
