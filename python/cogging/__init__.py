@@ -51,6 +51,7 @@ from cogging._core import (
 )
 from cogging.audit import Audit, audit, check_against_model
 from cogging.bounds import Bounds
+from cogging.controller import Controller, ReferencePoint
 from cogging.controller_check import ControllerCheck, check_controller
 from cogging.controller_recovery import RecoveredController, recover_controller
 from cogging.diagnose import Diagnosis, Location, diagnose, locate_gap
