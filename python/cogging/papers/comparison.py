@@ -27,14 +27,15 @@ from cogging._core import (
     closed_loop,
     performance,
 )
+from cogging.design.observer import ObserverProblem, design_observer
+from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
-from cogging.gains import pid_gains
-from cogging.logs import Log
-from cogging.model import Controller
-from cogging.observer_design import ObserverProblem, design_observer
-from cogging.papers import lu2008, xu2001_setup
+from cogging.logs.log import Log
+from cogging.model.controller import ListedController
 from cogging.papers.fitting import round_to_digits
+from cogging.papers.lu2008 import reproduce as lu2008
 from cogging.papers.result import Reproduction, Row, Table
+from cogging.papers.xu2001 import setup as xu2001_setup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,14 +71,14 @@ def gains_toml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def controllers() -> dict[str, Controller]:
+def controllers() -> dict[str, ListedController]:
     """Each family, tuned by its own paper's rule on what is known of this axis."""
     kp, ki, kd = pid_gains([POLE] * 3, AXIS.bounds[0][0])  # Xu and Yao 2001, eq. 56
     mass_bounds, viscous_bounds, _, disturbance_bounds = AXIS.bounds
     inverse = (1.0 / mass_bounds[1], 1.0 / mass_bounds[0])
     theta = [1.0 / AXIS.mass, AXIS.viscous / AXIS.mass, 0.0]
     text = importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text()
-    made: dict[str, Controller] = {
+    made: dict[str, ListedController] = {
         "pid": Pid(
             PidParameters(
                 sample_rate=lu2008.SAMPLE_RATE,
@@ -127,7 +128,7 @@ def machine(mass_factor: float = 1.0) -> Plant:
     return lu2008.plant(AXIS, cogging, mass=mass_factor * AXIS.mass)
 
 
-def measure(controller: Controller) -> tuple[dict[str, float], Log | None]:
+def measure(controller: ListedController) -> tuple[dict[str, float], Log | None]:
     """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
     motion = lu2008.reference(AXIS)
     begin = time.perf_counter()
