@@ -28,6 +28,7 @@ from cogging.shown import quoted
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
     name: (controller.PARAMETERS, controller) for name, controller in _core.CONTROLLERS.items()
 }
+PARAMETERS = tuple({struct for struct, _ in CONTROLLERS.values()})
 
 SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
@@ -74,10 +75,10 @@ class Model:
             raise ValueError("controller, controller_type: both or neither must be given")
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
             raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
-        if self.controller_type is not None and type(self.controller) is not CONTROLLERS[self.controller_type][0]:
-            rule = f"must be {CONTROLLERS[self.controller_type][0].__name__} for {self.controller_type!r}"
-            own = "one of your own is given to simulate(model, reference, controller=...)"
-            raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}; {own}")
+        if self.controller is not None and not isinstance(self.controller, PARAMETERS):
+            rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
+            own = "a controller of one's own is given to simulate(model, reference, controller=...)"
+            raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         object.__setattr__(self, "effects", tuple(self.effects))
 
     def plant(self) -> Plant:
