@@ -36,6 +36,14 @@ std::string class_of(const py::handle& object) {
   return py::type::handle_of(object).attr("__qualname__").cast<std::string>();
 }
 
+// None where it has no such member; what a property raises is raised.
+py::object member(const py::handle& object, const char* name) {
+  if (PyObject* found = PyObject_GetAttrString(object.ptr(), name)) return py::reinterpret_steal<py::object>(found);
+  if (!PyErr_ExceptionMatches(PyExc_AttributeError)) throw py::error_already_set();
+  PyErr_Clear();
+  return py::none();
+}
+
 // Whether something that is no float is one number all the same: an int, a scalar of numpy, an array without
 // dimensions; no truth value, no text, nothing complex.
 bool is_scalar(PyObject* value) {
@@ -43,9 +51,9 @@ bool is_scalar(PyObject* value) {
   const PyNumberMethods* methods = Py_TYPE(value)->tp_as_number;
   if (methods == nullptr || (methods->nb_float == nullptr && methods->nb_index == nullptr)) return false;
   const py::handle object(value);
-  const py::object dimensions = py::getattr(object, "ndim", py::int_(0));
-  if (!py::isinstance<py::int_>(dimensions) || !dimensions.equal(py::int_(0))) return false;
-  const py::object kind = py::getattr(py::getattr(object, "dtype", py::none()), "kind", py::str(""));
+  const py::object dimensions = member(object, "ndim");
+  if (!dimensions.is_none() && !dimensions.equal(py::int_(0))) return false;
+  const py::object kind = member(member(object, "dtype"), "kind");
   return !kind.equal(py::str("b")) && !kind.equal(py::str("c"));
 }
 
@@ -64,10 +72,6 @@ double stated_number(const py::object& object, const char* field, const char* ru
   const std::optional<double> number = number_of(value.ptr());
   if (!number || !holds(*number)) refuse("controller", class_of(object) + "." + field + " " + rule, shown(value));
   return *number;
-}
-
-py::object member(const py::object& object, const char* name) {
-  return py::getattr(object, name, py::none());
 }
 
 void require_callable(const py::object& object, const char* name, const py::object& method, const char* arguments,
@@ -136,7 +140,8 @@ void bind_controller_error(py::module_& module) {
 // was compiled with: so what it says of itself must fit.
 std::uintptr_t address_of(const py::object& function, const char* field, std::size_t arguments, bool gives) {
   const py::module_ ctypes = py::module_::import("ctypes");
-  const py::object pointer = py::getattr(function, "ctypes", function);  // numba's has one of ctypes
+  const py::object own = member(function, "ctypes");  // numba's has one of ctypes
+  const py::object pointer = own.is_none() ? function : own;
   if (!py::isinstance(pointer, ctypes.attr("_CFuncPtr")))
     throw py::type_error(std::string(field) + ": must be a numba cfunc or a function pointer of ctypes, got " +
                          shown(function));
@@ -253,7 +258,7 @@ PythonController::PythonController(py::object object) {
   held_->command_limit = stated_number(
       object, "command_limit", "must be finite and at least 0 (V; 0 = none)",
       [](double limit) { return std::isfinite(limit) && limit >= 0.0; },
-      py::getattr(object, "command_limit", py::float_(0.0)));
+      py::hasattr(object, "command_limit") ? member(object, "command_limit") : py::object(py::float_(0.0)));
   held_->object = std::move(object);
 }
 
