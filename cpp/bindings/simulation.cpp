@@ -1,8 +1,8 @@
 #include "bindings.hpp"
+#include "cogging/estimation/replay_controller.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
-#include "cogging/simulation/replay_controller.hpp"
 #include "own_controller.hpp"
 #include "without_gil.hpp"
 

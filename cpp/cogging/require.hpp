@@ -1,5 +1,5 @@
 #pragma once
-// The only place of the core that throws: one line that names the field, the rule and the value.
+// What breaks a rule is refused here: one line that names the field, the rule and the value.
 
 #include <cmath>
 #include <cstddef>
@@ -35,8 +35,18 @@ inline std::string format(double value) {
   return text;
 }
 
+#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
+[[noreturn]] inline void refused(const std::string& line) {
+  throw std::invalid_argument(line);
+}
+#else
+/// Where the compiler has no exceptions, as a drive's may have none, the program defines this itself: what becomes of a
+/// constructor whose parameters break a rule. It must not return.
+[[noreturn]] void refused(const std::string& line);
+#endif
+
 [[noreturn]] inline void refuse(std::string_view name, std::string_view rule, std::string_view value) {
-  throw std::invalid_argument(std::string(name) + ": " + std::string(rule) + ", got " + std::string(value));
+  refused(std::string(name) + ": " + std::string(rule) + ", got " + std::string(value));
 }
 
 inline void require(bool holds, std::string_view name, std::string_view rule, double value) {
@@ -61,9 +71,13 @@ inline void require_finite(std::string_view name, const std::vector<double>& val
 
 /// Ends a run whose controller, one of the user's own, cannot go on.
 [[noreturn]] inline void end_run(const std::string& controller, const std::string& what, std::size_t row, double time) {
-  throw ControllerError(
-      "controller: " + controller + ": " + what + " in row " + std::to_string(row) + " (" + format(time) + " s)", row,
-      time);
+  const std::string place = " in row " + std::to_string(row) + " (" + format(time) + " s)";
+  const std::string line = "controller: " + controller + ": " + what + place;
+#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
+  throw ControllerError(line, row, time);
+#else
+  refused(line);
+#endif
 }
 
 /// lower < upper (or lower <= upper where a point is allowed), both finite.

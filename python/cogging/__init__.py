@@ -27,8 +27,6 @@ from cogging._core import (
     Plant,
     Reference,
     SplineHarmonics,
-    closed_loop,
-    closed_loop_batch,
     cogging_slope_max,
     desired_compensation_condition,
     desired_compensation_matrix,
@@ -46,6 +44,7 @@ from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
 from cogging.diagnosis.location import locate_gap
 from cogging.design.error_prediction import ErrorPrediction, predict_error
+from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
@@ -61,6 +60,8 @@ from cogging.design.observer import ObserverDesign, ObserverProblem, design_obse
 from cogging.papers.reproduction import compare
 from cogging.papers.reproduction import reproduce
 from cogging.model.parameters import parameters_of
+from cogging.simulation.batch import Batch, closed_loop_batch
+from cogging.simulation.closed_loop import closed_loop
 from cogging.simulation.reference import read_reference
 from cogging.file_schema import schema
 from cogging.simulation.run import repeat, simulate
@@ -75,6 +76,7 @@ __all__ = [
     "Audit",
     "AxisParameters",
     "BSpline",
+    "Batch",
     "Bounds",
     "CoggingModel",
     "CompiledController",
@@ -119,6 +121,8 @@ __all__ = [
     "fit_friction_curve",
     "fit_map",
     "friction_slope_max",
+    "get_cmake_dir",
+    "get_include",
     "identify",
     "locate_gap",
     "parameters_of",

@@ -2,8 +2,8 @@
 
     python tests/benchmarks/own_controllers.py [--repeats 9]
 
-The cost of the loop's call is the time of a run with the object, less that of the same run with a controller of the core
-that gives the same commands, less what the object's own two calls take when Python makes them in a loop. All are
+The cost of the loop's call is the time of a run with the object, less that of the same run with a controller of the
+core that gives the same commands, less what the object's own two calls take when Python makes them in a loop. All are
 measured in turns; medians.
 """
 
@@ -51,9 +51,9 @@ def compiled():
 
 def own_calls(log):
     """The object's own two calls a row, made by Python, and the same loop without them."""
-    columns = (log["reference"], log["reference_velocity"], log["reference_acceleration"])
+    columns = (log.reference, log.reference_velocity, log.reference_acceleration)
     points = [cogging.ReferencePoint(*point) for point in zip(*(c.tolist() for c in columns), strict=True)]
-    readings, commands, mine = log["position"].tolist(), log["command"].tolist(), Proportional()
+    readings, commands, mine = log.position.tolist(), log.command.tolist(), Proportional()
 
     def with_calls():
         for point, reading, applied in zip(points, readings, commands, strict=True):
@@ -82,14 +82,14 @@ def measure(repeats):
     if fast is not None:
         runs["compiled"] = lambda: run(fast)
     for name in ("Python", "compiled"):
-        assert name not in runs or np.array_equal(runs[name]()["command"], log["command"]), name
+        assert name not in runs or np.array_equal(runs[name]().command, log.command), name
     seconds = {name: [] for name in runs}
     for _ in range(repeats):
         for name, call in runs.items():
             start = time.perf_counter()
             call()
             seconds[name].append(time.perf_counter() - start)
-    return {name: 1e9 * statistics.median(values) / len(log["time"]) for name, values in seconds.items()}
+    return {name: 1e9 * statistics.median(values) / len(log) for name, values in seconds.items()}
 
 
 def main(repeats):

@@ -130,10 +130,12 @@ struct AdaptiveRobustParameters {
   }
 
  private:
-  static void check_estimate(const std::string& label, double value, const Bounds& bounds, double adaptation) {
+  static void check_estimate(const std::string& label, const Scalar& value, const Bounds& bounds, double adaptation) {
     require_ordered(label + "_bounds", bounds[0], bounds[1], true);
-    require(value >= bounds[0] && value <= bounds[1], label,
-            "must lie within " + label + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]", value);
+    const std::string rule =
+        "must lie within " + label + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]";
+    require(value >= bounds[0], label, rule, value);
+    require(value <= bounds[1], label, rule, value);
     require_not_negative(label + "_adaptation", adaptation);
   }
 };
@@ -167,7 +169,7 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
   static constexpr int plain = 4;  // mass, viscous, coulomb, disturbance come before the cogging coefficients
 
   explicit AdaptiveRobust(const Parameters& parameters = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         basis_(parameters.cogging_basis()),
         guard_(parameters.command_limit),
         sample_time_(1.0 / parameters.sample_rate),

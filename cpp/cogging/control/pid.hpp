@@ -70,7 +70,7 @@ includes the current sample and starts at zero; e_prev = e in the first sample. 
 take up an error that pushes further into it.)";
 
   explicit Pid(const Parameters& parameters = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         feedforward_(parameters),
         guard_(parameters.command_limit),
         sample_time_(1.0 / parameters.sample_rate) {}

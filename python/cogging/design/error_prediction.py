@@ -26,13 +26,11 @@ from cogging.arrays import FloatArray
 from cogging.design.bounds import Bounds
 from cogging.design.drawn_machines import drawn_machines
 from cogging.design.observer import design_observer
-from cogging.model.controller import Controller, ListedController
+from cogging.model.controller import AnyController, ListedController
 from cogging.model.intervals import Interval, Intervals
 from cogging.model.model import Model
 from cogging.simulation.reference import read_reference, reference_from
 from cogging.threads import on_threads
-
-AnyController = Controller | ListedController
 
 #: The controllers that are designed from the bounds of a model.
 DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")

@@ -105,3 +105,7 @@ class ControllerParameters(Protocol):
     def to_dict(self) -> dict[str, Any]:
         """All fields by name."""
         ...
+
+
+#: What runs take: one of the core, or any object that is a Controller.
+AnyController = Controller | ListedController

@@ -20,8 +20,9 @@ from cogging._core import (
     Plant,
     SplineHarmonics,
 )
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
+from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
 
 #: Controllers by the name that a model file gives them: parameter struct and class.

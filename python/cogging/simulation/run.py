@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
 from cogging.logs.log import Log
-from cogging.model.controller import Controller, ListedController
+from cogging.model.controller import AnyController
 from cogging.model.model import CONTROLLERS, Model
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 
@@ -20,7 +20,7 @@ def simulate(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
     *,
-    controller: Controller | ListedController | None = None,
+    controller: AnyController | None = None,
     duration: float = 0.0,
     seed: int = 0,
     steps_per_sample: int | None = None,
