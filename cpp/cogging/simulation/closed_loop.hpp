@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -87,7 +88,7 @@ void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, Axis
 }
 
 /// A pure function of its arguments: the controller is copied, and the noise comes from the seed.
-template <class Scalar, Controller<Scalar> C>
+template <class Scalar, ClosesLoop<Scalar> C>
 Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Reference& reference,
                         const RunOptions& options) {
   require(options.steps_per_sample >= 1 && options.steps_per_sample <= 10000, "steps_per_sample",
@@ -118,7 +119,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   detail::record_reference(log, reference, sample_rate, plant.axis.travel, stop);
   if (options.record_estimates) {
     log.estimate_count = static_cast<int>(controller.estimates().size());
-    log.estimates.reserve(rows * controller.estimates().size());
+    log.estimates.reserve(rows * static_cast<std::size_t>(log.estimate_count));
   }
 
   const double limit = controller.command_limit();
@@ -129,8 +130,11 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
     const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
-    if (options.record_estimates)
-      log.estimates.insert(log.estimates.end(), controller.estimates().begin(), controller.estimates().end());
+    if constexpr (MayFail<C>) controller.begin_row(k, log.time[k]);
+    if (options.record_estimates) {
+      const std::span<const Scalar> estimates = controller.estimates();
+      log.estimates.insert(log.estimates.end(), estimates.begin(), estimates.end());
+    }
     Scalar command;
     if constexpr (LooksAhead<C>)
       command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);

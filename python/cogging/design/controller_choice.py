@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from cogging._core import (
 )
 from cogging.design.bounds import Bounds
 from cogging.design.observer import design_observer
+from cogging.model.controller import AnyController, ListedController
 from cogging.model.intervals import Interval
-from cogging.model.model import Controller, Model
+from cogging.model.model import Model
 
 #: The controllers that are designed from the bounds of a model.
 DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")
@@ -31,10 +32,10 @@ def chosen_controllers(
     model: Model,
     motion: Reference,
     duration: float,
-    controllers: Mapping[str, Controller] | Sequence[str] | None,
+    controllers: Mapping[str, AnyController] | Sequence[str] | None,
     bandwidth: float | None,
     default: Mapping[str, Interval] | None,
-) -> tuple[dict[str, Controller], list[str]]:
+) -> tuple[dict[str, AnyController], list[str]]:
     """The controllers to run on a motion, and which were left out and why.
 
     Raises:
@@ -44,9 +45,11 @@ def chosen_controllers(
         if not controllers:
             raise ValueError("controllers: must be at least one, got none")
         return dict(controllers), []
+    if controllers is not None and not isinstance(controllers, Iterable):
+        raise TypeError(f"controllers: must be names, or controllers by name, got {type(controllers).__name__}")
     wanted = _wanted(controllers)
     velocity = float(np.abs(motion.sample(np.linspace(0.0, duration, 4001))[1]).max())
-    chosen: dict[str, Controller] = {}
+    chosen: dict[str, AnyController] = {}
     notes: list[str] = []
     bounds: Bounds | None = None
     for name in wanted:
@@ -81,7 +84,7 @@ def _wanted(controllers: Sequence[str] | None) -> list[str]:
     return wanted
 
 
-def _designed(name: str, bounds: Bounds, velocity: float, bandwidth: float | None) -> Controller:
+def _designed(name: str, bounds: Bounds, velocity: float, bandwidth: float | None) -> ListedController:
     if name == "pid":
         return Pid(bounds.pid(bandwidth=bandwidth))
     if name == "cascade":

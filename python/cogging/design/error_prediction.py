@@ -11,10 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import (
     DivergedError,
-    FilteredSine,
-    PointToPoint,
     Reference,
-    Sine,
     closed_loop,
     performance,
 )
@@ -22,8 +19,9 @@ from cogging.arrays import FloatArray
 from cogging.design.controller_choice import chosen_controllers
 from cogging.design.drawn_machines import drawn_machines
 from cogging.design.predicted_error import INDEXES, ControllerPrediction, ErrorPrediction, PredictedIndex
+from cogging.model.controller import AnyController
 from cogging.model.intervals import Interval, Intervals
-from cogging.model.model import Controller, Model
+from cogging.model.model import Model
 from cogging.simulation.reference import read_reference, reference_from
 from cogging.threads import on_threads
 
@@ -33,7 +31,7 @@ COVERAGE = 0.95
 def predict_error(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
-    controllers: Mapping[str, Controller] | Sequence[str] | None = None,
+    controllers: Mapping[str, AnyController] | Sequence[str] | None = None,
     *,
     samples: int = 40,
     seed: int = 0,
@@ -56,8 +54,9 @@ def predict_error(
     Args:
         model: a Model, or the path of a model file.
         reference: a motion, the fields of a reference file, or the path of one.
-        controllers: by name; or which of `own` (the model's) and pid, cascade, arc, dcarc, output_feedback_arc,
-            observer_based, designed from the bounds; None: all of these that can be.
+        controllers: by name, those of the core or of one's own (see Controller); or which of `own` (the model's) and
+            pid, cascade, arc, dcarc, output_feedback_arc, observer_based, designed from the bounds; None: all of these
+            that can be.
         samples: machines to draw, at least 2; 39 or more for intervals of 95 %.
         seed: of machines and noise.
         duration: s; 0 = that of the reference file, or the motion's own end.
@@ -92,7 +91,7 @@ def predict_error(
 
 def _errors(
     machines: Sequence[tuple[Model, int]],
-    controllers: Sequence[Controller],
+    controllers: Sequence[AnyController],
     motion: Reference,
     window: Interval,
     threads: int | None,
@@ -100,7 +99,7 @@ def _errors(
     """The indexes of each controller on each machine, (controllers, machines, 3), m; infinite where a run diverged."""
     plants = [machine.plant() for machine, _ in machines]
 
-    def run(job: tuple[Controller, int]) -> tuple[float, float, float]:
+    def run(job: tuple[AnyController, int]) -> tuple[float, float, float]:
         controller, place = job
         try:
             log = closed_loop(plants[place], controller, motion, duration=window[1], seed=machines[place][1])
@@ -131,11 +130,8 @@ def _motion(reference: Any, duration: float) -> tuple[Reference, float]:
 
 def _window(motion: Reference, end: float) -> Interval:
     """The last period of a motion of two or more, else the whole run, s."""
-    if isinstance(motion, PointToPoint):
-        period, last = motion.period, min(end, motion.end)
-    elif isinstance(motion, Sine | FilteredSine):
-        period, last = 1.0 / motion.parameters.frequency, end
-    else:
+    period, last = motion.period, min(end, motion.end)
+    if not np.isfinite(period):
         return 0.0, end
     return (last - period if last >= 1.999 * period else 0.0), end
 

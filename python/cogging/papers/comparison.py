@@ -31,7 +31,7 @@ from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.papers.fitting import round_to_digits
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.result import Reproduction, Row, Table
@@ -71,9 +71,9 @@ def gains_toml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def controllers() -> dict[str, Controller]:
+def controllers() -> dict[str, ListedController]:
     """Each family, tuned by its own paper's rule on what is known of this axis."""
-    made: dict[str, Controller] = {"pid": _pid()}
+    made: dict[str, ListedController] = {"pid": _pid()}
     for name in lu2008.CONTROLLERS:
         made[f"arc {name}"] = Arc(lu2008.controller_parameters(AXIS, name))
         made[f"dcarc {name}"] = Dcarc(lu2008.controller_parameters(AXIS, name))
@@ -136,7 +136,7 @@ def machine(mass_factor: float = 1.0) -> Plant:
     return lu2008.plant(AXIS, cogging, mass=mass_factor * AXIS.mass)
 
 
-def measure(controller: Controller) -> tuple[dict[str, float], Log | None]:
+def measure(controller: ListedController) -> tuple[dict[str, float], Log | None]:
     """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
     motion = lu2008.reference(AXIS)
     begin = time.perf_counter()

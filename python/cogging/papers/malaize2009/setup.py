@@ -33,7 +33,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 
 # Not reported, assumed.
 SAMPLE_RATE = 10_000.0  # Hz
@@ -195,7 +195,7 @@ def reference(motor: Motor) -> PointToPoint:
     )
 
 
-def pid(thrust: float = 1.0) -> Controller:
+def pid(thrust: float = 1.0) -> ListedController:
     """The PID: three equal poles, feedforward of mass and mu. thrust: by which the motor pushes more than believed."""
     kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
     return Pid(
@@ -203,7 +203,7 @@ def pid(thrust: float = 1.0) -> Controller:
     )
 
 
-def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> Controller:
+def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
     """The observer (6) with law (8); stretch: by which its periods are wrong."""
     return ObserverBased(
         ObserverBasedParameters(
@@ -220,7 +220,7 @@ def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: f
     )
 
 
-def run(machine: Plant, controller: Controller, motor: Motor) -> Log:
+def run(machine: Plant, controller: ListedController, motor: Motor) -> Log:
     """Run a controller along the motor's strokes."""
     return Log.of(closed_loop(machine, controller, reference(motor)))
 
@@ -238,6 +238,6 @@ def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:
     return float(np.abs(true_error(log)[first if cold else ~first]).max())
 
 
-def accuracies(machine: Plant, controllers: Mapping[str, Controller], motor: Motor) -> dict[str, float]:
+def accuracies(machine: Plant, controllers: Mapping[str, ListedController], motor: Motor) -> dict[str, float]:
     """The accuracy (m) of each controller on a machine."""
     return {name: accuracy(run(machine, controller, motor), motor) for name, controller in controllers.items()}

@@ -8,13 +8,13 @@ import numpy as np
 
 from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.papers.xu2001.setup import INDEXES, SETS, TABLE_1, Unknowns, arc_parameters, indexes, run
 
 JUDGED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
 
 
-def columns(controller: Controller, unknowns: Unknowns, seed: int = 2001) -> FloatArray:
+def columns(controller: ListedController, unknowns: Unknowns, seed: int = 2001) -> FloatArray:
     """The judged indexes of a controller in the three sets, (3, 5).
 
     Raises:

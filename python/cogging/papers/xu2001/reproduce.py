@@ -14,7 +14,7 @@ import numpy as np
 
 from cogging._core import OutputFeedbackArc, Pid, closed_loop
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.papers.xu2001.exploration import explore
 from cogging.papers.xu2001.robust_terms import figure_increment
@@ -59,7 +59,10 @@ def exploration_table(explored: Mapping[str, float]) -> Table:
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
     """Table 1 and Figs. 2 to 6. `progress` is told each of STEPS as it is done."""
     unknowns = shipped_unknowns()
-    controllers: dict[str, Controller] = {"PID": Pid(pid_parameters()), "ARC": OutputFeedbackArc(arc_parameters())}
+    controllers: dict[str, ListedController] = {
+        "PID": Pid(pid_parameters()),
+        "ARC": OutputFeedbackArc(arc_parameters()),
+    }
     logs = {name: run(unknowns, controller) for name, controller in controllers.items()}
     table = table_1(logs)
     progress("table 1")

@@ -31,7 +31,7 @@ from cogging._core import (
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 
 if TYPE_CHECKING:
     pass
@@ -202,7 +202,7 @@ def indexes(log: Log) -> dict[str, float]:
 
 
 def run(
-    unknowns: Unknowns, controller: Controller, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
+    unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
 ) -> dict[str, Log]:
     """Run one controller through the three sets of case 1."""
     logs = closed_loop_batch(

@@ -28,7 +28,7 @@ from cogging._core import (
     closed_loop,
 )
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
 from cogging.papers.xu2001.exploration import changes, columns, explore, gap
 from cogging.papers.xu2001.robust_terms import FACTORS, HARDWARE, figure_increment, increment, one_count
@@ -49,7 +49,7 @@ from cogging.papers.xu2001.setup import (
 from cogging_command import run_command
 
 
-def loses_stability(make: Callable[[], Controller], mass: float) -> tuple[float, float]:
+def loses_stability(make: Callable[[], ListedController], mass: float) -> tuple[float, float]:
     """The delay (s) from which a small oscillation grows, and its frequency (Hz), on a rigid axis without friction."""
 
     def grows(delay: float) -> tuple[bool, float]:
@@ -75,7 +75,7 @@ def loses_stability(make: Callable[[], Controller], mass: float) -> tuple[float,
     return low, grows(low)[1]
 
 
-def integral_stiffness(controller: Controller, mass: float) -> float:
+def integral_stiffness(controller: ListedController, mass: float) -> float:
     """Force over the time integral of the error that it leaves, V/(m s), on a rigid axis without friction."""
     force = 0.05
     machine = Plant(
