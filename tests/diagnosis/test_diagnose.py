@@ -12,7 +12,8 @@ import cogging
 from cogging.cli.main import main
 from cogging.diagnosis.candidates import scan, signatures, waves
 from cogging.diagnosis.naming.masking import masking_notes
-from cogging.diagnosis.report.figures import binned, coordinates_figure, spectrum
+from cogging.diagnosis.report.binning import binned, spectrum
+from cogging.diagnosis.report.figures import coordinates_figure
 from cogging.diagnosis.residual.location_words import length_text, ranges
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search import search

@@ -10,7 +10,8 @@ import cogging
 from cogging import EFFECTS
 from cogging._core import Predictor
 from cogging.diagnosis.candidates import waves
-from cogging.diagnosis.candidates.scan import judged, profiled, scan
+from cogging.diagnosis.candidates.findings import judged, profiled
+from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.candidates.signatures import Candidate, candidates
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_wave

@@ -9,7 +9,8 @@ from scipy import stats
 
 import cogging
 from cogging import EFFECTS
-from cogging.diagnosis.candidates.scan import Finding, profiled, scan
+from cogging.diagnosis.candidates.findings import Finding, profiled
+from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.discrepancy import discrepancies, follows
 from cogging.diagnosis.evidence.null import fit_null, nuisances

@@ -10,7 +10,8 @@ import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.scan import Finding, judged, sharpen
+from cogging.diagnosis.candidates.findings import Finding, judged
+from cogging.diagnosis.candidates.scan import sharpen
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence

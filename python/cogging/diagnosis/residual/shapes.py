@@ -96,7 +96,7 @@ def one_way(velocity: FloatArray) -> FloatArray:
 
 
 def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = ()) -> list[Shape]:
-    """The residual shapes, the likeliest first, each against the noise that it would leave (see scan.profiled).
+    """The residual shapes, the likeliest first, each against the noise that it would leave (see findings.profiled).
 
     Args:
         evidence: the evidence in which they are sought.
