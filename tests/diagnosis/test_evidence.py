@@ -63,7 +63,7 @@ def test_orthonormal_spans_and_is_orthonormal():
 
 def test_spectrum_of_white_noise_is_one(quiet_evidence):
     source = quiet_evidence.sources[0]
-    noise = np.random.default_rng(2).normal(size=len(source.log)) * (source.counts > 0)
+    noise = np.random.default_rng(2).normal(size=len(source.log)) * (source.mask > 0)
     _, level = spectrum(noise, source)
     assert np.all((level > 0.4) & (level < 2.2))
     assert np.median(level) == pytest.approx(1.0, abs=0.2)
@@ -96,7 +96,7 @@ def test_a_level_known_from_few_lines_bounds_what_a_column_is_worth(quiet_eviden
     """All of a column's power in one narrow band: d ln(1 + T / d) there, and T where it is spread over all."""
     source = quiet_evidence.sources[0]
     ((parts, freedom),) = quiet_evidence.freedom
-    assert freedom.sum() == pytest.approx(source.counts.sum() - len(quiet_evidence.basis), rel=0.01)
+    assert freedom.sum() == pytest.approx(source.mask.sum() - len(quiet_evidence.basis), rel=0.01)
     n = len(source.log)
     frequency = np.fft.rfftfreq(fast_length(n), source.scales.sample_time)
     band = parts[6]
@@ -228,7 +228,7 @@ def test_what_is_slow_and_large_is_measured_against_the_gap_itself():
     _, _, columns, _ = coordinates(source, evidence.model)["time"]
     table = source.rows_of_forces(evidence.alongs[0], columns, evidence.model.axis.mass)
     _, share = evidence.unwhitened_fit([table])
-    rows = source.counts > 0
+    rows = source.mask > 0
     both = np.linalg.lstsq(np.vstack([part.columns, table])[:, rows].T, part.residual[rows], rcond=None)[0]
     alone = np.linalg.lstsq(part.columns[:, rows].T, part.residual[rows], rcond=None)[0]
     left = part.residual[rows] - both @ np.vstack([part.columns, table])[:, rows]

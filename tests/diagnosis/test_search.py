@@ -177,7 +177,7 @@ def test_a_wave_may_turn_where_the_zeros_of_position_differ():
 def test_where_an_encoder_is_coarse_what_is_left_must_stand_out_twice_as_far():
     told = search([record(machine(), 34)], machine())
     source, part = told.evidence.sources[0], told.evidence.parts[0]
-    power = np.mean((part.residual[source.counts > 0] / source.scale) ** 2)
+    power = np.mean((part.residual[source.mask > 0] / source.scale) ** 2)
     assert told.evidence.rounding == pytest.approx(1e-14 / 12.0 / power, rel=1e-9)
 
     def seen_with(resolution):

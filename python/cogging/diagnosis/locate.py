@@ -57,7 +57,7 @@ def locate_gap(
 
 def location_of(evidence: Evidence, model: Model, found: Sequence[Shape] | None = None) -> Location:
     """The location of what evidence of a re-tuned model leaves; `found`: its shapes, where they are known."""
-    mask = np.concatenate([source.counts > 0 for source in evidence.sources])
+    mask = np.concatenate([source.mask > 0 for source in evidence.sources])
     left = np.concatenate(evidence.residuals)[mask]
     return Location(
         tuple(with_events(evidence, shapes(evidence)) if found is None else found),
@@ -80,7 +80,7 @@ def series_of(evidence: Evidence, gap: Sequence[FloatArray]) -> dict[str, list[F
             ("command", log.command),
             ("velocity", velocity),
             ("acceleration", np.gradient(smooth, log.time)),
-            ("mask", source.counts > 0),
+            ("mask", source.mask > 0),
         ):
             series.setdefault(name, []).append(np.asarray(values))
     return series

@@ -36,7 +36,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
     t = source.log.time - source.log.time[0]
     u = source.log.command
     a = source.predictor.net_force([quiet_plant(model)], x, v)[0] / model.axis.mass
-    moving = source.counts > 0
+    moving = source.mask > 0
     direction = np.sign(v)
 
     def spread(values: FloatArray, count: int) -> FloatArray:
