@@ -113,6 +113,22 @@ def test_the_order_within_diagnosis():
                 assert DIAGNOSIS.index(other) <= DIAGNOSIS.index(own), f"{module} uses {used}"
 
 
+def test_a_report_only_renders():
+    """A result, its location and their pages rest on nothing that fits, predicts or tests."""
+    shown = {name for name in GRAPH if name.startswith("cogging.diagnosis.report.")}
+    shown |= {f"cogging.diagnosis.{name}" for name in ("result", "location", "entries")}
+    assert len(shown) > 6
+    todo, seen = set(shown), set()
+    while todo:
+        name = todo.pop()
+        seen.add(name)
+        todo |= {used for used in GRAPH.get(name, ()) if used.startswith("cogging.diagnosis.")} - seen
+    held = {f"cogging.diagnosis.residual{name}" for name in ("", ".shape", ".location_words")}
+    assert seen <= shown | held | {"cogging.diagnosis", "cogging.diagnosis.report"}
+    estimation = {used for name in seen for used in GRAPH.get(name, ()) if used.startswith("cogging.estimation")}
+    assert estimation <= {"cogging.estimation.statistics"}  # the moving average of a drawn trace
+
+
 def test_rooms_are_all_there():
     inside = [path for path in PACKAGE.iterdir() if path.name != "__pycache__"]
     packages = {path.name for path in inside if path.is_dir()} - {"include", "share"}  # of C++, where it is installed

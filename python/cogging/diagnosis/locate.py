@@ -10,7 +10,8 @@ import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.scan import Finding, judged, sharpen
+from cogging.diagnosis.candidates.findings import Finding, judged
+from cogging.diagnosis.candidates.scan import sharpen
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence
@@ -56,7 +57,7 @@ def locate_gap(
 
 def location_of(evidence: Evidence, model: Model, found: Sequence[Shape] | None = None) -> Location:
     """The location of what evidence of a re-tuned model leaves; `found`: its shapes, where they are known."""
-    mask = np.concatenate([source.counts > 0 for source in evidence.sources])
+    mask = np.concatenate([source.mask > 0 for source in evidence.sources])
     left = np.concatenate(evidence.residuals)[mask]
     return Location(
         tuple(with_events(evidence, shapes(evidence)) if found is None else found),
@@ -79,7 +80,7 @@ def series_of(evidence: Evidence, gap: Sequence[FloatArray]) -> dict[str, list[F
             ("command", log.command),
             ("velocity", velocity),
             ("acceleration", np.gradient(smooth, log.time)),
-            ("mask", source.counts > 0),
+            ("mask", source.mask > 0),
         ):
             series.setdefault(name, []).append(np.asarray(values))
     return series

@@ -158,7 +158,7 @@ def _move(
     def cost(values: Sequence[FloatArray]) -> float:
         total = 0.0
         for log, residual, a in zip(logs, values, filters, strict=True):
-            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.counts > 0]
+            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.mask > 0]
             with np.errstate(over="ignore", invalid="ignore"):  # a step too far: an infinite cost refuses it
                 total += len(white) * float(np.log(np.mean(white**2)))
         return total

@@ -165,7 +165,7 @@ def _score(
     spectrum = np.fft.rfft(np.bincount(inside, back * gain, length)[:length])
     wave = np.arange(len(spectrum)) / (width * length)
     frequency, response = _response(source, filter_, model.axis.mass, on_reading)
-    weight = source.counts * gain**2
+    weight = source.mask * gain**2
     if spatial:
         speed = np.abs(along.middle_velocity)
         edges = np.linspace(0.0, float(speed.max()) + 1e-12, 41)
@@ -187,7 +187,7 @@ def adjoint(
 
     One pass backwards through the filters and the observer's loop: the scores of all effects are sums of these.
     """
-    back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
+    back = coloured(residual[None, :], source, filter_)[0] * source.mask / filter_.rms
     back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
     force, reading = source.predictor.propagate_transposed(along, mass, np.ascontiguousarray(back))
     return np.asarray(force), np.asarray(reading)

@@ -89,8 +89,8 @@ class Evidence:
         """
         rows, right = [], []
         for source, part, table in zip(self.sources, self.parts, tables, strict=True):
-            rows.append(np.vstack([part.columns, table]) * source.counts)
-            right.append(part.residual * source.counts)
+            rows.append(np.vstack([part.columns, table]) * source.mask)
+            right.append(part.residual * source.mask)
         columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
         p = len(tables[0])
         tuned = gap - least_squares(columns[:-p], gap) @ columns[:-p]
@@ -109,7 +109,7 @@ class Evidence:
             taken = np.zeros(length // 2 + 1)
             for row in self.basis:
                 taken += 2.0 / length * np.abs(np.fft.rfft(row[start : start + n], length)) ** 2
-            lines = 2.0 * float(source.counts.sum()) / length
+            lines = 2.0 * float(source.mask.sum()) / length
             free = [lines * (part.stop - part.start) - float(taken[part].sum()) for part in parts]
             result.append((parts, np.maximum(np.array(free), 1.0)))
             start += n
@@ -147,7 +147,7 @@ class Evidence:
         """
         shares = [0.0]
         for source, part in zip(self.sources, self.parts, strict=True):
-            power = float(np.mean((part.residual[source.counts > 0] / source.scale) ** 2))
+            power = float(np.mean((part.residual[source.mask > 0] / source.scale) ** 2))
             shares.append(self.model.encoder.resolution**2 / 12.0 / max(power, 1e-300))
         return min(1.0, max(shares))
 

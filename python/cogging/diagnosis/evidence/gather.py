@@ -74,8 +74,8 @@ def weighed(
         noise = part.residual - taken
         a = np.zeros(1) if plain else whitening_filter(source, noise - refitted(source, part, noise))
         table = np.asarray(whiten(np.vstack([noise[None, :], part.residual[None, :], part.columns]), list(a)))
-        rms = robust_rms(table[0, source.counts > 0])
-        table *= source.counts / rms
+        rms = robust_rms(table[0, source.mask > 0])
+        table *= source.mask / rms
         table[0] = np.clip(table[0], -CLIP, CLIP)
         table[1] = np.clip(table[1], -GLITCH, GLITCH)
         basis = orthonormal(table[2:])
@@ -105,7 +105,7 @@ def weighed(
 def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatArray:
     """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
     a = whitening_filter(source, noise)
-    table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.counts
+    table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.mask
     return np.asarray(least_squares(table[1:], table[0], rcond=1e-9) @ part.columns)
 
 

@@ -34,7 +34,7 @@ class Filter:
 
 def filtered(table: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
     """Rows (p, n), V, made white; rows that do not count are taken as 0 between the two filters."""
-    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.counts / filter_.rms)
+    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.mask / filter_.rms)
     return coloured(white, source, filter_)
 
 
@@ -68,7 +68,7 @@ def periodogram_length(rows: int) -> int:
 def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
     """Power, 1 where the rows that count are white with rms 1, and its frequencies, Hz."""
     length = periodogram_length(len(white))
-    power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.counts.sum()), 1.0)
+    power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.mask.sum()), 1.0)
     return np.asarray(power), np.asarray(np.fft.rfftfreq(length, source.scales.sample_time))
 
 

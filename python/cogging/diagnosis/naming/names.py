@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import known_periods
 from cogging.diagnosis.candidates.waves import is_wave
 from cogging.diagnosis.entries import NamedEffect, Value

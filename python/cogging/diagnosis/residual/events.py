@@ -53,9 +53,9 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
     chosen: list[tuple[float, int, int]] = []
     rows = 0.0
     for number, (source, reading) in enumerate(zip(evidence.sources, readings, strict=True)):
-        score = np.cumsum(reading[::-1])[::-1] ** 2 * source.counts
-        level = level_of(score[source.counts > 0])
-        rows += float(source.counts.sum())
+        score = np.cumsum(reading[::-1])[::-1] ** 2 * source.mask
+        level = level_of(score[source.mask > 0])
+        rows += float(source.mask.sum())
         near = max(1, round(APART / source.scales.sample_time))
         for _ in range(EVENTS_MAX):
             row = int(np.argmax(score))
@@ -107,7 +107,7 @@ def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape |
     found: list[tuple[float, int, int, int]] = []
     trials = 0.0
     for number, (source, force) in enumerate(zip(evidence.sources, forces, strict=True)):
-        total = np.concatenate([[0.0], np.cumsum(force * source.counts)])
+        total = np.concatenate([[0.0], np.cumsum(force * source.mask)])
         for seconds in LENGTHS:
             length = max(2, round(seconds / source.scales.sample_time))
             if length >= len(force):
@@ -116,7 +116,7 @@ def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape |
             level = level_of(score[score > 0.0])
             if level <= 0.0:
                 continue
-            trials += float(source.counts.sum()) / length
+            trials += float(source.mask.sum()) / length
             for _ in range(EVENTS_MAX):
                 row = int(np.argmax(score))
                 if score[row] <= 4.0 * level:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.diagnosis.candidates.scan import Finding, cleaned, judged
+from cogging.diagnosis.candidates.findings import Finding, cleaned, judged
 from cogging.diagnosis.candidates.waves import Gain, is_spatial_wave, peaks
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.score_test import ScoreTest, cosine

@@ -36,7 +36,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
     t = source.log.time - source.log.time[0]
     u = source.log.command
     a = source.predictor.net_force([quiet_plant(model)], x, v)[0] / model.axis.mass
-    moving = source.counts > 0
+    moving = source.mask > 0
     direction = np.sign(v)
 
     def spread(values: FloatArray, count: int) -> FloatArray:
@@ -96,7 +96,7 @@ def one_way(velocity: FloatArray) -> FloatArray:
 
 
 def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = ()) -> list[Shape]:
-    """The residual shapes, the likeliest first, each against the noise that it would leave (see scan.profiled).
+    """The residual shapes, the likeliest first, each against the noise that it would leave (see findings.profiled).
 
     Args:
         evidence: the evidence in which they are sought.

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from cogging._core import EFFECTS
+from cogging.diagnosis.candidates.findings import Finding, judged
 from cogging.diagnosis.candidates.intervals import acts_in_interval
-from cogging.diagnosis.candidates.scan import Finding, judged
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.intervals import acts_in_interval
-from cogging.diagnosis.candidates.scan import Finding
 from cogging.diagnosis.candidates.signatures import place
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave

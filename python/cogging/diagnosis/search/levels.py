@@ -27,7 +27,7 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
     paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
     floors = width_floor(sources)
-    masks = [source.counts > 0 for source in sources]
+    masks = [source.mask > 0 for source in sources]
     if not paths or not any(rows.any() for rows in masks):
         return model
 

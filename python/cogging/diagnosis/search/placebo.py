@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.entries import Placebo
 from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.confirmation import confirmation

@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
-from cogging.diagnosis.candidates.scan import Finding, cleaned, profiled, scan
+from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.discrepancy import discrepancies, follows, source_of
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.confirmation import Confirmation
