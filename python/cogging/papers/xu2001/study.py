@@ -7,7 +7,6 @@ figure of the command increment against the robust terms is written there.
 
 from __future__ import annotations
 
-import io
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -30,6 +29,7 @@ from cogging._core import (
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
+from cogging.papers.result import png
 from cogging.papers.xu2001.exploration import changes, columns, explore, gap
 from cogging.papers.xu2001.robust_terms import FACTORS, HARDWARE, figure_increment, increment, one_count
 from cogging.papers.xu2001.setup import (
@@ -201,9 +201,7 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
     _fast_motion(unknowns, show)
     if folder is not None:
         path = Path(folder) / "xu2001_increment.png"
-        picture = io.BytesIO()
-        figure_increment().savefig(picture, format="png", dpi=120)
-        write_bytes(path, picture.getvalue())
+        write_bytes(path, png(figure_increment()))
         show(f"{path} written")
 
 
