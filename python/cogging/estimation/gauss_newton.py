@@ -12,9 +12,9 @@ from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.residuals import Residuals
+from cogging.estimation.statistics import student
 from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.difference_steps import central
-from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
 
@@ -158,7 +158,7 @@ def _move(
     def cost(values: Sequence[FloatArray]) -> float:
         total = 0.0
         for log, residual, a in zip(logs, values, filters, strict=True):
-            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.counts > 0]
+            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.mask > 0]
             with np.errstate(over="ignore", invalid="ignore"):  # a step too far: an infinite cost refuses it
                 total += len(white) * float(np.log(np.mean(white**2)))
         return total

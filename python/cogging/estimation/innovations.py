@@ -78,8 +78,8 @@ class Innovations:
         self.settle = settle = SETTLED / (2.0 * np.pi * bandwidth)
         broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
         waits = settling(still, log.time, self.velocity, self.rest, bandwidth) if quick_starts else settle
-        counts = ~(since(still, log.time) < waits) & ~(since(broken, log.time) < max(START, settle))
-        self.counts = counts.astype(float)
+        mask = ~(since(still, log.time) < waits) & ~(since(broken, log.time) < max(START, settle))
+        self.mask = mask.astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
             force=float(np.sqrt(np.mean(log.command**2))) or 1.0,

@@ -75,7 +75,7 @@ def determinability(
         residual, columns = balance.columns(model, parameters, scales)
         shown = balance.instruments(model, parameters, scales, run)
         columns = columns if shown is None else shown
-        rows = balance.counts
+        rows = balance.mask
         weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)
         tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))
     dead = _dead(tables, sizes)
@@ -191,7 +191,7 @@ def _short(parameter: Parameter) -> str:
 
 def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalance]) -> str:
     """The poverty of the motion that makes two parameters trade."""
-    motions = [(b.dynamics.motion, b.counts) for b in balances]
+    motions = [(b.dynamics.motion, b.mask) for b in balances]
     if any(p.path == "axis.mass" for p in pair):
         top = max(float(np.quantile(np.abs(m.acceleration[rows]), 0.99)) for m, rows in motions)
         return f"accelerations reach only {top:.2g} m/s^2"

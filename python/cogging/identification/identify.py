@@ -14,16 +14,16 @@ from cogging.arrays import FloatArray
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
+from cogging.estimation.statistics import student
 from cogging.identification.determinability import Determinability, determinability, size_of
 from cogging.identification.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.result import Identification, LogFit, ParameterEstimate
-from cogging.log_check.audit import encoder_quantum
+from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
-from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, role_of, with_values
 
@@ -166,10 +166,10 @@ class _Fit:
                 stage(0)
                 balances = [ForceBalance.of(run.log, cutoff=cutoff, rest=self.rest) for run in self.runs]
                 for run, balance in zip(self.runs, balances, strict=True):
-                    if int(balance.counts.sum()) < 4 * len(self.paths) + 50:
+                    if int(balance.mask.sum()) < 4 * len(self.paths) + 50:
                         raise ValueError(
                             f"{run.name}: rows: must be at least {4 * len(self.paths) + 50} in motion, away from the "
-                            f"ends and from gaps, to fit {len(self.paths)} parameters, got {int(balance.counts.sum())}"
+                            f"ends and from gaps, to fit {len(self.paths)} parameters, got {int(balance.mask.sum())}"
                         )
                 scales = Scales.largest(balance.scales for balance in balances)
                 told = self._determine(self.model, balances, scales)
@@ -358,7 +358,7 @@ class _Fit:
             errors = {}
         return LogFit(
             name=run.name,
-            rows=int(balance.counts.sum()),
+            rows=int(balance.mask.sum()),
             residual_before=balance.residual_rms(self.model),
             residual_after=balance.residual_rms(model),
             residual_free=balance.residual_rms(free),
@@ -377,7 +377,7 @@ def noise_floor(balance: ForceBalance, model: Model) -> float:
     log = Log(time=balance.log.time, position=noise, command=np.zeros(n))
     bare = Model(axis=AxisParameters(mass=model.axis.mass, viscous=model.axis.viscous))
     shaken = InverseDynamics(log, cutoff=balance.dynamics.cutoff).of([bare])
-    return float(np.sqrt(np.mean(shaken[0, balance.counts] ** 2)))
+    return float(np.sqrt(np.mean(shaken[0, balance.mask] ** 2)))
 
 
 def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:

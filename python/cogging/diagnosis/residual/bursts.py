@@ -30,15 +30,15 @@ def bursts(evidence: Evidence) -> float:
         start += n
         frequency = np.fft.rfftfreq(n, h)
         inside = (frequency >= BAND[0]) & (frequency < BAND[1])
-        power = np.fft.irfft(np.where(inside, np.fft.rfft(residual), 0.0), n) ** 2 * source.counts
+        power = np.fft.irfft(np.where(inside, np.fft.rfft(residual), 0.0), n) ** 2 * source.mask
         length = max(2, round(BLOCK / h))
         rows = len(residual) // length * length
-        counted = source.counts[:rows].reshape(-1, length).sum(axis=1)
+        counted = source.mask[:rows].reshape(-1, length).sum(axis=1)
         moving = counted > 0.5 * length
         if moving.sum() < BLOCKS_MIN:
             continue
         level = power[:rows].reshape(-1, length).sum(axis=1)[moving] / counted[moving]
-        speed = (np.abs(source.along.velocity) * source.counts)[:rows].reshape(-1, length).sum(axis=1)[moving]
+        speed = (np.abs(source.along.velocity) * source.mask)[:rows].reshape(-1, length).sum(axis=1)[moving]
         total += _chance(level, speed / counted[moving], (BAND[1] - BAND[0]) * 2.0 * h * float(counted[moving].mean()))
     return total
 

@@ -11,10 +11,8 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
 
-JUMPS, FRICTION_INTERVALS = "jumps of the reading over time", "friction in spells of time"
-MOMENTS = (JUMPS, FRICTION_INTERVALS)  # coordinates whose places are moments
 EVENTS_MAX = 12
 SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one
@@ -55,9 +53,9 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
     chosen: list[tuple[float, int, int]] = []
     rows = 0.0
     for number, (source, reading) in enumerate(zip(evidence.sources, readings, strict=True)):
-        score = np.cumsum(reading[::-1])[::-1] ** 2 * source.counts
-        level = level_of(score[source.counts > 0])
-        rows += float(source.counts.sum())
+        score = np.cumsum(reading[::-1])[::-1] ** 2 * source.mask
+        level = level_of(score[source.mask > 0])
+        rows += float(source.mask.sum())
         near = max(1, round(APART / source.scales.sample_time))
         for _ in range(EVENTS_MAX):
             row = int(np.argmax(score))
@@ -109,7 +107,7 @@ def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape |
     found: list[tuple[float, int, int, int]] = []
     trials = 0.0
     for number, (source, force) in enumerate(zip(evidence.sources, forces, strict=True)):
-        total = np.concatenate([[0.0], np.cumsum(force * source.counts)])
+        total = np.concatenate([[0.0], np.cumsum(force * source.mask)])
         for seconds in LENGTHS:
             length = max(2, round(seconds / source.scales.sample_time))
             if length >= len(force):
@@ -118,7 +116,7 @@ def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape |
             level = level_of(score[score > 0.0])
             if level <= 0.0:
                 continue
-            trials += float(source.counts.sum()) / length
+            trials += float(source.mask.sum()) / length
             for _ in range(EVENTS_MAX):
                 row = int(np.argmax(score))
                 if score[row] <= 4.0 * level:
