@@ -24,7 +24,7 @@ from cogging.model.parameters import effect_paths, parameters_of
 SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
 FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
 HALF = 0.5  # of T
-STRONG = -25.0  # ln of the chance of a refused effect
+STRONG = -25.0  # log p-value of a refused effect
 PERIODS_APART = 1.5  # in turns over the travel
 LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 

@@ -14,7 +14,7 @@ from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
 
 EVENTS_MAX = 12
-SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
+SUSPECTED = -3.0  # log p-value, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one
 LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of intervals of friction
 MEDIAN, HUNDREDTH = 0.4549, 6.635  # of chi-square with one degree of freedom: median, and 99 of 100 are below
