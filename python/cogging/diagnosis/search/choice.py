@@ -61,7 +61,7 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
 
 
 def needed(finding: Finding) -> float:
-    """Log p-value: ln of the probability by which an effect must stand out where the confirm logs cannot show it."""
+    """Log p-value below which an effect must lie where the confirm logs cannot show it."""
     effect = EFFECTS[finding.name]
     return SLIPPERY if acts_in_interval(effect) or "friction_level" in effect.HOOKS else UNSHOWN
 
