@@ -41,8 +41,8 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
 
     Args:
         found: the search.
-        logs: that it saw.
-        model: as it was given, with the controller that was running.
+        logs: logs that it saw.
+        model: given model, with the controller that was running.
         replay: whether the loop can be replayed.
     """
     beyond = [change for change in changes(found, model) if abs(change[3]) > CHANGED]
@@ -127,8 +127,8 @@ def measure(logs: Prepared, models: Sequence[Model], fitted: Model, *, replay: b
 
     Args:
         logs: given and confirm logs.
-        models: whose gaps are measured.
-        fitted: with the controller that the confirm logs must obey to be replayed.
+        models: models whose gaps are measured.
+        fitted: model whose controller the confirm logs must obey to be replayed.
         replay: whether the loop can be replayed on the given logs.
     """
     notes = []

@@ -39,14 +39,14 @@ def diagnose(
     together, is added and refitted, up to four effects; what other motion refutes is not.
 
     Args:
-        logs: one or several, or their files.
-        model: what is believed, or its file.
+        logs: one log or several, or their files.
+        model: model that is held against them, or its file.
         confirm: logs of other motion, which take no part in choice or fit.
             Rows that stand in several logs of one kind count once.
-        names, confirm_names: what the logs are called in messages; their files by default.
-        empirical: add what no effect explains to the model as a force of any shape, where it does not make the gap on
-            the confirm logs larger. It is no effect of the vocabulary, and the result's gap is that without it.
-        progress: is told what is being done.
+        names, confirm_names: names of the logs in messages; their files by default.
+        empirical: whether to add what no effect explains to the model as a force of any shape, where it does not make
+            the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
+        progress: function that is called with what is being done.
 
     Raises:
         ValueError: a log or model that cannot be used, or a confirm log with rows of a given one.

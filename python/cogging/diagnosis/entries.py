@@ -98,7 +98,7 @@ class Placebo:
 
 @dataclass(frozen=True)
 class Gap:
-    """Rms over rows in motion of what the model leaves unexplained, V.
+    """The gap: rms over rows in motion of what the model leaves unexplained, in the unit of the command.
 
     Attributes:
         unit: unit of the command.

@@ -17,7 +17,7 @@ from cogging.outputs import finite
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIGNIFICANT = -9.5  # ln of the chance from which a coordinate is told
+SIGNIFICANT = -9.5  # log p-value below which a coordinate is told
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,12 @@ class Wave:
     """A force that repeats itself, in place or in time.
 
     Attributes:
-        coordinate: "spatial period" (m) or "frequency" (Hz).
-        value: of the period, or frequency.
+        coordinate: "spatial period" or "frequency".
+        value: period (m) or frequency (Hz).
         unit: m or Hz.
-        amplitude: V.
+        amplitude: amplitude of the force, V.
         log_p_value: ln of the probability that noise alone shows as much at any period or frequency.
-        share: of the gap's power below 60 Hz.
+        share: share of the gap's power below 60 Hz.
     """
 
     coordinate: str
@@ -58,10 +58,10 @@ class Location:
     """Where logs and a model disagree after the model was re-tuned.
 
     Attributes:
-        shapes: force of any shape in each coordinate, the likeliest first.
-        waves: what repeats itself, the strongest first.
+        shapes: residual shapes, one a coordinate, the likeliest first.
+        waves: forces that repeat themselves, the strongest first.
         residual: rms of what the re-tuned model leaves in rows in motion, V.
-        model: re-tuned.
+        model: re-tuned model.
         series: rows of the logs by name, for the figures: time, position, velocity, acceleration, command, gap, mask.
     """
 

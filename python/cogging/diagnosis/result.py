@@ -88,8 +88,8 @@ class Diagnosis:
         """Write one HTML file that opens offline: what disagrees, where, why, what else it could be, what to do next.
 
         Args:
-            path: of the file.
-            title: what was diagnosed, such as the names of the logs.
+            path: path of the file.
+            title: name of what was diagnosed, such as those of the logs.
 
         Raises:
             ValueError: Jinja2, of the extra `report`, is not installed.

@@ -30,10 +30,10 @@ class Finding:
     Attributes:
         candidate: effect and shape.
         test: score test of its columns.
-        amplitudes: what the effect would need, (p,); (1,) near 1 where the shape alone makes it.
+        amplitudes: amplitudes that the effect would need, (p,); (1,) near 1 where the shape alone makes it.
         trials: number of independent shapes that were tried (the look-elsewhere effect).
         log_p_value: ln of the probability that noise alone shows as much anywhere in this scan.
-        score: 2 ln likelihood, less what the free parameters and the number of trials cost.
+        score: 2 ln likelihood, less the penalties for free parameters and number of trials.
         faint: whether it is a wave in the reading so small that rounding may have made it: no effect.
     """
 

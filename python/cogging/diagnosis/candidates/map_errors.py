@@ -22,7 +22,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 
 SIZE = 0.3  # of the amplitude, assumed: 1-sigma of a constant error of the map, and of a ratio of sines to cosines
-SHOWN = -5.0  # ln of the chance from which an error of the map is seen
+SHOWN = -5.0  # log p-value from which an error of the map is seen
 
 
 @dataclass(frozen=True)

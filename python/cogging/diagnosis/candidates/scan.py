@@ -17,7 +17,7 @@ from cogging.diagnosis.candidates.signatures import Candidate, candidates, quant
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence
 
-STANDS_OUT = -3.0  # ln of the chance
+STANDS_OUT = -3.0  # log p-value
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
 ROUNDS = {False: 3, True: 6}  # of moving one shape; where the shape alone makes the effect, it is also its size
 REFINED = 4  # peaks of a spectrum whose width is looked through

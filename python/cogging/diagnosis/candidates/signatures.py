@@ -28,10 +28,10 @@ class Candidate:
     """An effect at one shape: columns for its amplitudes, or one for a small effect that has none.
 
     Attributes:
-        name: of the effect.
+        name: name of the effect.
         shape: values of the fields that are no amplitudes.
-        amplitudes: (field, index or None) of each column; empty where the shape alone makes the effect.
-        unit: amplitude by which the columns were made.
+        amplitudes: field and index (or None) of each column; empty where the shape alone makes the effect.
+        unit: amplitudes by which the columns were made, one a column.
     """
 
     name: str

@@ -32,10 +32,10 @@ def gather(
     """Make evidence of a fit: residuals, whitening, and the basis of all that the free parameters can explain.
 
     Args:
-        estimate: the fit.
-        sources: its logs.
-        memory: of earlier evidence of these logs.
-        plain: do not whiten: all frequencies weigh as they do in the gap itself.
+        estimate: fit of the model.
+        sources: logs that it was fitted to.
+        memory: tables of earlier evidence of these logs (see Evidence).
+        plain: whether not to whiten: all frequencies then weigh as they do in the gap itself.
     """
     model = estimate.model
     known = parameters_of(model, together=True)

@@ -1,4 +1,4 @@
-"""What makes a log's residual white: an autoregressive filter, and a gain over frequency for what it leaves."""
+"""Whitening: an autoregressive filter, and a gain over frequency for what it leaves."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Filter:
     """What makes one log's residual white: an autoregressive filter, then a gain over frequency for what it left.
 
     Attributes:
-        coefficients: of the autoregressive filter.
-        rms: of its output, V, by which the rest is divided.
-        frequency: Hz, increasing, at which the spectrum of the rest is known.
+        coefficients: coefficients of the autoregressive filter.
+        rms: rms of its output, V, by which that is divided.
+        frequency: frequencies at which the spectrum of the divided output is known, Hz, increasing.
         level: that spectrum; 1 is white.
     """
 

@@ -42,8 +42,8 @@ def html(result: Diagnosis, *, title: str = "") -> str:
     """The report as a text.
 
     Args:
-        result: what was found.
-        title: what was diagnosed, such as the names of the logs.
+        result: result that is shown.
+        title: name of what was diagnosed, such as those of the logs.
 
     Raises:
         ValueError: Jinja2, of the extra `report`, is not installed.

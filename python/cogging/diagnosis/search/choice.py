@@ -49,9 +49,9 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
     """Whether an effect stands out of the logs, or of both motions together, and is worth a name there.
 
     Args:
-        finding: in the logs.
-        check: on the other motion.
-        power, other_power: of the residuals below 60 Hz, of the logs and of the other motion (low_power).
+        finding: the effect in the logs.
+        check: its test on the other motion.
+        power, other_power: power of the residuals below 60 Hz, in the logs and in the other motion (low_power).
     """
     if finding.log_p_value <= DETECTED:
         return finding.test.statistic >= WORTH * power
@@ -61,7 +61,7 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
 
 
 def needed(finding: Finding) -> float:
-    """ln of the chance by which an effect must stand out where the confirm logs cannot show it."""
+    """Log p-value below which an effect must lie where the confirm logs cannot show it."""
     effect = EFFECTS[finding.name]
     return SLIPPERY if acts_in_interval(effect) or "friction_level" in effect.HOOKS else UNSHOWN
 

@@ -80,11 +80,11 @@ def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str
     Effects that the given model has are re-tuned too: they may have masked what was added.
 
     Args:
-        logs: the other logs.
-        model: with what was added.
-        given: without.
+        logs: logs of other motion.
+        model: model with what was added.
+        given: model without it.
         tuned: paths that were free in the fit of the first logs.
-        quick: see sources_of.
+        quick: whether rows soon after a quick start count (see sources_of).
     """
     own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
     paths = [p for p in tuned if not p.startswith("effects.")]

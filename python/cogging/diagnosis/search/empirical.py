@@ -28,9 +28,9 @@ def with_term(
 
     Args:
         found: the search.
-        residual_shape: what no effect explains (verdict.unlisted).
-        model: with all that was named.
-        logs, others: given, and to confirm.
+        residual_shape: entry of what no effect explains (verdict.unlisted).
+        model: model with all that was named.
+        logs, others: given logs, and logs to confirm.
 
     Raises:
         NoTerm: no term has this coordinate, or it does not pay on the other motion.

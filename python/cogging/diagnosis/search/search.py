@@ -59,9 +59,9 @@ def search(
 
     Args:
         logs: logs that are searched.
-        model: what is believed.
+        model: model that is held against them.
         confirm: logs of other motion.
-        progress: is told what is being done.
+        progress: function that is called with what is being done.
         replay: whether an effect must pay by the gap of the replayed loop, where that follows the logs.
         free_map: whether errors of the cogging map are re-tuned; tried where they explain as much as the best effect.
     """

@@ -85,7 +85,7 @@ class State:
     """Where a search stands.
 
     Attributes:
-        task: what was given.
+        task: logs, model and options.
         nominal: fit of the given model.
         nominal_evidence: its evidence.
         tuned_nominal: nominal model with levels tuned to its gap (with_levels).
