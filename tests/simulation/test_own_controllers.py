@@ -446,7 +446,7 @@ def test_a_subclass_of_the_core_is_refused(kind):
         def command(self, reference, reading):
             return 0.0
 
-    mine = Mine(kind.PARAMETERS()) if hasattr(kind, "PARAMETERS") else Mine(ctypes.CDLL(None).cos, sample_rate=1e3)
+    mine = Mine(kind.PARAMETERS()) if hasattr(kind, "PARAMETERS") else Mine(GOOD, sample_rate=1e3)
     text = (
         rf"^controller: must not be of a subclass of {kind.__name__}, .*, got .*Mine: give an object with sample_rate"
     )
