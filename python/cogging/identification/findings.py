@@ -65,9 +65,8 @@ class Findings:
 
 def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identification:
     """The result: the output error's values where the force balance does not see all, else the balance's."""
-    told, output = found.told, found.output
-    hidden = any(told.determined(path) and path not in found.balance.paths for path in told.paths)
-    reported = output if output is not None and (hidden or _has_states(prior)) else found.balance
+    told = found.told
+    reported = _reported(prior, found)
     known = parameters_of(prior)
     entries = [_entry(known[path], note, reported, found) for path, note in zip(told.paths, told.notes, strict=True)]
     fitted = {entry.path: entry.value for entry in entries if entry.determined}
@@ -94,6 +93,13 @@ def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identifi
     )
 
 
+def _reported(prior: Model, found: Findings) -> Values:
+    """Whose values count."""
+    told, inside = found.told, found.balance.paths
+    hidden = any(told.determined(path) and path not in inside for path in told.paths)
+    return found.output if found.output is not None and (hidden or _has_states(prior)) else found.balance
+
+
 def _covariance(entries: Sequence[ParameterEstimate], reported: Values) -> FloatArray:
     """Of what is determined, 0 elsewhere, (p, p)."""
     covariance = np.zeros((len(entries), len(entries)))
@@ -109,10 +115,6 @@ def _entry(prior: Parameter, note: str, reported: Values, found: Findings) -> Pa
     value, interval = prior.value, (-np.inf, np.inf)
     inverse = balance.value(path) if determined and path in balance.paths else None
     by_output = output.value(path) if output is not None and path in output.paths else None
-    difference = None
-    if inverse is not None and by_output is not None and output is not None:
-        sigma = float(np.hypot(balance.sigma(path), output.sigma(path)))
-        difference = (by_output - inverse) / sigma if sigma > 0 else None
     determined = determined and path in reported.paths and bool(np.isfinite(reported.sigma(path)))
     if determined:
         value, half = reported.value(path), reported.half_width(path)
@@ -126,11 +128,19 @@ def _entry(prior: Parameter, note: str, reported: Values, found: Findings) -> Pa
         determined=determined,
         inverse_dynamics=inverse,
         output_error=by_output,
-        difference=difference,
+        difference=_difference(path, balance, output),
         spread=None if spread is None else spread[0],
         single_sigma=None if spread is None else spread[1],
         note=note,
     )
+
+
+def _difference(path: str, balance: Values, output: Values | None) -> float | None:
+    """The output error's value less the balance's, in units of its standard deviation were they independent."""
+    if output is None or path not in output.paths or path not in balance.paths:
+        return None
+    sigma = float(np.hypot(balance.sigma(path), output.sigma(path)))
+    return (output.value(path) - balance.value(path)) / sigma if sigma > 0 else None
 
 
 def _log_fit(

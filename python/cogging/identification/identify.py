@@ -73,18 +73,14 @@ def identify(
     for name, log in zip(called, read, strict=True):
         _require_motion(name, log)
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
-    for name, log, entry in zip(called, read, added, strict=True):
-        if entry is not None and np.shape(entry) != (len(log),):
-            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {np.shape(entry)}")
+    _require_lengths(called, read, added)
     read, kept, notes = counted_once(read, called, FEWEST_ROWS)
     added = [e if e is None else np.asarray(e)[rows] for e, rows in zip(added, kept, strict=True) if rows.any()]
     called = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
-    if cutoff is not None and not 0.0 < cutoff <= 0.2 * rate:
-        raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")
+    cutoffs = _cutoffs(cutoff, rate)
     if rest is not None and not 0.0 <= rest < np.inf:
         raise ValueError(f"rest: must be at least 0, got {rest:g}")
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
-    cutoffs = [cutoff] if cutoff is not None else [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
     notes = (*notes, *(run.repairs for run in runs if run.repairs))
     return replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
@@ -101,6 +97,21 @@ def _one_each(
         if len(entries) != len(logs):
             raise ValueError(f"{field}: must be one for each of {len(logs)} logs, got {len(entries)}")
     return called, added
+
+
+def _require_lengths(names: Sequence[str], logs: Sequence[Log], added: Sequence[npt.ArrayLike | None]) -> None:
+    for name, log, entry in zip(names, logs, added, strict=True):
+        if entry is not None and np.shape(entry) != (len(log),):
+            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {np.shape(entry)}")
+
+
+def _cutoffs(cutoff: float | None, rate: float) -> list[float]:
+    """What is tried, Hz, for logs of so many rows a second."""
+    if cutoff is None:
+        return [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
+    if not 0.0 < cutoff <= 0.2 * rate:
+        raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")
+    return [cutoff]
 
 
 def _paths(model: Model, free: Sequence[str] | None) -> list[str]:
