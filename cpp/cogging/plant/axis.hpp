@@ -160,7 +160,7 @@ class Axis {
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
  private:
-  friend void advance_sticking<Axis>(const Axis&, AxisState<double>&, const Drive<double>&, double, double, double);
+  friend class StickSlip<Axis>;
 
   struct Forces {
     Scalar without_friction, friction_level;  // V
@@ -217,7 +217,7 @@ class Axis {
         return;
       }
       if (sticks_) {
-        advance_sticking(*this, state, drive, time, 0.0, h);
+        StickSlip(*this, drive, time, 0.0, h).advance(state);
         return;
       }
     }
