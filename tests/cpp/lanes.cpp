@@ -3,11 +3,13 @@
 
 #include "cogging/lanes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
@@ -192,21 +194,22 @@ double spread(const Four& value) {
 
 // Prints the largest difference of any column between the lanes and the single runs, and how far the lanes
 // lie apart.
-template <class FourController, class OneController, class FourParameters, class OneParameters>
-void compare(const char* name, const FourParameters& four_parameters, const OneParameters& one_parameters) {
+template <class FourController, class OneController, class FourParameters, class OneParameters, class PlantOf>
+void compare(const char* name, const FourParameters& four_parameters, const OneParameters& one_parameters,
+             const PlantOf& plant) {
   const PointToPoint reference(motion);
   RunOptions options;
   options.seed = 3;
   options.steps_per_sample = 2;
   options.record_estimates = true;
   const std::vector<Machine> list = machines();
-  const Log<Four> four =
-      closed_loop<Four>(plant_of<Four>(list), FourController(four_parameters(list)), reference, options);
+  const Log<Four> four = closed_loop<Four>(plant.template operator()<Four>(list), FourController(four_parameters(list)),
+                                           reference, options);
   double worst = 0.0, apart = 0.0;
   for (std::size_t lane = 0; lane < width; ++lane) {
     const std::vector<Machine> alone{list[lane]};
-    const Log<double> one =
-        closed_loop<double>(plant_of<double>(alone), OneController(one_parameters(alone)), reference, options);
+    const Log<double> one = closed_loop<double>(plant.template operator()<double>(alone),
+                                                OneController(one_parameters(alone)), reference, options);
     const auto column = [&](const std::vector<Four>& pack, const std::vector<double>& single) {
       if (pack.size() != single.size()) worst = INFINITY;
       for (std::size_t k = 0; k < single.size(); ++k) {
@@ -337,6 +340,56 @@ void refusals() {
   std::printf("refused %d\n", refused);
 }
 
+bool is_sharp(const Machine& m) {
+  return m.coulomb > 0.2;
+}
+
+// Of machines in one pack some have a sharp sign, others a smooth one: in a controller's belief each its own; in the
+// plant only where a machine has no friction, as what sticks runs alone.
+template <class Scalar>
+AdaptiveRobustParameters<Scalar> mixed_parameters_of(const std::vector<Machine>& list) {
+  AdaptiveRobustParameters<Scalar> q = parameters_of<Scalar>(list);
+  q.coulomb_width = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb_width; });
+  return q;
+}
+
+template <class Scalar>
+Plant<Scalar> mixed_plant_of(const std::vector<Machine>& list) {
+  AxisParameters<Scalar> axis = plant_of<Scalar>(list).axis;
+  axis.coulomb = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb; });
+  axis.coulomb_width = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb_width; });
+  return {axis, CoggingModel<Scalar>{}, {}, EncoderParameters{0.5e-6, 1e-7}, NoiseParameters{}};
+}
+
+template <class Make>
+bool is_refused(const char* told, const Make& make) {
+  try {
+    make();
+  } catch (const std::invalid_argument& error) {
+    return std::string(error.what()).rfind(told, 0) == 0;
+  }
+  return false;
+}
+
+void mixed_widths() {
+  const auto mixed = []<class Scalar>(const std::vector<Machine>& list) { return mixed_plant_of<Scalar>(list); };
+  compare<Dcarc<Four>, Dcarc<double>>("mixed", mixed_parameters_of<Four>, mixed_parameters_of<double>, mixed);
+  const std::vector<Machine> list = machines();
+  std::printf("mixed_sharp %d\n", int(std::count_if(list.begin(), list.end(), is_sharp)));
+  AxisParameters<Four> axis = mixed_plant_of<Four>(list).axis;
+  CoulombAsymmetry<Four> asymmetry;  // a friction level of an effect is friction in every lane
+  asymmetry.difference = 0.01;
+  ActuatorLag<Four> lag;
+  lag.time_constant = of<Four>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.lag; });
+  bool refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}, {asymmetry}); });
+  refused = is_refused("actuator_lag: ", [&] { Amplifier<Four>({lag}, 1e-3); }) && refused;
+  axis.coulomb = 0.1;
+  refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}); }) && refused;
+  axis.coulomb_width = 0.0;
+  refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}); }) && refused;
+  std::printf("mixed_refused %d\n", refused);
+}
+
 // In units of the last place of the exact value, from the library's long double.
 double error_in_ulps(double value, long double exact) {
   const double near = std::abs(static_cast<double>(exact));
@@ -372,9 +425,11 @@ void elementary_functions() {
 }  // namespace
 
 int main() {
-  compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>);
-  compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>);
-  compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>);
+  const auto full = []<class Scalar>(const std::vector<Machine>& list) { return plant_of<Scalar>(list); };
+  compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>, full);
+  compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>, full);
+  compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>, full);
+  mixed_widths();
   lose_readings_of_all(std::make_index_sequence<std::variant_size_v<AnyController<>>>());
   refusals();
   elementary_functions();

@@ -13,6 +13,7 @@
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/sample_guard.hpp"
+#include "cogging/delay_line.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
@@ -118,11 +119,11 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
         sample_time_(1.0 / parameters.sample_rate),
         measured_rotation_(parameters.rotation == "measured") {
     const double samples = parameters.delay * parameters.sample_rate;
-    whole_ = static_cast<int>(samples + 1e-9);
-    fraction_ = std::max(0.0, samples - whole_);
+    whole_ = static_cast<std::size_t>(samples + 1e-9);
+    fraction_ = std::max(0.0, samples - static_cast<double>(whole_));
     for (int n = 0; n < count_; ++n) wavenumber_[n] = 2.0 * std::numbers::pi / parameters.periods[n];
     state_.fill(Scalar(0.0));
-    history_.fill(Scalar(0.0));
+    acted_ = DelayLine<Scalar>(whole_ + 1 + SampleGuard<Scalar>::gap_max);
     kept_.fill(Scalar(0.0));
     visited_.fill(Scalar(0.0));
   }
@@ -142,11 +143,7 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
                           [&](const auto& sample, const Scalar& y) { return law(sample, reference, ahead, y); });
   }
 
-  void update(Scalar applied) noexcept {
-    const int kept = whole_ + 2 + SampleGuard<Scalar>::gap_max;
-    for (int i = kept - 1; i > 0; --i) history_[i] = history_[i - 1];
-    history_[0] = guard_.acted(applied) / parameters_.mass;
-  }
+  void update(Scalar applied) noexcept { acted_.push(guard_.acted(applied) / parameters_.mass); }
 
  private:
   template <class Sample>
@@ -178,9 +175,9 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
   COGGING_INLINE void predict(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
     const auto t = sample_time_ * sample.steps;
     const double mu = parameters_.viscous;
-    Scalar sum = (1.0 - fraction_) * history_[whole_] + fraction_ * history_[whole_ + 1];
+    Scalar sum = (1.0 - fraction_) * acted_.at(whole_) + fraction_ * acted_.at(whole_ + 1);
     for (int i = 1; i <= sample.bridged; ++i)
-      sample.bridge(i, sum, sum + (1.0 - fraction_) * history_[whole_ + i] + fraction_ * history_[whole_ + 1 + i]);
+      sample.bridge(i, sum, sum + (1.0 - fraction_) * acted_.at(whole_ + i) + fraction_ * acted_.at(whole_ + 1 + i));
     const Scalar acted = sample.mean(sum);
     const Scalar moved =
         measured_rotation_ ? reading - reading_previous_ : Scalar(reference.position - reference_previous_);
@@ -233,12 +230,13 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
 
   Parameters parameters_;
   SampleGuard<Scalar> guard_;
-  int count_, whole_ = 0;
+  int count_;
+  std::size_t whole_ = 0;
   double sample_time_, fraction_ = 0.0;
   bool measured_rotation_;
   std::array<double, Parameters::periods_max> wavenumber_{};
   std::array<Scalar, states_max> state_;
-  std::array<Scalar, Parameters::delay_max + SampleGuard<Scalar>::gap_max> history_;  // m/s^2, the newest first
+  DelayLine<Scalar> acted_{0};            // m/s^2
   std::array<Scalar, 2> kept_, visited_;  // lambda_0 by direction, and whether it is known
   Scalar direction_ = 0.0;
   Scalar reference_previous_ = 0.0, reading_previous_ = 0.0;

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "cogging/delay_line.hpp"
 #include "cogging/plant/amplifier_laws.hpp"
 #include "cogging/plant/state.hpp"
 
@@ -27,16 +28,15 @@ class Amplifier {
     switch_ = (samples - static_cast<double>(whole_)) * sample_time;
     if (switch_ > sample_time * (1.0 - 1e-9)) ++whole_, switch_ = 0.0;
     if (switch_ < sample_time * 1e-9) switch_ = 0.0;
-    history_.assign(whole_ + 2, Scalar(0.0));
+    commands_ = DelayLine<Scalar>(whole_ + 1);
   }
 
   /// Raises DivergedError where what is passed on to the motor would not be a number: behind a current loop or under
   /// friction that sticks, an infinity could look like rest.
   void accept(const Scalar& command) {
-    head_ = head_ + 1 == history_.size() ? 0 : head_ + 1;
     const Scalar shaped = laws_.shaped(command);
     if (!all_finite(shaped)) refuse_command(shaped);
-    history_[head_] = shaped;
+    commands_.push(shaped);
     ++accepted_;
   }
 
@@ -60,7 +60,7 @@ class Amplifier {
  private:
   // As the command acts that is so many samples old.
   Drive<Scalar> drive(std::size_t age) const {
-    const Scalar target = history_[head_ >= age ? head_ - age : head_ + history_.size() - age];
+    const Scalar target = commands_.at(age);
     return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
   }
 
@@ -73,8 +73,8 @@ class Amplifier {
 
   AmplifierLaws<Scalar> laws_;
   double sample_time_, switch_ = 0.0;
-  std::size_t whole_ = 0, head_ = 0, accepted_ = 0;
-  std::vector<Scalar> history_;
+  std::size_t whole_ = 0, accepted_ = 0;
+  DelayLine<Scalar> commands_{0};
   Scalar output_ = 0.0;
 };
 

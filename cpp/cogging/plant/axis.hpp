@@ -66,7 +66,9 @@ class Axis {
         has_friction_(!all(parameters.coulomb == 0.0)) {
     const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
     for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) { laws_.push_back(law); });
-    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { has_friction_ = true; });
+    bool effects_rub = false;
+    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { effects_rub = true; });
+    has_friction_ = has_friction_ || effects_rub;
     for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) { gains_.push_back(law); });
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
     for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
@@ -87,7 +89,7 @@ class Axis {
     has_states_ = bristle_.exists() || coupling_.exists();
     plain_ = !has_states_ && !sticks_ && gains_.empty();
     if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
-      accuracy_.add({.velocity = bristle_.exists() ? 0.0 : smallest(parameters_.coulomb_width)}, 1.0);
+      accuracy_.add_turning(bristle_.exists() ? Scalar(0.0) : smooth_width(effects_rub));
     accuracy_.add_kinks(cogging_.kinks(), {});
     for (const auto& [amplitude, wavenumber] : cogging_.waves())
       accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
@@ -159,7 +161,7 @@ class Axis {
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
  private:
-  friend void advance_sticking<Axis>(const Axis&, AxisState<double>&, const Drive<double>&, double, double, double);
+  friend class StickSlip<Axis>;
 
   struct Forces {
     Scalar without_friction, friction_level;  // V
@@ -195,6 +197,19 @@ class Axis {
     state = added;
   }
 
+  // The coulomb_width, m/s, of each lane with friction, which must be smooth in all of them; infinite without friction.
+  Scalar smooth_width(bool effects_rub) const {
+    Scalar widths = parameters_.coulomb_width;
+    for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
+      if (!effects_rub && lane(parameters_.coulomb, i) == 0.0)
+        set_lane(widths, i, std::numeric_limits<double>::infinity());
+      else
+        require(lane(widths, i) > 0.0, "coulomb_width",
+                "must be above 0 in every lane with friction: what sticks runs on single machines alone",
+                lane(widths, i));
+    return widths;
+  }
+
   COGGING_NOINLINE void advance_other(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time,
                                       double h) const {
     if constexpr (std::is_same_v<Scalar, double>) {
@@ -203,7 +218,7 @@ class Axis {
         return;
       }
       if (sticks_) {
-        advance_sticking(*this, state, drive, time, 0.0, h);
+        StickSlip(*this, drive, time, 0.0, h).advance(state);
         return;
       }
     }

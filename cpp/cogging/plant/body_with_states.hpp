@@ -31,7 +31,7 @@ class BodyWithStates {
     for (int piece = 0; piece < pieces; ++piece) {
       const double from = h * piece / pieces, until = h * (piece + 1) / pieces;
       if (sticks)
-        advance_sticking(*this, state, drive, time, from, until);
+        StickSlip(*this, drive, time, from, until).advance(state);
       else
         move(state, drive, time, from, until);
     }
