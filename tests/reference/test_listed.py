@@ -78,7 +78,7 @@ def test_a_file_and_back(kind):
 
 def test_the_list_is_what_the_package_shows():
     for name, kind in (cogging.REFERENCES | cogging.CONTROLLERS).items():
-        assert kind.NAME == name
+        assert name == kind.NAME
         assert getattr(cogging, kind.__name__) is kind
         assert kind.__name__.lower() == name.replace("_", "")
         if hasattr(kind, "PARAMETERS"):
