@@ -17,7 +17,7 @@ from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit
-from cogging.linear import least_squares
+from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 
@@ -77,7 +77,7 @@ def map_error(estimate: Estimate, evidence: Evidence) -> MapError | None:
 
 def beyond_tuning(evidence: Evidence, explained: list[FloatArray]) -> list[FloatArray]:
     """What is explained (V, one (n,) a log) less what re-tuning could: errors of a map are largely its size."""
-    weights = least_squares(evidence.columns, evidence.whitened([row[None, :] for row in explained])[0])
+    weights = least_squares_of_long_rows(evidence.columns, evidence.whitened([row[None, :] for row in explained])[0])
     return [row - weights @ part.columns for row, part in zip(explained, evidence.parts, strict=True)]
 
 

@@ -21,7 +21,7 @@ from cogging.diagnosis.evidence.noise_filter import (
 )
 from cogging.diagnosis.evidence.score_test import ScoreTest, groups
 from cogging.estimation.innovations import Innovations
-from cogging.linear import least_squares
+from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
 
@@ -93,8 +93,8 @@ class Evidence:
             right.append(part.residual * source.mask)
         columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
         p = len(tables[0])
-        tuned = gap - least_squares(columns[:-p], gap) @ columns[:-p]
-        weights = least_squares(columns, gap)
+        tuned = gap - least_squares_of_long_rows(columns[:-p], gap) @ columns[:-p]
+        weights = least_squares_of_long_rows(columns, gap)
         left = gap - weights @ columns
         return weights[-p:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
 

@@ -16,7 +16,7 @@ from cogging.estimation.gauss_newton import Estimate, columns_of
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet_plant
 from cogging.estimation.whitening import BLOCK, whitening_filter
-from cogging.linear import least_squares
+from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
 
@@ -106,7 +106,7 @@ def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatA
     """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
     a = whitening_filter(source, noise)
     table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.mask
-    return np.asarray(least_squares(table[1:], table[0], rcond=1e-9) @ part.columns)
+    return np.asarray(least_squares_of_long_rows(table[1:], table[0], rcond=1e-9) @ part.columns)
 
 
 def slow_friction(source: Innovations, model: Model) -> FloatArray:
