@@ -57,6 +57,12 @@ class Predictor {
   PredictionOptions options_;
 };
 
+// As many threads as plants can use: where one holds a lock that it needs, others would wait for it.
+unsigned useful(const std::vector<Plant<>>& plants, unsigned threads) {
+  return std::any_of(plants.begin(), plants.end(), [](const Plant<>& one) { return is_serial(one.effects); }) ? 1
+                                                                                                              : threads;
+}
+
 // Rows of a table, one a job (made by row(i, stop request)), filled on threads without the GIL.
 template <class Row>
 py::array_t<double> table(std::size_t count, std::size_t rows, unsigned threads, const Row& row) {
@@ -114,6 +120,7 @@ Raises:
       .def(
           "innovations",
           [](const Predictor& self, const std::vector<Plant<>>& plants, unsigned threads) {
+            threads = useful(plants, threads);
             return table(plants.size(), self.log().time.size(), threads, [&](std::size_t i, StopRequest* stop) {
               return expected_prediction(plants[i], self.log(), self.options(stop), false).innovation;
             });
@@ -124,6 +131,7 @@ Raises:
           "net_force",
           [](const Predictor& self, const std::vector<Plant<>>& plants, const Array& middle_position,
              const Array& middle_velocity, unsigned threads) {
+            threads = useful(plants, threads);
             require(middle_position.size() == py::ssize_t(self.log().time.size()), "middle_position",
                     "must be as long as the log", double(middle_position.size()));
             require(middle_velocity.size() == middle_position.size(), "middle_velocity", "must be as long as the log",
@@ -179,6 +187,7 @@ Raises:
                   },
                   effect);
             }
+            if (is_serial(effects) || is_serial(plant.effects)) threads = 1;
             std::vector<double> innovation = without_gil([&](StopRequest* stop) {
               const ObserverLoop loop(along, self.log(), self.options(stop));
               return added_by(effects, sizes, plant, along, self.log(), loop, threads);

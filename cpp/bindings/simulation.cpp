@@ -104,6 +104,9 @@ Raises:
                 static_cast<double>(controllers.size()));
         require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
                 static_cast<double>(seeds.size()));
+        // Where a plant asks Python, it holds a lock for which other threads would only wait.
+        for (const Plant<>& plant : plants)
+          if (is_serial(plant.effects)) threads = 1;
         std::vector<Log<>> logs(plants.size());
         without_gil([&](StopRequest* stop) {
           run_batch(plants.size(), threads, stop, [&](std::size_t i) {

@@ -6,6 +6,9 @@ Each class says of itself, for programs that know no effect by name:
 - `HOOKS`, what it acts on: "force", "friction_level", "command_gain", "shape_command", "command_delay", "lag",
   "reading", "state". Where its law is a function, that is `force_at`, `friction_level_at`, `gain_at`, `shape_at`,
   `reading_at`, on scalars and arrays; `resolved(axis, cogging)` first fills in what it takes from the plant;
+- `KINDS`, what parameters are together: `Wave` (a sine and a cosine with their period or frequency), `Window` (start
+  and stop), `Knots` (levels at nodes), `SplineKnots` (even knots of lists of amplitudes), `Travel` (taken from the
+  plant), each with the names of the fields;
 - `ROLES`, name -> dict: `role` ("amplitude": the law is linear in it and vanishes at `neutral`; "shape": it is not;
   "setting": not to be searched for), `quantity` (what it is measured against), `low`, `high` (where to search, in
   multiples of that quantity's value), `logarithmic` (step in the logarithm), `neutral` (the value at which the effect
@@ -15,7 +18,63 @@ The value of a quantity in a log: `force`, `command`: largest |command|; `fricti
 place, 0 the lower and 1 the upper end of the travel; `distance`: length of the travel; `velocity`: largest speed;
 `time`: duration; `sample_time`; `frequency`: half the sample rate; `force_per_position`, `force_per_velocity`,
 `force_per_velocity_squared`: quotients of these; `stiffness`: Coulomb level over length of the travel; `relative`,
-`exponent`, `one`: 1. A list has the role of each of its values.
+`exponent`, `one`: 1; `absolute`: 1 in the parameter's own unit. A list has the role of each of its values.
+
+`Effect` is what all of them have in common; `Custom` makes one of your own.
 """
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TypeVar
+
+from cogging._core import AxisParameters, CoggingModel
 from cogging._core.effects import *  # noqa: F403  (the list stands in the core alone)
+from cogging._core.effects import Knots, SplineKnots, Travel, Wave, Window
+from cogging.own_effect import Custom as Custom
+from cogging.own_parameter import Parameter as Parameter
+
+Kind = Wave | Window | Knots | SplineKnots | Travel
+K = TypeVar("K", Wave, Window, Knots, SplineKnots, Travel)
+
+
+class Effect(Protocol):
+    """What every effect of a plant has, built-in or `Custom`: values of its fields are attributes."""
+
+    @property
+    def NAME(self) -> str:  # noqa: N802
+        """Its name in model files."""
+
+    @property
+    def LAW(self) -> str:  # noqa: N802
+        """Its formula."""
+
+    @property
+    def HOOKS(self) -> tuple[str, ...]:  # noqa: N802
+        """What it acts on."""
+
+    @property
+    def FIELDS(self) -> Mapping[str, tuple[str, str]]:  # noqa: N802
+        """Unit and meaning of each field."""
+
+    @property
+    def ROLES(self) -> Mapping[str, Mapping[str, Any]]:  # noqa: N802
+        """What each field is to a search."""
+
+    @property
+    def KINDS(self) -> tuple[Kind, ...]:  # noqa: N802
+        """What fields are together."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name."""
+
+    def replace(self, **changes: Any) -> Effect:
+        """A copy with the given fields changed."""
+
+    def resolved(self, axis: AxisParameters, cogging: CoggingModel | None = None) -> Effect:
+        """A copy whose fields that stand for those of the plant are filled in."""
+
+
+def kind_of(effect: Effect, kind: type[K]) -> K | None:
+    """The first of this kind among what an effect's parameters are together, or None."""
+    return next((one for one in effect.KINDS if isinstance(one, kind)), None)

@@ -66,9 +66,11 @@ class Axis {
     for (const Effect<Scalar>& effect : bind_effects(effects, context_of(parameters_, cogging_)))
       std::visit(
           [&]<class E>(const E& law) {
-            if constexpr (HasForce<E, Scalar> || HasFrictionLevel<E, Scalar>) laws_.push_back(effect);
-            if constexpr (HasFrictionLevel<E, Scalar>) has_friction_ = true;
-            if constexpr (HasCommandGain<E, Scalar>) gains_.push_back(effect);
+            const bool pushes = HasForce<E, Scalar> && uses(law, Hook::force);
+            const bool rubs = HasFrictionLevel<E, Scalar> && uses(law, Hook::friction_level);
+            if (pushes || rubs) laws_.push_back(effect);
+            if (rubs) has_friction_ = true;
+            if (HasCommandGain<E, Scalar> && uses(law, Hook::command_gain)) gains_.push_back(effect);
             if constexpr (HasEvents<E>) events_.push_back(effect);
             if constexpr (HasKinks<E>) accuracy_.add_kinks(law.kinks(), {});
             if constexpr (HasVelocityKinks<E>) accuracy_.add_kinks({}, law.velocity_kinks());
@@ -301,7 +303,9 @@ class Axis {
                                           const Scalar& a4) const {
     Scalar excess = accuracy_.excess_at_kink(h, a1, a2, a3, a4, larger(end.speed_max, abs(end.velocity)));
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
-      if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+      if (accuracy_.oversteps(h, lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+        set_lane(excess, i, 1.0);
+      else if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
         set_lane(excess, i, -1.0);
     return excess;
   }

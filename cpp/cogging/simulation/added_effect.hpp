@@ -33,7 +33,9 @@ inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect)
       [&]<class E>(const E& law) {
         if constexpr (HasCoupling<E>)
           if (friction_decides(law.coupling(), plant.axis)) return false;
-        if constexpr (HasBristle<E> || HasReading<E, double>)
+        if constexpr (HasReading<E, double>)
+          if (uses(law, Hook::reading_error)) return false;
+        if constexpr (HasBristle<E>)
           return false;
         else
           return !(has_states && (alters_command<E> || HasCoupling<E>));

@@ -46,6 +46,7 @@ class AddedForce {
     std::visit(
         [&]<class E>(E& law) {
           if constexpr (HasBind<E>) law.bind(context_);
+          if constexpr (AnswersAlong<E>) return add_along(law, share, force);
           for (std::size_t k = 0; k < rows_.size(); ++k) {
             check.row();
             [[maybe_unused]] const Row& row = rows_[k];
@@ -71,6 +72,26 @@ class AddedForce {
     CommandMoments acting;
     double friction_level, gain;  // V, before it is kept from pushing; 1, of the command
   };
+
+  // All rows in one call of each law.
+  template <class E>
+  void add_along(const E& law, double share, std::span<double> force) const {
+    std::vector<double> position, velocity, time;
+    for (const Row& row : rows_) {
+      position.push_back(row.motion.position);
+      velocity.push_back(row.motion.velocity);
+      time.push_back(row.motion.time);
+    }
+    const Course course{position, velocity, time};
+    const std::vector<double> pushes = law.along(Hook::force, course);
+    const std::vector<double> levels = law.along(Hook::friction_level, course);
+    const std::vector<double> gains = law.along(Hook::command_gain, course);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const Row& row = rows_[k];
+      const double level = std::max(row.friction_level + levels[k], 0.0) - std::max(row.friction_level, 0.0);
+      force[k] += (pushes[k] - level * row.motion.direction + gains[k] * row.acting.mean) * share;
+    }
+  }
 
   void add_command(const Effect<double>& effect, double share, std::span<double> force,
                    std::span<double> excess) const {

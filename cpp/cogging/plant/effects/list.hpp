@@ -14,6 +14,7 @@
 #include "cogging/plant/effects/command_saturation.hpp"
 #include "cogging/plant/effects/constant_force.hpp"
 #include "cogging/plant/effects/coulomb_asymmetry.hpp"
+#include "cogging/plant/effects/custom.hpp"
 #include "cogging/plant/effects/disturbance_step.hpp"
 #include "cogging/plant/effects/disturbance_tone.hpp"
 #include "cogging/plant/effects/empirical_force.hpp"
@@ -55,7 +56,8 @@ using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             FlexibleMode<Scalar>,               // resonance between motor and load
                             DisturbanceStep<Scalar>,            // from one time to another
                             DisturbanceTone<Scalar>,            // a sinusoid in time
-                            EmpiricalForce<Scalar>              // of any shape, of no known cause
+                            EmpiricalForce<Scalar>,             // of any shape, of no known cause
+                            Custom<Scalar>                      // of the user's own
                             >;
 
 /// A copy of the effects, each having taken from the plant what it needs of it.
@@ -70,6 +72,23 @@ std::vector<Effect<Scalar>> bind_effects(std::vector<Effect<Scalar>> effects, co
         },
         effect);
   return effects;
+}
+
+/// Whether one of the effects can be asked by one thread at a time alone.
+template <class Scalar>
+bool is_serial(const std::vector<Effect<Scalar>>& effects) {
+  for (const Effect<Scalar>& effect : effects) {
+    const bool one_by_one = std::visit(
+        []<class E>(const E& law) {
+          if constexpr (MaySerialise<E>)
+            return law.serial();
+          else
+            return false;
+        },
+        effect);
+    if (one_by_one) return true;
+  }
+  return false;
 }
 
 }  // namespace cogging
