@@ -8,8 +8,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 
-from cogging.diagnose.null import fit_null
-from tests.moving_axis import machine, record
+from cogging.diagnosis.evidence.null import fit_null
+from tests.fixtures.moving_axis import machine, record
 
 
 def pytest_configure():

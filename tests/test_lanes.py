@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cogging.model import CONTROLLERS
+from cogging.model.model import CONTROLLERS
 
 ROOT = Path(__file__).resolve().parents[1]
 FLAGS = ["-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-I", str(ROOT / "cpp")]

@@ -49,29 +49,33 @@ from cogging._core import (
     project,
     replay_controller,
 )
-from cogging.audit import Audit, audit, check_against_model
-from cogging.bounds import Bounds
-from cogging.controller_check import ControllerCheck, check_controller
-from cogging.controller_recovery import RecoveredController, recover_controller
-from cogging.diagnose import Diagnosis, Location, diagnose, locate_gap
-from cogging.error_prediction import ErrorPrediction, predict_error
+from cogging.log_check.audit import Audit, audit, check_against_model
+from cogging.design.bounds import Bounds
+from cogging.log_check.controller import ControllerCheck, check_controller
+from cogging.log_check.recovery import RecoveredController, recover_controller
+from cogging.diagnosis.result import Diagnosis
+from cogging.diagnosis.location import Location
+from cogging.diagnosis.diagnose import diagnose
+from cogging.diagnosis.location import locate_gap
+from cogging.design.error_prediction import ErrorPrediction, predict_error
 from cogging.files import InputError
-from cogging.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
-from cogging.friction_law import FrictionParameter
-from cogging.gains import pid_gains, pid_poles
-from cogging.identification import Identification
-from cogging.identify import identify
-from cogging.logs import Log, read_log
-from cogging.map import fit_map
-from cogging.map_fit import MapFit
-from cogging.model import Model
-from cogging.observer_design import ObserverDesign, ObserverProblem, design_observer
-from cogging.papers import compare, reproduce
-from cogging.parameters import parameters_of
-from cogging.reference import read_reference
-from cogging.schema import schema
-from cogging.simulation import repeat, simulate
-from cogging.tracking_spectrum import TrackingSpectrum, tracking_spectrum
+from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
+from cogging.friction.law import FrictionParameter
+from cogging.design.pid import pid_gains, pid_poles
+from cogging.identification.result import Identification
+from cogging.identification.identify import identify
+from cogging.logs.log import Log, read_log
+from cogging.mapping.fit import fit_map
+from cogging.mapping.result import MapFit
+from cogging.model.model import Model
+from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
+from cogging.papers.reproduction import compare
+from cogging.papers.reproduction import reproduce
+from cogging.model.parameters import parameters_of
+from cogging.simulation.reference import read_reference
+from cogging.file_schema import schema
+from cogging.simulation.run import repeat, simulate
+from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 
 __version__ = importlib.metadata.version("cogging")
 
@@ -158,3 +162,8 @@ __all__ = [
     "simulate",
     "tracking_spectrum",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names: what else stands here is the machinery of importing."""
+    return sorted(__all__)

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from tests.moving_axis import motion
+from tests.fixtures.moving_axis import motion
 
 import cogging
 from cogging import EFFECTS, Model

@@ -27,14 +27,15 @@ from cogging._core import (
     closed_loop,
     performance,
 )
+from cogging.design.observer import ObserverProblem, design_observer
+from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
-from cogging.gains import pid_gains
-from cogging.logs import Log
-from cogging.model import Controller
-from cogging.observer_design import ObserverProblem, design_observer
-from cogging.papers import lu2008, xu2001_setup
+from cogging.logs.log import Log
+from cogging.model.model import Controller
 from cogging.papers.fitting import round_to_digits
+from cogging.papers.lu2008 import reproduce as lu2008
 from cogging.papers.result import Reproduction, Row, Table
+from cogging.papers.xu2001 import setup as xu2001_setup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,0 +1,376 @@
+"""From a fitted model to controllers: the bounds of an axis, and what each controller of the library needs of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cogging._core import (
+    AdaptiveRobustParameters,
+    CascadeParameters,
+    ObserverBasedParameters,
+    OutputFeedbackArcParameters,
+    PidParameters,
+    SplineHarmonics,
+    cogging_slope_max,
+    desired_compensation_condition,
+    friction_slope_max,
+)
+from cogging.design.disturbance_range import disturbance_range
+from cogging.design.observer import ObserverDesign, ObserverProblem
+from cogging.design.pid import pid_gains
+from cogging.model.intervals import SIGMAS_95, Interval, Intervals
+from cogging.model.model import Model
+
+BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
+SAMPLES_A_RADIAN = 25.0  # its sample rate over its k_1
+PERIODS_IN_PITCH = 64  # how many times the longest period may go into the common pitch of a list of periods
+NO_DISTURBANCE = (
+    "disturbance: no interval says how uncertain a constant force is; the largest Coulomb level counts, which friction "
+    "at rest can hide (give default={'disturbance': (low, high)} otherwise)"
+)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Between which numbers an axis lies, and the controllers designed for all of it.
+
+    The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
+    estimates and the feedforward. In what follows w is `bandwidth` (1/s); None: the smaller of 200 1/s, the k_1 of the
+    X axis of Lu et al. 2008, and sample_rate / 25, its ratio. The sample rate is the one of the model's controller,
+    else the struct's default, unless overridden, as any other field may be.
+
+    Attributes:
+        model: whose bounds they are.
+        mass: V/(m/s^2).
+        viscous: V/(m/s).
+        coulomb: V.
+        disturbance: d_n, V: summed force of effects and noise (see disturbance_range).
+        cogging: V, from the smallest to the largest end of the intervals of all amplitudes; None without a cogging.
+        disturbance_estimate: V, at rest in mid-travel.
+        fallbacks: which parameters' intervals did not come from `[bounds]` of the model, in words.
+        notes: what is not within the disturbance, and where it is a guess.
+    """
+
+    model: Model = field(repr=False)
+    mass: Interval
+    viscous: Interval
+    coulomb: Interval
+    disturbance: Interval
+    cogging: Interval | None
+    disturbance_estimate: float
+    fallbacks: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, model: Model, *, default: Mapping[str, Interval] | None = None, velocity_max: float = 1.0) -> Bounds:
+        """Between which numbers the axis of a model lies: what its controllers are designed from.
+
+        Args:
+            model: with intervals in `[bounds]`, as `identify` writes them, or stated uncertainties.
+            default: 95 % intervals by parameter path, or by its beginning (`"cogging"`), for parameters that have no
+                finite one; `"disturbance"` (V) adds to what effects and noise make.
+            velocity_max: speed up to which effects that depend on velocity count as disturbance, m/s.
+
+        Raises:
+            ValueError: mass, viscous, coulomb, a cogging amplitude or an effect's field has no finite interval and no
+                default, an interval that does not hold the model's value, a path that the model has not.
+        """
+        intervals = Intervals(model, default, beside=("disturbance",))
+        axis = {name: _axis_interval(intervals, name) for name in ("mass", "viscous", "coulomb")}
+        if axis["mass"][0] <= 0.0:
+            low, high = intervals.of("axis.mass") or axis["mass"]
+            raise ValueError(
+                f"axis.mass: its interval must lie above 0 to design a controller, got [{low:g}, {high:g}]"
+            )
+        disturbance, guess, notes = disturbance_range(model, intervals, velocity_max)
+        width = disturbance[1] - disturbance[0]
+        if default and "disturbance" in default:
+            disturbance = (disturbance[0] + default["disturbance"][0], disturbance[1] + default["disturbance"][1])
+        elif width <= (1.0 + 1e-9) * 2.0 * SIGMAS_95 * model.noise.force:
+            # A set of one point would leave a controller without integral action.
+            disturbance = (disturbance[0] - axis["coulomb"][1], disturbance[1] + axis["coulomb"][1])
+            notes.append(NO_DISTURBANCE)
+        return cls(
+            model,
+            **axis,
+            disturbance=disturbance,
+            cogging=_cogging_interval(model, intervals),
+            disturbance_estimate=guess,
+            fallbacks=intervals.notes,
+            notes=tuple(notes),
+        )
+
+    def adaptive_robust(self, *, bandwidth: float | None = None, **overrides: Any) -> AdaptiveRobustParameters:
+        """Parameters of Arc and Dcarc: bounds, initial estimates, cogging and gains.
+
+        k_1 = w and k_s1 = 2 w M, as on the X axis of Lu et al. 2008 (200 1/s, 400 M); more where the bounds are so wide
+        that the matrix (29) of the paper would not be positive even without friction and cogging slopes (`condition`
+        tells about those). Gamma of the disturbance is k_s1 w / 10, so that an offset is learnt ten times slower than
+        w; of cogging a tenth, of Coulomb and viscous friction a hundredth and of mass a thousandth of it: the ratios of
+        the paper (1000 to 100, 10, 10, 1 on the X axis). u_s2 is off, as its epsilon is not reported.
+
+        Args:
+            bandwidth: w, 1/s.
+            overrides: any field of AdaptiveRobustParameters.
+
+        Raises:
+            ValueError: periods of the cogging that are no whole fractions of one pitch, a value that breaks its rule.
+        """
+        axis, rate = self.model.axis, self._sample_rate(AdaptiveRobustParameters, overrides)
+        w = _bandwidth(bandwidth, rate)
+        feedback = max(2.0 * w * axis.mass, 1.1 * self._smallest_feedback_gain(w))
+        adaptation = 0.1 * w * feedback
+        fields: dict[str, Any] = {
+            "sample_rate": rate,
+            "error_gain": w,
+            "feedback_gain": feedback,
+            "mass": axis.mass,
+            "mass_bounds": list(self.mass),
+            "mass_adaptation": 1e-3 * adaptation,
+            "viscous": axis.viscous,
+            "viscous_bounds": list(self.viscous),
+            "viscous_adaptation": 1e-2 * adaptation,
+            "coulomb": axis.coulomb,
+            "coulomb_bounds": list(self.coulomb),
+            "coulomb_adaptation": 1e-2 * adaptation,
+            "coulomb_width": axis.coulomb_width,
+            "disturbance": self._disturbance_within(),
+            "disturbance_bounds": list(self.disturbance),
+            "disturbance_adaptation": adaptation,
+        }
+        if self.model.cogging is not None and self.cogging is not None:
+            basis = self.model.cogging.basis
+            pitch, harmonics = pitch_and_harmonics(basis)
+            fields |= {
+                "cogging_pitch": pitch,
+                "cogging_harmonics": harmonics,
+                "cogging_order": basis.spline.order,
+                "cogging_origin": basis.spline.origin,
+                "cogging_control_points": basis.spline.control_points,
+                "cogging_bounds": list(self.cogging),
+                "cogging_adaptation": 0.1 * adaptation,
+                "cogging_estimates": self.model.cogging.coefficients.tolist(),
+            }
+        return AdaptiveRobustParameters(**{**fields, **overrides})
+
+    def condition(self, parameters: AdaptiveRobustParameters) -> tuple[float, float]:
+        """desired_compensation_condition of Dcarc's gains with the steepest friction and cogging in the bounds.
+
+        Above zero, convergence is proved. At or below it nothing is: the printed gains of Lu et al. 2008 are there too,
+        through the slope of the friction at rest, and work.
+        """
+        amplitude, slope = max(map(abs, parameters.cogging_bounds)), 0.0
+        if parameters.cogging_harmonics:
+            basis = SplineHarmonics(
+                pitch=parameters.cogging_pitch,
+                harmonics=parameters.cogging_harmonics,
+                order=parameters.cogging_order,
+                origin=parameters.cogging_origin,
+                control_points=parameters.cogging_control_points,
+            )
+            slope = cogging_slope_max(basis, amplitude)
+        if parameters.coulomb_width == 0.0 and parameters.coulomb_bounds[1] > 0.0:
+            return -math.inf, -math.inf  # sgn has no finite slope
+        friction = friction_slope_max(parameters.coulomb_width) if parameters.coulomb_width > 0.0 else 0.0
+        return desired_compensation_condition(parameters, friction_slope=friction, cogging_slope=slope)
+
+    def observer_problem(
+        self, velocity_min: float, velocity_max: float, *, bandwidth: float | None = None, **overrides: Any
+    ) -> ObserverProblem:
+        """What the observer of Malaize and Levine 2009 is designed for (`design_observer`, extra `design`).
+
+        The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w, at least 2.4 times the fastest
+        harmonic 2 pi velocity_max / P_n, which no smaller disk could hold: the ratios of the comparison of the papers
+        (cogging.papers.comparison), where lambda* is 1.25 times the nominal acceleration as in Table I of the paper.
+
+        Args:
+            velocity_min: of the reference velocities at which the cogging is cancelled, m/s, above 0.
+            velocity_max: their largest, m/s.
+            bandwidth: w, 1/s.
+            overrides: any field of ObserverProblem.
+
+        Raises:
+            ValueError: the model has no cogging, or a value breaks its rule.
+        """
+        if self.model.cogging is None:
+            raise ValueError("cogging: must be in the model to design an observer for its periods, got none")
+        w = _bandwidth(bandwidth, self._sample_rate(ObserverBasedParameters, {}))
+        periods = periods_of(self.model.cogging.basis)
+        fields: dict[str, Any] = {
+            "periods": periods,
+            "viscous": self.model.axis.viscous / self.model.axis.mass,
+            "omega": w,
+            "pole_radius": max(1.5 * w, 2.4 * 2.0 * math.pi * velocity_max / min(periods)),
+        }
+        return ObserverProblem(velocity_min=velocity_min, velocity_max=velocity_max, **{**fields, **overrides})
+
+    def observer_based(
+        self, problem: ObserverProblem, design: ObserverDesign, **overrides: Any
+    ) -> ObserverBasedParameters:
+        """Parameters of ObserverBased from a certified design; the harmonics freeze below velocity_max / 100.
+
+        Args:
+            problem: what was designed for.
+            design: by design_observer.
+            overrides: any field of ObserverBasedParameters.
+
+        Raises:
+            ValueError: a value breaks its rule.
+        """
+        fields: dict[str, Any] = {
+            "sample_rate": self._sample_rate(ObserverBasedParameters, overrides),
+            "periods": list(problem.periods),
+            "observer_gain": design.observer_gain.tolist(),
+            "observer_gain_slope": design.observer_gain_slope.tolist(),
+            "position_gain": design.position_gain,
+            "velocity_gain": design.velocity_gain,
+            "mass": self.model.axis.mass,
+            "viscous": problem.viscous,
+            "velocity_min": 0.01 * problem.velocity_max,
+        }
+        return ObserverBasedParameters(**{**fields, **overrides})
+
+    def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> OutputFeedbackArcParameters:
+        """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.
+
+        Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
+        gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
+        Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001_setup.py).
+
+        Args:
+            bandwidth: w, 1/s.
+            overrides: any field of OutputFeedbackArcParameters.
+
+        Raises:
+            ValueError: a value breaks its rule.
+        """
+        axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
+        r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
+        # Every quotient by a mass in the bounds lies between these.
+        corners = np.array([[1.0, b, d] for b in self.viscous for d in self.disturbance])
+        quotients = np.vstack([corners / mass for mass in self.mass])
+        fields: dict[str, Any] = {
+            "sample_rate": rate,
+            "observer_gain_1": 400.0 * r,
+            "observer_gain_2": 4e4 * r**2,
+            "theta": [1.0 / axis.mass, axis.viscous / axis.mass, self._disturbance_within() / axis.mass],
+            "theta_min": quotients.min(axis=0).tolist(),
+            "theta_max": quotients.max(axis=0).tolist(),
+            "adaptation": [5e5 * c**2, 3e5 * r**2, 20e5 * r**4],
+            "weight_1": 1.0,
+            "weight_2": 0.1 * c**2 / r**2,
+            "gain_1": 600.0 * r,
+            "gain_2": 850.0 * r,
+            "coulomb": axis.coulomb,
+            "coulomb_width": axis.coulomb_width,
+        }
+        return OutputFeedbackArcParameters(**{**fields, **overrides})
+
+    def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> PidParameters:
+        """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward.
+
+        Args:
+            bandwidth: w, 1/s.
+            overrides: any field of PidParameters.
+
+        Raises:
+            ValueError: a value breaks its rule.
+        """
+        rate = self._sample_rate(PidParameters, overrides)
+        kp, ki, kd = pid_gains([-_bandwidth(bandwidth, rate)] * 3, self.mass[0])
+        return PidParameters(**{"sample_rate": rate, "kp": kp, "ki": ki, "kd": kd, **self._feedforward(), **overrides})
+
+    def cascade(self, *, bandwidth: float | None = None, **overrides: Any) -> CascadeParameters:
+        """Parameters of Cascade: a double pole at -w for the largest mass, kp = w / 2, kv = 2 w M, and feedforward.
+
+        A smaller mass makes the velocity loop faster, so no mass in the bounds is underdamped. `viscous` is B + kv:
+        with kv of it the velocity loop sees the error of velocity, without which the axis would lag by v / kp.
+
+        Args:
+            bandwidth: w, 1/s.
+            overrides: any field of CascadeParameters.
+
+        Raises:
+            ValueError: a value breaks its rule.
+        """
+        rate = self._sample_rate(CascadeParameters, overrides)
+        w = _bandwidth(bandwidth, rate)
+        gain = 2.0 * w * self.mass[1]
+        fields = {"sample_rate": rate, "kp": 0.5 * w, "kv": gain, **self._feedforward()}
+        fields["viscous"] += overrides.get("kv", gain)
+        return CascadeParameters(**{**fields, **overrides})
+
+    def _feedforward(self) -> dict[str, float]:
+        axis = self.model.axis
+        return {name: getattr(axis, name) for name in ("mass", "viscous", "coulomb", "coulomb_width")}
+
+    def _disturbance_within(self) -> float:
+        return min(max(self.disturbance_estimate, self.disturbance[0]), self.disturbance[1])
+
+    def _sample_rate(self, struct: Any, overrides: Mapping[str, Any]) -> float:
+        own = struct() if self.model.controller is None else self.model.controller
+        return float(overrides.get("sample_rate", own.sample_rate))
+
+    def _smallest_feedback_gain(self, k: float) -> float:
+        """k_s1 at which (29) without slopes turns positive everywhere: k_s1 - k M + B = B^2 / (2 k M)."""
+        return max(k * m - b + b * b / (2.0 * k * m) for m in self.mass for b in self.viscous)
+
+
+def _axis_interval(intervals: Intervals, name: str) -> Interval:
+    interval = intervals.of(f"axis.{name}")
+    if interval is None:
+        raise ValueError(
+            f"axis.{name}: needs an interval in [bounds], a 1-sigma in [axis.uncertainty] (0 = exact) or a default, "
+            "got none of them"
+        )
+    return max(interval[0], 0.0), interval[1]
+
+
+def _cogging_interval(model: Model, intervals: Intervals) -> Interval | None:
+    """From the smallest to the largest end of the intervals of all amplitudes."""
+    if model.cogging is None:
+        return None
+    paths = [path for path in intervals.paths if path.startswith("cogging.")]
+    ends = [intervals.of(path) or (intervals.value(path),) * 2 for path in paths]
+    return min(end[0] for end in ends), max(end[1] for end in ends)
+
+
+def periods_of(basis: SplineHarmonics) -> list[float]:
+    """The spatial periods of a cogging model, m, whether given as such or as harmonics of a pitch."""
+    return [2.0 * math.pi / wavenumber for wavenumber in basis.wavenumbers]
+
+
+def pitch_and_harmonics(basis: SplineHarmonics) -> tuple[float, list[int]]:
+    """The pitch (m) and harmonics of a cogging model: of periods, a pitch of which all are whole fractions.
+
+    Raises:
+        ValueError: there is no such pitch; with several control points it must be the distance of the knots.
+    """
+    if basis.harmonics:
+        return basis.pitch, list(basis.harmonics)
+    periods = np.array(basis.periods)
+    if basis.spline.control_points > 1:
+        pitches = [basis.spline.pitch]
+    else:
+        pitches = [times * float(periods.max()) for times in range(1, PERIODS_IN_PITCH + 1)]
+    for pitch in pitches:
+        ratio = pitch / periods
+        if (np.round(ratio) >= 1).all() and np.abs(ratio - np.round(ratio)).max() < 1e-6:
+            return pitch, [int(n) for n in np.round(ratio)]
+    raise ValueError(
+        "cogging.periods: must be whole fractions of one pitch (with several control points: of the distance of the "
+        f"knots) for arc and dcarc, got {periods.tolist()}"
+    )
+
+
+def _bandwidth(bandwidth: float | None, sample_rate: float) -> float:
+    if bandwidth is None:
+        return min(BANDWIDTH_MAX, sample_rate / SAMPLES_A_RADIAN)
+    if not (math.isfinite(bandwidth) and bandwidth > 0):
+        raise ValueError(f"bandwidth: must be finite and above 0, got {bandwidth!r}")
+    return float(bandwidth)

@@ -1,0 +1,1 @@
+"""Where simulation and measurement disagree, and the effect that would explain it."""

@@ -1,0 +1,1 @@
+"""The effects that are tried, each at its best shape."""

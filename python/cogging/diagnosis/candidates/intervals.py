@@ -1,0 +1,58 @@
+"""Effects that act for a spell of time: where one began and ended, found at once by the cumulated adjoint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cogging._core import EFFECTS
+from cogging.diagnosis.candidates.signatures import Candidate
+from cogging.diagnosis.candidates.waves import adjoint
+from cogging.diagnosis.evidence.evidence import Evidence
+
+LENGTHS = 40  # of spells, from SHORTEST to the whole log
+SHORTEST = 0.2  # s: what is shorter may be a single blow
+SPELLS = 8  # that are looked at exactly
+MEDIAN = 0.4549  # of chi-square with one degree of freedom
+
+
+def is_spell(effect: Any) -> bool:
+    """Whether an effect is a force between two moments."""
+    moments = [f for f, role in effect.ROLES.items() if role["role"] == "shape" and role["quantity"] == "time"]
+    return set(moments) == {"start", "stop"} and "force" in effect.HOOKS
+
+
+def long_enough(shape: Mapping[str, Any]) -> bool:
+    """Whether a shape that begins and ends lasts."""
+    return not {"start", "stop"} <= set(shape) or bool(shape["stop"] - shape["start"] >= SHORTEST)
+
+
+def spells(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[list[Candidate], float]:
+    """The likeliest spells beside those of a grid, and how many independent ones were looked at."""
+    if not grid or not is_spell(EFFECTS[name]):
+        return grid, float(max(1, len(grid)))
+    found, looked, start = list(grid), 0.0, 0
+    for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
+        n = len(source.log)
+        force, _ = adjoint(source, filter_, along, evidence.model.axis.mass, evidence.free_residual[start : start + n])
+        start += n
+        total = np.concatenate([[0.0], np.cumsum(force)])
+        time = source.log.time - source.log.time[0]
+        step = source.scales.sample_time
+        lengths = np.unique(np.geomspace(max(2.0, SHORTEST / step), 0.9 * n, LENGTHS).astype(int))
+        best: list[tuple[float, int, int]] = []
+        for length in lengths:
+            score = (total[length:] - total[:-length]) ** 2
+            level = float(np.median(score)) / MEDIAN
+            if level <= 0.0:
+                continue
+            looked += n / length
+            place = int(np.argmax(score))
+            best.append((float(score[place]) / level, place, int(length)))
+        for _, place, length in sorted(best, reverse=True)[:SPELLS]:
+            shape = {"start": float(time[place]), "stop": float(time[min(place + length, n - 1)])}
+            found.append(replace(grid[0], shape={**grid[0].shape, **shape}))
+    return found, max(looked, float(len(grid)))

@@ -1,0 +1,232 @@
+"""Effects that are a sine and a cosine of one period or frequency: found at once by a spectrum of the adjoint."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, AxisParameters, Plant, Prediction, Predictor, whiten
+from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.noise_filter import Filter, coloured
+from cogging.estimation.residuals import Innovations
+
+BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
+PEAKS = 5  # of each view of the spectrum, that are looked at exactly
+PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
+TURNS = 1.5  # over the travel, that an error of the reading must make to be told from one of its scale
+PERIOD = 32.0  # counts of the encoder: at a steady speed, what rounding does repeats itself over some of them
+BESIDE = np.array([-0.7, -0.35, 0.0, 0.35, 0.7])  # turns in the travel, more than what is known
+STRETCH = 128  # bins of a spectrum, over which its level is taken
+
+
+def is_wave(effect: Any) -> bool:
+    """Whether an effect is a sine and a cosine of one period or frequency."""
+    amplitudes = {f for f, role in effect.ROLES.items() if role["role"] == "amplitude"}
+    shapes = [role for role in effect.ROLES.values() if role["role"] == "shape"]
+    scalar = all(not isinstance(getattr(effect(), f), list) for f in amplitudes)
+    return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
+
+
+def is_spatial_wave(effect: Any) -> bool:
+    """Whether it is a wave along the travel."""
+    return is_wave(effect) and any(
+        role["role"] == "shape" and role["quantity"] == "distance" for role in effect.ROLES.values()
+    )
+
+
+Gain = Callable[[Innovations, Prediction], FloatArray]  # by what a wave is multiplied in each row, (n,)
+
+
+def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list[Candidate], float]:
+    """The likeliest waves of an effect, and how many independent ones were looked at.
+
+    `gain`: instead of the effect's own, of a force (the command for one that acts by its gain, else 1).
+    """
+    effect = EFFECTS[name]
+    role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
+    sizes = quantities(evidence)
+    low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
+    spatial = role["quantity"] == "distance"
+    wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
+    if spatial and "reading" in effect.HOOKS:  # longer, it is a scale; shorter, the quantiser's own
+        wave_low = max(wave_low, TURNS / sizes["position"])
+        if evidence.model.encoder.resolution > 0.0:
+            wave_high = min(wave_high, 1.0 / (PERIOD * evidence.model.encoder.resolution))
+    if spatial and "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
+        wave_high = min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
+    total: Any = None
+    norm: Any = None
+    span = sizes["position"] if spatial else sizes["time"]
+    # Rows that share a bin in time would fold what is faster than the bins into lines that are not there.
+    bins = BINS if spatial else max(BINS, 1 << int(np.ceil(np.log2(span / evidence.scales.sample_time + 1.0))))
+    start = 0
+    origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
+    for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
+        n = len(source.log)
+        residual = evidence.free_residual[start : start + n]
+        start += n
+        if gain is not None:
+            weight = gain(source, along)
+        else:
+            weight = source.log.command if "command_gain" in effect.HOOKS else np.ones(n)
+        score, power, wave = _score(
+            evidence, source, filter_, along, residual, weight, "reading" in effect.HOOKS, spatial, origin, span, bins
+        )
+        total = score if total is None else total + score
+        norm = power if norm is None else norm + power
+    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
+    statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
+    cogging = evidence.model.cogging
+    if spatial and gain is None and "force" in effect.HOOKS and cogging is not None and cogging.sine.shape[1] == 1:
+        # Its sine and cosine are re-tuned: within a turn of them it is no other wave, but they change along the travel.
+        for period in known_periods(evidence.model):
+            statistic[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
+    even = levelled(statistic)
+    looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
+    found = []
+    # Both views, for a few broad peaks may lift the level of their stretch, and loud stretches hide quiet ones.
+    for view in (even, statistic) * PEAKS:
+        best = int(np.argmax(view))
+        if view[best] <= 2.0:
+            continue
+        value = 1.0 / float(wave[best]) if spatial else float(wave[best])
+        found.append(wave_of(evidence, name, value))
+        near = np.abs(wave - wave[best]) < 1.0 / span
+        even[near] = statistic[near] = 0.0
+    return found, looked
+
+
+def wave_of(evidence: Evidence, name: str, value: float) -> Candidate:
+    """The wave of an effect at one period, or frequency."""
+    roles = EFFECTS[name].ROLES
+    field = next(f for f, role in roles.items() if role["role"] == "shape")
+    unit = 0.02 * abs(roles["sine"]["high"]) * quantities(evidence)[roles["sine"]["quantity"]]
+    return Candidate(name, {field: value}, (("sine", None), ("cosine", None)), (unit, unit))
+
+
+def levelled(statistic: FloatArray) -> FloatArray:
+    """The statistic of a spectrum, divided in each stretch of it by how far its median is above that of chi-square.
+
+    Where a force hardly reaches the reading, what leaks in from elsewhere would outshine a line that is really there.
+    """
+    edges = np.arange(0, len(statistic) + 1, STRETCH)
+    edges[-1] = len(statistic)
+    result = statistic.copy()
+    for first, last in itertools.pairwise(edges):
+        result[first:last] /= max(1.0, float(np.median(statistic[first:last])) / (2.0 * np.log(2.0)))
+    return result
+
+
+def _score(
+    evidence: Evidence,
+    source: Innovations,
+    filter_: Filter,
+    along: Prediction,
+    residual: FloatArray,
+    gain: FloatArray,
+    on_reading: bool,
+    spatial: bool,
+    origin: float,
+    span: float,
+    bins: int,
+) -> tuple[npt.NDArray[np.complex128], FloatArray, FloatArray]:
+    """Score and its variance over wavenumbers (1/m) or frequencies (Hz)."""
+    model = evidence.model
+    force, reading = adjoint(source, filter_, along, model.axis.mass, residual)
+    back = reading if on_reading else force
+    place = (
+        (along.position if on_reading else along.middle_position) if spatial else source.log.time - source.log.time[0]
+    )
+    length = 2 * bins
+    width = 2.0 * span / length  # twice the span: wavenumbers finer than independent ones
+    inside = np.clip(((place - (origin if spatial else 0.0)) / width).astype(np.int64), 0, length - 1)
+    spectrum = np.fft.rfft(np.bincount(inside, back * gain, length)[:length])
+    wave = np.arange(len(spectrum)) / (width * length)
+    frequency, response = _response(source, filter_, model.axis.mass, on_reading)
+    weight = source.counts * gain**2
+    if spatial:
+        speed = np.abs(along.middle_velocity)
+        edges = np.linspace(0.0, float(speed.max()) + 1e-12, 41)
+        share, _ = np.histogram(speed, edges, weights=weight)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        power = np.zeros(len(wave))
+        for one, velocity in zip(share, middle, strict=True):
+            power += 0.5 * one * np.interp(wave * velocity, frequency, response, right=0.0)
+    else:
+        power = 0.5 * weight.sum() * np.interp(wave, frequency, response, right=0.0)
+    # |score|^2 / power is chi-square with 2 degrees of freedom: sine and cosine each have half the weight.
+    return spectrum, power, wave
+
+
+def adjoint(
+    source: Innovations, filter_: Filter, along: Prediction, mass: float, residual: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Derivatives of half the squared whitened residual (n,) by a force in each interval and an error of each reading.
+
+    One pass backwards through the filters and the observer's loop: the scores of all effects are sums of these.
+    """
+    back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
+    back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
+    force, reading = source.predictor.propagate_transposed(along, mass, np.ascontiguousarray(back))
+    return np.asarray(force), np.asarray(reading)
+
+
+def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) -> tuple[FloatArray, FloatArray]:
+    """Power gain from a force (or an error of the reading) to the whitened residual over frequency, Hz.
+
+    By what one impulse does to the prediction of a free mass, which is all that the loop of the observer adds.
+    """
+    h = source.scales.sample_time
+    time, impulse = h * np.arange(PROBE), np.zeros((1, PROBE))
+    impulse[0, PROBE // 8] = 1.0
+    free = Predictor(time, time, np.zeros(PROBE), bandwidth=source.bandwidth, initial_velocity=1.0)  # at 1 m/s
+    along = free.predict(Plant(axis=AxisParameters(mass=mass)))
+    answer = free.propagate(along, mass, *((np.zeros_like(impulse), impulse) if reading else (impulse,)))
+    white = np.asarray(whiten(np.asarray(answer), list(filter_.coefficients)))[0]
+    frequency = np.asarray(np.fft.rfftfreq(PROBE, h))
+    level = np.interp(frequency, filter_.frequency, filter_.level)
+    return frequency, np.asarray(np.abs(source.scale * np.fft.rfft(white) / filter_.rms) ** 2 / level)
+
+
+def beside_known(evidence: Evidence, name: str) -> list[Candidate]:
+    """Waves along the travel about the periods of the known cogging, of what is no force itself.
+
+    Re-tuning the cogging takes most of what they do, and a spectrum does not allow for that: it would hardly show them.
+    A force there is no other harmonic but the known one, changing along the travel.
+    """
+    if not is_spatial_wave(EFFECTS[name]) or "force" in EFFECTS[name].HOOKS:
+        return []
+    role = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")
+    sizes = quantities(evidence)
+    span = evidence.scales.position
+    found = []
+    for period in known_periods(evidence.model):
+        for turns in span / period + BESIDE:
+            if turns > TURNS and role["low"] < span / turns / sizes[role["quantity"]] < role["high"]:
+                found.append(wave_of(evidence, name, float(span / turns)))
+    return found
+
+
+def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
+    """Each wave at four periods (or frequencies) about the one given, within the width of its peak."""
+    near = []
+    for candidate in found:
+        field, value = next(iter(candidate.shape.items()))
+        role = EFFECTS[candidate.name].ROLES[field]
+        spatial = role["quantity"] == "distance"
+        span = evidence.scales.position if spatial else evidence.scales.time
+        for shift in (-0.3, -0.15, 0.15, 0.3):
+            wave = (1.0 / value if spatial else value) + shift / span
+            if wave > 0.0:
+                near.append(
+                    Candidate(
+                        candidate.name, {field: 1.0 / wave if spatial else wave}, candidate.amplitudes, candidate.unit
+                    )
+                )
+    return near

@@ -1,0 +1,140 @@
+"""How large the gap is, before and after: by replaying the loop where the controller is known, else by prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging._core import DivergedError
+from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.residual.shapes import coordinates
+from cogging.estimation.residuals import Innovations, Replay
+from cogging.logs.log import Log
+from cogging.model.model import Model
+
+FEW = 0.1  # of the rows, which must be in motion for the slow observer
+FAST = 50.0  # Hz
+STEADY = 0.01  # of the sample time: more than what a microsecond of resolution does
+FOLLOWED = 3.0  # floors of noise: a replay that is farther off than that measures something else
+BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are the gap where no controller is known
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The gap of one model on logs.
+
+    Attributes:
+        rms: V, over rows in motion of all logs.
+        signal: what was compared.
+        series: the gap of each log, V.
+        position: rms of measured less replayed position, m, or None.
+    """
+
+    rms: float
+    signal: str
+    series: tuple[FloatArray, ...]
+    counts: tuple[Mask, ...]
+    position: float | None
+
+
+def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[Seen]:
+    """The gap of each model, by the replay of the loop where it can be had for every model, else by prediction.
+
+    A controller that is sampled with jitter is not replayed: what the jitter does to its derivative would be the gap.
+    """
+    if replay and not any(jitters(log) for log in logs):
+        try:
+            return _replayed(logs, models)
+        except (DivergedError, ValueError):
+            pass
+    series: list[list[FloatArray]] = [[] for _ in models]
+    counts = []
+    for log in logs:
+        source = source_of(log, models[0])
+        counts.append(source.counts > 0)
+        for i, row in enumerate(source.of(models)):
+            series[i].append(row)
+    return [Seen(_rms(rows, counts), "innovations of an observer", tuple(rows), tuple(counts), None) for rows in series]
+
+
+def jitters(log: Log) -> bool:
+    """Whether the steps of the log's time differ by more than STEADY of their median."""
+    steps = np.diff(log.time)
+    return float(np.quantile(np.abs(steps / np.median(steps) - 1.0), 0.9)) > STEADY
+
+
+def source_of(log: Log, model: Model) -> Innovations:
+    """The log as the model predicts it.
+
+    An axis that keeps turning back would leave a slow observer no rows: it then gets a faster one, and less of rest.
+    """
+    source = Innovations(log, model, bandwidth=BANDWIDTH)
+    if source.counts.mean() < FEW:
+        source = Innovations(log, model, bandwidth=min(FAST, 0.05 / source.scales.sample_time))
+    if source.counts.mean() < FEW:
+        source = Innovations(log, model, bandwidth=source.bandwidth, rest=3e-3 * source.scales.velocity)
+    return source
+
+
+def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
+    series: list[list[FloatArray]] = [[] for _ in models]
+    errors: list[list[float]] = [[] for _ in models]
+    counts = []
+    for log in logs:
+        replays = [Replay(log, model) for model in models]
+        counts.append(source_of(log, models[0]).counts > 0)
+        for i, (one, model) in enumerate(zip(replays, models, strict=True)):
+            run = one.run(model)
+            series[i].append(log.command - run["command"])
+            errors[i].append(_rms([log.position - run["true_position"]], counts[-1:]) ** 2)
+    return [
+        Seen(
+            _rms(rows, counts),
+            "command of the replayed loop",
+            tuple(rows),
+            tuple(counts),
+            float(np.mean(error)) ** 0.5,
+        )
+        for rows, error in zip(series, errors, strict=True)
+    ]
+
+
+def _rms(rows: Sequence[FloatArray], counts: Sequence[Mask]) -> float:
+    moving = np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)])
+    return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
+
+
+def follows(seen: Seen, logs: Sequence[Log], model: Model) -> bool:
+    """Whether a model's replayed loop follows the logs closely enough to measure with.
+
+    What the loop makes of friction at each reversal would else be the gap.
+    """
+    return seen.rms <= FOLLOWED * floor_of(seen, logs, model)
+
+
+def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
+    """What noise and quantiser alone would leave, V.
+
+    The rms of the gap once any force of position (for each direction), speed, time and acceleration is taken from it,
+    over the rows less the freedom that this takes.
+    """
+    total, rows = 0.0, 0
+    for series, counts, log in zip(seen.series, seen.counts, logs, strict=True):
+        source = source_of(log, model)
+        columns = [np.ones(len(series))[None, :]]
+        if not (source.counts > 0).any():
+            return seen.rms
+        for name, (_, _, table, _) in coordinates(source, model).items():
+            if name in ("position", "velocity", "time", "acceleration"):
+                columns.append(table)
+        table = np.vstack(columns)[:, counts]
+        size = np.sqrt((table**2).sum(axis=1))
+        table = table[size > 0] / size[size > 0, None]
+        gram = table @ table.T
+        weights = np.linalg.lstsq(gram + 1e-9 * np.eye(len(gram)), table @ series[counts], rcond=None)[0]
+        left = series[counts] - weights @ table
+        total += float(left @ left)
+        rows += len(left) - int(np.linalg.matrix_rank(gram, tol=1e-9, hermitian=True))
+    return float(np.sqrt(total / max(rows, 1)))

@@ -1,0 +1,1 @@
+"""What logs say against a model: whitened residuals, freed of all that re-tuning could explain."""

@@ -1,0 +1,85 @@
+"""What makes a log's residual white: an autoregressive filter, and a gain over frequency for what it leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging._core import whiten
+from cogging.arrays import FloatArray
+from cogging.estimation.residuals import Innovations
+from cogging.identification.inverse_dynamics import fast_length
+
+LINES = 12  # of a periodogram in a band of its level, at least
+LEVEL_MIN = 1e-3  # of a band: what the first filter left
+CLIP = 6.0  # whitened residuals beyond this many rms are outliers, and are cut there
+
+
+@dataclass(frozen=True)
+class Filter:
+    """What makes one log's residual white: an autoregressive filter, then a gain over frequency for what it left.
+
+    Attributes:
+        coefficients: of the autoregressive filter.
+        rms: of its output, V, by which the rest is divided.
+        frequency: Hz, increasing, at which the spectrum of the rest is known.
+        level: that spectrum; 1 is white.
+    """
+
+    coefficients: FloatArray
+    rms: float
+    frequency: FloatArray
+    level: FloatArray
+
+
+def filtered(table: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
+    """Rows (p, n), V, made white; rows that do not count are taken as 0 between the two filters."""
+    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.counts / filter_.rms)
+    return coloured(white, source, filter_)
+
+
+def coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
+    """The second filter alone: gain level^(-1/2) over frequency, without phase."""
+    n = white.shape[1]
+    length = fast_length(n + n // 8)  # what runs over the end comes back into the padding
+    frequency = np.fft.rfftfreq(length, source.scales.sample_time)
+    gain = 1.0 / np.sqrt(np.interp(frequency, filter_.frequency, filter_.level))
+    spectrum = np.fft.rfft(white, length)
+    spectrum *= gain
+    return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
+
+
+def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
+    """Power, 1 where the rows that count are white with rms 1, and its frequencies, Hz."""
+    length = fast_length(len(white))
+    power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.counts.sum()), 1.0)
+    return np.asarray(power), np.asarray(np.fft.rfftfreq(length, source.scales.sample_time))
+
+
+def bands(frequency: FloatArray) -> list[slice]:
+    """Lines of a periodogram in bands of a third of an octave, at least LINES each; the constant stands apart."""
+    parts, first = [], 1
+    while first < len(frequency):
+        last = min(len(frequency), max(first + LINES, int(np.searchsorted(frequency, 1.26 * frequency[first]))))
+        if len(frequency) - last < LINES:
+            last = len(frequency)
+        parts.append(slice(first, last))
+        first = last
+    return parts
+
+
+def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and levels of the power in bands: medians, since lines are signal."""
+    power, frequency = periodogram(white, source)
+    parts = bands(frequency)
+    places = [float(np.sqrt(frequency[part.start] * frequency[part.stop - 1])) for part in parts]
+    levels = [float(np.median(power[part]) / np.log(2.0)) for part in parts]
+    return np.array(places), np.maximum(np.array(levels), LEVEL_MIN)
+
+
+def robust_rms(values: FloatArray) -> float:
+    """Rms with outliers cut at 6 times the median size."""
+    limit = CLIP * 1.4826 * float(np.median(np.abs(values)))
+    rms = float(np.sqrt(np.mean(np.clip(values, -limit, limit) ** 2))) if limit > 0 else float(values.std())
+    return rms if rms > 0.0 else 1.0

@@ -1,0 +1,136 @@
+"""The null: the model as it stands, re-tuned as far as its statement allows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cogging._core import DivergedError, whiten
+from cogging.diagnosis.evidence.evidence import Evidence, gather
+from cogging.diagnosis.evidence.noise_filter import CLIP, robust_rms
+from cogging.estimation.gauss_newton import Estimate, fit, whitening_filter
+from cogging.estimation.residuals import Innovations, moving_average
+from cogging.logs.log import Log
+from cogging.model.model import Model
+from cogging.model.parameters import parameters_of, role_of
+
+QUICK = 100.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
+CALM = 50.0  # Hz, where rows soon after a start are left out
+FIRST = 2  # iterations, after which the other form of friction is fitted no further where it is hopelessly behind:
+HOPELESS = 1000.0  # of 2 ln likelihood; all that 40 blind logs had left to gain then was under 200
+GAP = 5.0  # median steps, beyond which one is a gap
+STARTS = 1.5  # times the power of the other rows, or under 1 / STARTS, where those soon after a start are unlike them
+
+
+def sources_of(
+    logs: Sequence[Log], model: Model, *, rest: float | None = None, quick: bool = False
+) -> list[Innovations]:
+    """The logs as this model predicts them; `quick` with rows soon after each quick start."""
+    limit = QUICK if quick else CALM
+    return [
+        Innovations(log, model, bandwidth=min(limit, 0.05 / _sample_time(log)), rest=rest, quick_starts=quick)
+        for log in logs
+    ]
+
+
+def _sample_time(log: Log) -> float:
+    """The mean step, s, of those that are no gap."""
+    steps = np.diff(log.time)
+    long = steps > GAP * float(np.median(steps))
+    return float(steps[~long].mean()) if long.any() else float((log.time[-1] - log.time[0]) / (len(log) - 1))
+
+
+def nuisances(model: Model) -> list[str]:
+    """Paths that a fit may re-tune without that being a missing effect: axis, and amplitudes of the known cogging.
+
+    Fields of the effects that the model already has are re-tuned too.
+    """
+    paths = []
+    # Along the travel a known harmonic may be wrong in size and phase; that its amplitude changes otherwise is an
+    # effect, or an error of its map (see map_errors).
+    whole = model.cogging is not None and model.cogging.sine.shape[1] > 1
+    for path, parameter in parameters_of(model, together=whole).items():
+        if whole and path.startswith("cogging.") and not path.startswith(("cogging.gain", "cogging.phase")):
+            continue
+        if path == "axis.coulomb_width" and (model.axis.coulomb_width == 0.0 or stated_exact(model)):
+            continue
+        if parameter.value in (float("inf"), -float("inf")):
+            continue
+        if path.startswith("effects.") and role_of(model, path) != "amplitude":
+            continue
+        paths.append(path)
+    return paths
+
+
+def stated_exact(model: Model) -> bool:
+    """Whether the model says that its friction width is exact."""
+    return model.uncertainty.get("coulomb_width", None) == 0.0
+
+
+def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
+    """Re-tune the model on the logs: with its smooth friction, and as an axis that sticks; the likelier stands.
+
+    Real sticking is no missing effect, and a model's width of friction is a convention. Rows soon after a start count
+    where the model that is tuned without them foresees them as well as the others: a machine whose friction gives way
+    over some micrometres, or has more than one, shows that there.
+    """
+    forms = [model]
+    if model.axis.coulomb > 0.0 and not stated_exact(model):
+        other = 0.0 if model.axis.coulomb_width > 0.0 else 0.005 * max(_speed(log) for log in logs)
+        forms.append(model.replace(axis=model.axis.replace(coulomb_width=other)))
+    # Both are judged on the same rows.
+    rest = max(source.rest for form in forms for source in sources_of(logs, form))
+    best: tuple[Estimate, list[Innovations]] | None = None
+    failure: Exception | None = None
+    for form in forms:
+        try:
+            sources = sources_of(logs, form, rest=rest)
+            floors = width_floor(sources)
+            if best is not None and fit(form, nuisances(form), sources, iterations=FIRST, floors=floors).cost > (
+                best[0].cost + HOPELESS
+            ):
+                continue
+            estimate = fit(form, nuisances(form), sources, floors=floors)
+        except (DivergedError, ValueError) as error:
+            failure = error
+            continue
+        if best is None or estimate.cost < best[0].cost - 5.0:
+            best = (estimate, sources)
+    if best is None:
+        raise failure or ValueError("logs: could not be predicted")
+    estimate, calm = best
+    quick = sources_of(logs, estimate.model, rest=rest, quick=True)
+    if starts_fit(estimate.model, calm, quick):
+        try:
+            again = fit(estimate.model, estimate.paths, quick, floors=width_floor(quick))
+            return again, gather(again, quick)
+        except DivergedError:
+            pass
+    return estimate, gather(estimate, calm)
+
+
+def starts_fit(model: Model, calm: Sequence[Innovations], quick: Sequence[Innovations]) -> bool:
+    """Whether rows that only `quick` counts are foreseen with about the precision of the others."""
+    soon, others = [], []
+    for slow, fast in zip(calm, quick, strict=True):
+        residual = fast.of([model])[0]
+        white = np.asarray(whiten(residual[None, :], list(whitening_filter(slow, residual))))[0]
+        rows, late = fast.counts > 0, slow.counts > 0
+        limit = CLIP * robust_rms(white[rows & late])
+        soon.append(np.minimum(white[rows & ~late] ** 2, limit**2))
+        others.append(np.minimum(white[rows & late] ** 2, limit**2))
+    extra, usual = np.concatenate(soon), np.concatenate(others)
+    if len(extra) == 0 or len(usual) == 0:
+        return False
+    return float(usual.mean()) / STARTS < float(extra.mean()) < STARTS * float(usual.mean())
+
+
+def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:
+    """A width of friction far below the slowest rows that count is an axis that sticks: that form stands beside."""
+    return {"axis.coulomb_width": 0.2 * min(source.rest for source in sources)}
+
+
+def _speed(log: Log) -> float:
+    window = max(1, round(0.01 / _sample_time(log)))
+    return float(np.abs(np.gradient(moving_average(log.position, window), log.time)).max())

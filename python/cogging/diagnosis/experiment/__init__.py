@@ -1,0 +1,1 @@
+"""The motion that would tell look-alikes apart."""

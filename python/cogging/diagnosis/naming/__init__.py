@@ -1,0 +1,1 @@
+"""What was added, by name, with alternatives and confidence; the verdict."""

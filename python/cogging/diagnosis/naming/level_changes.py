@@ -1,0 +1,98 @@
+"""Mass and friction that differ from what the model states by more than it states to know."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cogging._core import EFFECTS
+from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.signatures import candidates, quantities, tables
+from cogging.diagnosis.evidence.evidence import Evidence, orthonormal
+from cogging.diagnosis.naming.names import LOOK_ALIKE
+from cogging.diagnosis.search.search import Search
+from cogging.estimation.gauss_newton import SINGULAR, Estimate, Whitened, jackknife
+from cogging.model.intervals import student
+from cogging.model.model import Model
+from cogging.model.parameters import parameters_of
+
+CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
+SHARED = 0.7  # of what a change does to the logs, that an alternative does too
+VANISHING = 1e-3  # of the command: a force below it is as good as none
+
+
+def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
+    """Mass, viscous and Coulomb friction beyond what the model states.
+
+    Each as (name, change, half of its 95 % interval, how many deviations, found and stated, it is beyond). Shapes of
+    friction close to rest are nuisances here too: what they take up is no change of the level.
+    """
+    values, deviations, halves = level_estimates(search_.evidence, search_.estimate)
+    known = parameters_of(model)
+    found = []
+    for i, path in enumerate(search_.estimate.paths):
+        name = path.removeprefix("axis.")
+        if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
+            continue
+        prior = getattr(model.axis, name)
+        if prior <= VANISHING * search_.evidence.scales.of(known[path].unit):
+            continue  # a deviation relative to nothing says nothing
+        if values[i] <= 0.0:
+            continue  # no such machine: the logs do not tell this level from what goes with it
+        stated = model.uncertainty[name] * prior
+        deviation = float(np.hypot(deviations[i], stated))
+        beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
+        found.append((name, values[i] / prior - 1.0, float(halves[i]) / prior, float(beyond)))
+    return found
+
+
+def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
+    """Effects of one amplitude that would do to these logs nearly what a change of mass or friction does.
+
+    Beside all else that is free, their columns have a cosine c with that of the level. T (1 - c^2) of the change tells
+    the two apart: of what shares most of it (c^2), one with less than LOOK_ALIKE, at an amplitude in its range.
+    """
+    evidence, estimate = search_.evidence, search_.estimate
+    place = estimate.paths.index(f"axis.{name}")
+    others = orthonormal(np.delete(evidence.columns, place, axis=0))
+    mine = evidence.columns[place]
+    mine = mine - (others @ mine) @ others
+    moved = float(estimate.values[place]) - float(getattr(model.axis, name))
+    power, sizes = float(mine @ mine), quantities(evidence)
+    found = []
+    for effect, law in EFFECTS.items():
+        grid = list(candidates(evidence, effect))
+        if len(grid) != 1 or len(grid[0].amplitudes) != 1:
+            continue
+        column = evidence.whitened(tables(evidence, grid)[0])[0]
+        column = column - (others @ column) @ others
+        its, common = float(column @ column), float(mine @ column)
+        if its <= 0.0 or power <= 0.0:
+            continue
+        role = law.ROLES[grid[0].amplitudes[0][0]]
+        amplitude = moved * common / its / sizes[role["quantity"]]
+        shared = common**2 / (its * power)
+        apart = moved**2 * power * (1.0 - shared) / evidence.excess
+        if shared > SHARED and apart < LOOK_ALIKE and role["low"] <= amplitude <= role["high"]:
+            found.append(effect)
+    return tuple(found)
+
+
+def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Values, 1-sigma and half of the 95 % interval of the free parameters, shapes of slow friction free beside them.
+
+    The deviations are those that leaving out blocks gives, or white residuals, whichever are larger.
+    """
+    columns = evidence.columns
+    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
+    size[size == 0.0] = 1.0
+    scaled = columns / size[:, None]
+    inverse = np.linalg.pinv(scaled @ scaled.T, rcond=SINGULAR, hermitian=True)
+    step = -(inverse @ (scaled @ evidence.residual)) / size
+    left = evidence.residual + step @ columns
+    blocks = Whitened(left, columns, evidence.block, np.zeros(0), 1.0)
+    covariance, freedom = jackknife([blocks])
+    white = np.diag(inverse) / size**2 * evidence.excess
+    deviation = np.sqrt(np.maximum(np.diag(covariance), white))
+    half = deviation * [student(float(one)) for one in freedom]
+    p = len(estimate.paths)
+    return estimate.values + step[:p], deviation[:p], half[:p]

@@ -1,0 +1,166 @@
+"""What was added to a model, as entries of the result: names, alternatives, confidence and intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cogging._core import EFFECTS
+from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.candidates.signatures import known_periods
+from cogging.diagnosis.candidates.waves import is_wave
+from cogging.diagnosis.naming.effect_range import where_of
+from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.result import NamedEffect, Value
+from cogging.diagnosis.search.confirmation import INFORMATIVE
+from cogging.diagnosis.search.refit import conditional_paths, effect_parameters
+from cogging.diagnosis.search.search import FORM, HARMONICS_MAX, RIVAL, Added, Search, alike
+from cogging.model.parameters import effect_paths, parameters_of
+
+SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
+FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
+HALF = 0.5  # of T
+STRONG = -25.0  # ln of the chance of a refused effect
+PERIODS_APART = 1.5  # in turns over the travel
+LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
+
+
+def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
+    """The effect that was added at a place, with its alternatives; `left`: shapes of what no effect explains."""
+    added = found.added[place]
+    best = added.rivals[0]
+    # What explains nearly the same rows is told apart by how well its form is known, not by noise alone.
+    rivals = [r for r in added.rivals[1:] if r.score > best.score - margin(best, r) or unresolved(best, r, found)]
+    prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
+    odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
+    confidence = _confidence(added, odds, bool(left) or unexplained(found))
+    others = fully_named(found, place)
+    confidence = round(0.5 * confidence, 3) if others else confidence
+    known = parameters_of(found.estimate.model)
+    free = set(effect_parameters(found.estimate.model)) - conditional_paths(found.estimate.model)
+    values: dict[str, Value] = {}
+    for name, (unit, _) in effect.FIELDS.items():
+        if effect.ROLES[name]["role"] == "setting":
+            continue
+        paths = [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
+        halves = [
+            float(found.estimate.half_width[found.estimate.paths.index(p)])
+            if p in free and p in found.estimate.paths
+            else float("nan")
+            for p in paths
+        ]
+        numbers = [known[p].value for p in paths]
+        if not numbers:
+            continue
+        low = [None if np.isnan(h) else v - h for v, h in zip(numbers, halves, strict=True)]
+        high = [None if np.isnan(h) else v + h for v, h in zip(numbers, halves, strict=True)]
+        if isinstance(getattr(effect, name), list):
+            values[name] = Value(numbers, unit, (low, high))
+        else:
+            values[name] = Value(numbers[0], unit, (low[0], high[0]))
+    return NamedEffect(
+        effect.NAME,
+        tuple(dict.fromkeys([*(r.name for r in rivals), *others])),
+        confidence,
+        values,
+        where_of(effect, found.evidence),
+        added.finding.test.statistic,
+        added.finding.log_chance,
+    )
+
+
+def fully_named(found: Search, place: int) -> list[str]:
+    """For a wave, other waves of which as many terms were added as one name may have: it may be a further one of those.
+
+    A triangular error of an encoder, say, has more harmonics than that.
+    """
+    if not is_wave(EFFECTS[found.added[place].finding.name]):
+        return []
+    names = [added.finding.name for added in found.added]
+    others = [name for name in names if name != names[place] and is_wave(EFFECTS[name])]
+    return [name for name in dict.fromkeys(others) if others.count(name) >= HARMONICS_MAX]
+
+
+def margin(best: Finding, rival: Finding) -> float:
+    """Of the score, within which a rival is an alternative: more where it explains nearly the same rows."""
+    return max(LOOK_ALIKE, FORM * best.test.statistic) if alike(rival, best) > 0.85 else RIVAL
+
+
+def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
+    """Whether the logs are too short to tell a wave's period from one that the model knows, in which a rival changes.
+
+    What an amplitude that changes along the travel leaves of a known period is a wave of nearly that period.
+    """
+    period, known = best.candidate.shape.get("period"), rival.candidate.shape.get("period")
+    if (
+        period is None
+        or known not in known_periods(found.nominal.model)
+        or rival.test.statistic < HALF * best.test.statistic
+    ):
+        return False
+    return bool(abs(1.0 / period - 1.0 / known) * found.evidence.scales.position < PERIODS_APART)
+
+
+def unexplained(found: Search) -> bool:
+    """Whether more was refused than was added: what explains most of these logs is then no effect as it is listed."""
+    named = max(added.finding.test.statistic for added in found.added)
+    return any(one.log_chance < STRONG and one.test.statistic > named for one in found.unused)
+
+
+def _confidence(added: Added, odds: float, rest: bool) -> float:
+    """The stated chance that a name is right: odds against the rivals, less what else speaks against it."""
+    chance = 1.0 / (1.0 + odds)
+    check = added.confirmation
+    if check is None:
+        chance *= 0.93
+    elif check.foreseen < INFORMATIVE:
+        chance *= 0.88
+    elif abs(check.ratio - 1.0) > 2.0 * check.deviation:
+        chance *= 0.8
+    # A generic shape that explains more than the named effect does: its form is not quite that.
+    generic = max((shape.score for shape in added.shapes), default=0.0)
+    if generic > added.finding.score + FORMLESS:
+        chance *= 0.7
+    if rest:
+        chance *= 0.75
+    if added.or_map:
+        chance *= 0.8
+    if added.finding.test.statistic < 35.0:
+        chance *= 0.9
+    return round(float(np.clip(SUREST * chance, 0.01, SUREST)), 3)
+
+
+def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
+    """One entry a name: several harmonics are one cause. The strongest speaks; the others stand in `further`."""
+    result: list[NamedEffect] = []
+    for effect in effects:
+        for i, known in enumerate(result):
+            if known.name == effect.name:
+                first, second = (known, effect) if known.statistic >= effect.statistic else (effect, known)
+                result[i] = replace(first, further=(*known.further, second.parameters))
+                break
+        else:
+            result.append(effect)
+    return result
+
+
+def changed(
+    change: tuple[str, float, float, float], alternatives: tuple[str, ...], left: Sequence[Shape]
+) -> NamedEffect:
+    """Mass, viscous or Coulomb friction beyond what the model states (level_changes.changes), as an effect."""
+    name, size, half, beyond = change
+    confidence = 0.97 if abs(beyond) > 5.0 else 0.86
+    if left:
+        confidence *= 0.8
+    value = Value(size, "1", (size - half, size + half))
+    return NamedEffect(
+        f"{name}_change",
+        alternatives,
+        round(confidence, 3),
+        {"change": value},
+        {"coordinate": {"mass": "acceleration"}.get(name, "velocity"), "range": None},
+        beyond**2,
+        -0.5 * beyond**2,
+    )

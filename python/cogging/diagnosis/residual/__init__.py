@@ -1,0 +1,1 @@
+"""What is left unexplained, and where it sits, before anything is named."""

@@ -1,0 +1,1 @@
+"""Scan, choose, refit, accept: which effects are added to the model."""

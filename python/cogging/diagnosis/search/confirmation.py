@@ -1,0 +1,141 @@
+"""What motion that had no part in the choice says to an effect with frozen amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cogging._core import EFFECTS, DivergedError
+from cogging.diagnosis.candidates.intervals import is_spell
+from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.candidates.signatures import place, tables
+from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
+from cogging.diagnosis.evidence.evidence import Evidence, gather
+from cogging.diagnosis.evidence.log_p_value import log_survival
+from cogging.diagnosis.evidence.null import nuisances, sources_of, width_floor
+from cogging.estimation.gauss_newton import fit
+from cogging.logs.log import Log
+from cogging.model.model import Model
+from cogging.model.parameters import effect_paths
+
+PLACES, SHIFTS = 2000, 97  # along the travel, and of one cogging against another
+SHIFTED = 1.0 / 12.0  # of the longest period, from which the zeros differ
+INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """An effect with frozen amplitudes on motion that had no part in the choice.
+
+    Attributes:
+        foreseen: lambda that this motion can show.
+        ratio: of what it shows over what was foreseen, 1 where the effect is right.
+        gain: of 2 ln likelihood.
+        turn: rad, by which a wave had to be turned: the logs' zeros of position or time differ.
+    """
+
+    foreseen: float
+    ratio: float
+    gain: float
+    turn: float = 0.0
+
+    @property
+    def deviation(self) -> float:
+        """1-sigma of the ratio, 0.15 at least for amplitudes that are estimates themselves."""
+        return float(np.hypot(1.0 / np.sqrt(max(self.foreseen, 1e-9)), 0.15))
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the other motion speaks against it: it shows far less or more than foreseen, or is worse off."""
+        far = (3.0 if self.ratio < 1.0 else 10.0) * self.deviation  # more than foreseen may be a shape not quite right
+        return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
+
+    @property
+    def shown(self) -> float:
+        """T that this motion shows of the effect, chi-square with one degree of freedom where there is none."""
+        return self.ratio**2 * self.foreseen
+
+    @property
+    def log_chance(self) -> float:
+        """ln of the chance that noise alone shows as much of it, or more; 0 where the other motion does not show it."""
+        if not self.confirmed:
+            return 0.0
+        if self.turn:
+            return log_survival(self.shown, 2)
+        return log_survival(self.shown, 1) - float(np.log(2.0))
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the other motion shows it."""
+        return self.foreseen >= INFORMATIVE and not self.refuted
+
+
+def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str], *, quick: bool = False) -> Evidence:
+    """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
+
+    Effects that the given model has are re-tuned too: they may have stood in for what was added.
+
+    Args:
+        logs: the other logs.
+        model: with what was added.
+        given: without.
+        tuned: paths that were free in the fit of the first logs.
+        quick: see sources_of.
+    """
+    own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
+    paths = [p for p in tuned if not p.startswith("effects.")]
+    paths += [p for p in nuisances(model) if p.startswith("effects.") and p.rpartition(".")[0] in own]
+    sources = sources_of(logs, model, quick=quick)
+    evidence = gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
+    return replace(evidence, turns=not same_zero(evidence, model))
+
+
+def same_zero(evidence: Evidence, before: Model) -> bool:
+    """Whether logs have the zero of position of those to which a model was fitted `before`.
+
+    Its cogging, re-tuned on these logs, then lies where it lay. Where the model knows none, nobody can tell.
+    """
+    mine, its = evidence.model.cogging, before.cogging
+    if mine is None or its is None or len(its.basis.wavenumbers) == 0:
+        return False
+    period = 2.0 * np.pi / float(np.min(its.basis.wavenumbers))
+    places = np.linspace(*place(evidence), PLACES)
+    shifts = period * np.linspace(-0.5, 0.5, SHIFTS)
+    force = np.asarray(its.force(places))
+    alike = [float(force @ np.asarray(mine.force(places + shift))) for shift in shifts]
+    return bool(max(alike) > 0.0 and abs(shifts[int(np.argmax(alike))]) < SHIFTED * period)
+
+
+def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
+    """What other motion says to an effect with frozen amplitudes; None without other motion."""
+    if evidence is None:
+        return None
+    try:
+        made = tables(evidence, [finding.candidate])[0]
+    except (DivergedError, ValueError):
+        return None
+    columns = evidence.project(evidence.whitened(made))
+    # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
+    turned = is_wave(EFFECTS[finding.name]) and (evidence.turns or not is_spatial_wave(EFFECTS[finding.name]))
+    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if turned else [0.0]
+    best = Confirmation(0.0, 0.0, -np.inf)
+    for turn in turns:
+        amplitudes = finding.amplitudes
+        if turn:
+            rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            amplitudes = rotation @ amplitudes
+        foreseen = amplitudes @ columns
+        size = float(foreseen @ foreseen) / evidence.excess
+        if size <= 0.0:
+            continue
+        score = -float(foreseen @ evidence.free_residual) / evidence.excess
+        gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
+        if gain > best.gain:
+            best = Confirmation(size, score / size, gain, float(turn))
+    if not np.isfinite(best.gain):
+        return Confirmation(0.0, 0.0, 0.0)
+    if best.refuted and is_spell(EFFECTS[finding.name]):  # what happened once need not happen again
+        return Confirmation(0.0, 0.0, min(best.gain, 0.0))
+    return best

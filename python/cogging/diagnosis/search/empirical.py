@@ -1,0 +1,63 @@
+"""What no effect explains, as a force of any shape: added where it is asked for, and called empirical."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cogging._core import EFFECTS, DivergedError
+from cogging.diagnosis.discrepancy import gaps, source_of
+from cogging.diagnosis.search.levels import with_levels
+from cogging.diagnosis.search.search import PAYS, Search
+from cogging.logs.log import Log
+from cogging.model.model import Model
+from cogging.model.parameters import effect_paths, parameters_of
+
+
+class NoTerm(ValueError):
+    """Why nothing was added."""
+
+
+def with_term(
+    found: Search, rest: dict[str, Any], model: Model, logs: Sequence[Log], others: Sequence[Log]
+) -> tuple[Model, dict[str, Any]]:
+    """The model with a force at the nodes at which the rest is told, refitted, and what it makes of the gap.
+
+    Args:
+        found: the search.
+        rest: what no effect explains (verdict.unlisted).
+        model: with all that was named.
+        logs, others: given, and to confirm.
+
+    Raises:
+        NoTerm: no term has this coordinate, or it does not pay on the other motion.
+    """
+    coordinate = str(rest["coordinate"])
+    nodes, forces = f"{coordinate}_nodes", f"{coordinate}_forces"
+    laws = [law for law in EFFECTS.values() if {nodes, forces} <= set(law.FIELDS)]
+    if not laws:
+        raise NoTerm(f"no empirical term is a function of {coordinate}: it is described, not added")
+    if "places" not in rest:
+        raise NoTerm("no empirical term stands for bursts: they are described, not added")
+    places = np.asarray(rest["places"], dtype=float)
+    shape = np.asarray(rest["force"], dtype=float)
+    if len(shape) == 2 * len(places):  # told apart by direction, of which the term knows nothing
+        shape = shape.reshape(2, -1).mean(axis=0)
+    term = laws[0](**{nodes: places.tolist(), forces: np.nan_to_num(shape).tolist()})
+    larger = model.replace(effects=(*model.effects, term))
+    prefix = effect_paths(larger.effects)[-1][0]
+    own = [path for path in parameters_of(larger) if path.startswith(f"{prefix}.{forces}[")]
+    try:
+        tuned = with_levels(larger, [*found.nominal.paths, *own], [source_of(log, found.nominal.model) for log in logs])
+        before, after = (gap.rms for gap in gaps(logs, [model, tuned], replay=False))
+        elsewhere = [gap.rms for gap in gaps(others, [model, tuned], replay=False)] if others else None
+    except (DivergedError, ValueError) as error:
+        raise NoTerm(f"the model with an empirical term cannot be fitted: {error}") from None
+    if after > before or (elsewhere is not None and elsewhere[1] > PAYS * elsewhere[0]):
+        here = elsewhere or [before, after]
+        raise NoTerm(f"an empirical term does not pay: the gap grows from {here[0]:.4g} to {here[1]:.4g} V with it")
+    told = {"name": laws[0].NAME, "gap_before": before, "gap_after": after}
+    told |= dict(zip(("confirm_before", "confirm_after"), elsewhere or (None, None), strict=True))
+    return tuned, told

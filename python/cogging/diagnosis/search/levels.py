@@ -1,0 +1,61 @@
+"""Mass, friction and known amplitudes tuned to the gap itself: every frequency weighs as it does in the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cogging._core import DivergedError
+from cogging.diagnosis.evidence.null import width_floor
+from cogging.estimation.gauss_newton import columns_of, least_squares
+from cogging.estimation.residuals import Innovations
+from cogging.model.model import Model
+from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
+
+ITERATIONS = 3
+HALVINGS = 4
+
+
+def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovations]) -> Model:
+    """The model after least squares of the innovations over `paths`, effects that were found as they are.
+
+    A fit of whitened residuals weighs high frequencies, where the noise is low: what is slightly wrong there bends the
+    levels, and the gap with them. Models are compared by their gaps, each with the levels that make its own smallest.
+    """
+    paths = paths_in(model, paths)
+    scales = Scales.largest(source.scales for source in sources)
+    floors = width_floor(sources)
+    counts = [source.counts > 0 for source in sources]
+    if not paths or not any(rows.any() for rows in counts):
+        return model
+
+    def gap(one: Model) -> float:
+        return sum(float(np.sum(s.of([one])[0, rows] ** 2)) for s, rows in zip(sources, counts, strict=True))
+
+    best = gap(model)
+    for _ in range(ITERATIONS):
+        known = parameters_of(model, together=True)
+        parameters = [known[path] for path in paths]
+        residuals, columns = columns_of(model, parameters, sources, scales)
+        right = np.concatenate([r[rows] for r, rows in zip(residuals, counts, strict=True)])
+        table = np.concatenate([c[:, rows] for c, rows in zip(columns, counts, strict=True)], axis=1)
+        step = -least_squares(table, right)
+        for halving in range(HALVINGS):
+            values = {
+                p.path: max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf))
+                for p, s in zip(parameters, step, strict=True)
+            }
+            try:
+                moved = with_values(model, values)
+                after = gap(moved)
+            except (DivergedError, ValueError):
+                continue
+            if after < best:
+                break
+        else:
+            return model
+        gained, best, model = best - after, after, moved
+        if gained < 1e-3 * best:
+            break
+    return model

@@ -1,0 +1,34 @@
+"""Placebo terms: effects that were not found, fitted all the same; on other motion they must not help."""
+
+from __future__ import annotations
+
+from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.result import Placebo
+from cogging.diagnosis.search.confirmation import confirmation
+from cogging.diagnosis.search.search import Search, alike
+
+PLACEBOS = 5
+SUSPECTED = -6.0  # ln of the chance: what is significant and was refused is no placebo
+DISTINCT = 0.3  # cosine with another placebo, above which it would say the same again
+
+
+def placebos(found: Search) -> tuple[Placebo, ...]:
+    """The effects of the last scan that explain most of what is left without being significant, at their best shapes.
+
+    Each is fitted to the logs like an effect that was found, and its amplitudes are frozen for the confirm logs.
+    """
+    named = {added.finding.name for added in found.added}
+    chosen: list[Finding] = []
+    for finding in sorted(found.unused, key=lambda one: -one.test.statistic):
+        if finding.name in named or finding.log_chance < SUSPECTED:
+            continue
+        if any(alike(finding, other) > DISTINCT for other in chosen):
+            continue
+        chosen.append(finding)
+        if len(chosen) == PLACEBOS:
+            break
+    told = []
+    for finding in chosen:
+        check = confirmation(found.confirm_evidence, finding)
+        told.append(Placebo(finding.name, finding.test.statistic, None if check is None else check.gain))
+    return tuple(told)

@@ -1,0 +1,107 @@
+"""The fit of a model with an effect in it: what may move, and how far."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cogging.diagnosis.candidates.intervals import is_spell
+from cogging.diagnosis.candidates.scan import Finding, in_range
+from cogging.diagnosis.candidates.signatures import quantities
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.null import width_floor
+from cogging.estimation.gauss_newton import Estimate, fit
+from cogging.model.model import Model
+from cogging.model.parameters import effect_paths, parameters_of, role_of
+
+
+def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) -> Estimate:
+    """Fit the model with the effect in it: nuisances, amplitudes, and shapes that are numbers.
+
+    Of the effects that the model was `given`, the amplitudes are fitted, as they are without anything added.
+    """
+    model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
+    own = {prefix for prefix, _ in effect_paths(model.effects)[:given]}
+    paths = [p for p in estimate.paths if not p.startswith("effects.")]
+    paths += [
+        p for p in effect_parameters(model) if p.rpartition(".")[0] not in own or role_of(model, p) == "amplitude"
+    ]
+    floors, ceilings = shape_limits(model, evidence)
+    floors |= width_floor(evidence.sources)
+    fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
+    sizes = quantities(evidence)
+    for effect in fitted.model.effects[given:]:
+        for name, role in effect.ROLES.items():
+            value = getattr(effect, name)
+            if role["role"] == "amplitude" and np.max(np.abs(value)) > 1.01 * role["high"] * sizes[role["quantity"]]:
+                raise ValueError(f"its {name} runs to {np.max(np.abs(value)):.3g}")
+            if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
+                # The shape runs off where the log does not hold it: shapes stay where the scan found them.
+                held = [p for p in paths if p not in shape_paths(model)]
+                return fit(model, held, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
+    return fitted
+
+
+def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], dict[str, float]]:
+    """Values that shapes keep between while a fit moves them: twice the range in which their effect is looked for.
+
+    An amplitude that has a sign keeps it.
+
+    Beyond it a log holds them no more, and what is stiff (a contact, a mode) would be simulated in ever finer steps.
+    """
+    floors, ceilings = {}, {}
+    sizes = quantities(evidence)
+    for prefix, effect in effect_paths(model.effects):
+        for name, role in effect.ROLES.items():
+            if role["role"] == "shape" and role["quantity"] != "position" and not is_held(effect, role):
+                size = sizes[role["quantity"]]
+                floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
+                ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
+            elif role["role"] == "amplitude" and role["low"] == 0.0:
+                floors[f"{prefix}.{name}"] = 0.0
+    return floors, ceilings
+
+
+def is_held(effect: Any, role: dict[str, Any]) -> bool:
+    """Whether a fit leaves a parameter where the scan found it: an exponent, or an edge in time."""
+    return role["quantity"] == "exponent" or (role["quantity"] == "time" and is_spell(effect))
+
+
+def shape_paths(model: Model) -> set[str]:
+    """Paths of the effects' shapes."""
+    return {
+        f"{prefix}.{name}"
+        for prefix, effect in effect_paths(model.effects)
+        for name, role in effect.ROLES.items()
+        if role["role"] == "shape"
+    }
+
+
+def effect_parameters(model: Model) -> list[str]:
+    """Paths of the effects' amplitudes and shapes that a fit can move."""
+    known = parameters_of(model)
+    paths = []
+    for prefix, effect in effect_paths(model.effects):
+        for name, role in effect.ROLES.items():
+            value = getattr(effect, name)
+            if role["role"] == "setting" or (role["role"] == "shape" and isinstance(value, list)):
+                continue
+            if is_held(effect, role):
+                continue
+            paths += [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
+    return [p for p in paths if np.isfinite(known[p].value)]
+
+
+def conditional_paths(model: Model) -> set[str]:
+    """Paths of shapes that were fitted under settings which nobody stated, of an effect with states (a contact).
+
+    Under other settings they come out differently, by more than their intervals would say.
+    """
+    return {
+        f"{prefix}.{name}"
+        for prefix, effect in effect_paths(model.effects)
+        if "state" in effect.HOOKS and any(role["role"] == "setting" for role in effect.ROLES.values())
+        for name, role in effect.ROLES.items()
+        if role["role"] == "shape"
+    }

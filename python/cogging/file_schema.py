@@ -1,0 +1,145 @@
+"""One schema of model and reference files, made from what the C++ parameter structs say of themselves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from cogging import _core
+from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
+from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
+from cogging.simulation.reference import REFERENCES
+
+NUMBER = {"type": "number"}
+NUMBERS = {"type": "array", "items": NUMBER}
+WHOLE_NUMBERS = {"type": "array", "items": {"type": "integer"}}
+
+#: The keys of [cogging], which no single struct holds: type, unit and meaning.
+COGGING: dict[str, tuple[dict[str, Any], str, str]] = {
+    "pitch": (NUMBER, "m", "magnet pitch; the distance of the B-spline's knots"),
+    "harmonics": (WHOLE_NUMBERS, "1", "terms sin and cos of 2 pi i x / pitch; in place of periods"),
+    "periods": (NUMBERS, "m", "terms sin and cos of 2 pi x / period; in place of harmonics"),
+    "order": ({"type": "integer"}, "1", "B-spline order of the amplitudes; 1 = piecewise constant, default 3"),
+    "origin": (NUMBER, "m", "first knot of the first full span, default 0"),
+    "sine": ({"type": "array", "items": NUMBERS}, "V", "one row a term, one column a control point"),
+    "cosine": ({"type": "array", "items": NUMBERS}, "V", "one row a term, one column a control point"),
+}
+SIMULATION: dict[str, tuple[dict[str, Any], str, str]] = {
+    "steps_per_sample": (
+        {"type": "integer", "minimum": 1, "maximum": STEPS_MAX, "default": 1},
+        "1",
+        "fewest integration steps between two samples; a run takes as many more as its accuracy needs",
+    ),
+}
+SAMPLED: dict[str, tuple[dict[str, Any], str, str]] = {
+    "file": ({"type": "string"}, "", "log file with time and reference, beside the reference file"),
+    "time": (NUMBERS, "s", "of the samples, in place of file"),
+    "reference": (NUMBERS, "m", "samples of the position"),
+    "reference_velocity": (NUMBERS, "m/s", "samples; differentiated when left out"),
+    "reference_acceleration": (NUMBERS, "m/s^2", "samples; differentiated when left out"),
+}
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema (2020-12) of model and reference files, which are TOML.
+
+    `$defs` holds `model` and `reference`; every field has its unit (`unit`), meaning (`description`) and, where it is
+    finite, default. Whole numbers may stand for numbers. Rules between fields are checked when a file is read.
+    """
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "cogging: model and reference files (TOML; SI, V stands for the command unit)",
+        "oneOf": [{"$ref": "#/$defs/model"}, {"$ref": "#/$defs/reference"}],
+        "$defs": {"model": _model(), "reference": _reference()},
+    }
+
+
+def _model() -> dict[str, Any]:
+    axis = _section("M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects", _fields(AxisParameters), ["mass"])
+    axis["properties"]["uncertainty"] = _section(
+        "relative 1-sigma of each, 0 = exact",
+        {key: {"type": "number", "minimum": 0, "unit": "1"} for key in UNCERTAINTY_KEYS},
+    )
+    controllers = [
+        _tagged("type", kind, made.__doc__ or "", _fields(struct)) for kind, (struct, made) in CONTROLLERS.items()
+    ]
+    effects = [_tagged("name", name, kind.LAW, _fields(kind)) for name, kind in _core.EFFECTS.items()]
+    bound = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
+    return _section(
+        "an axis: model file",
+        {
+            "axis": axis,
+            "cogging": _section("F_cogging(x), which opposes the command", _described(COGGING)),
+            "effects": {"type": "array", "items": {"oneOf": effects}, "description": "[[effects]] tables"},
+            "encoder": _section(EncoderParameters.__doc__ or "", _fields(EncoderParameters)),
+            "noise": _section(NoiseParameters.__doc__ or "", _fields(NoiseParameters)),
+            "controller": {"oneOf": controllers, "description": "absent: unknown"},
+            "simulation": _section("how a run is integrated", _described(SIMULATION)),
+            "bounds": {
+                "type": "object",
+                "additionalProperties": bound,
+                "description": "95 % intervals by parameter path, written by identify",
+            },
+        },
+        ["axis"],
+    )
+
+
+def _reference() -> dict[str, Any]:
+    duration = {"type": "number", "minimum": 0, "unit": "s", "description": "of the run; 0 = the motion's own end"}
+    kinds = []
+    for kind, (struct, made) in REFERENCES.items():
+        entry = _tagged("type", kind, made.__doc__ or "", _fields(struct) | {"duration": duration})
+        if kind != "point_to_point":  # a motion without an end of its own
+            entry["required"].append("duration")
+        kinds.append(entry)
+    kinds.append(_tagged("type", "sampled", "a motion given by samples", _described(SAMPLED) | {"duration": duration}))
+    return {"oneOf": kinds, "description": "a motion: reference file"}
+
+
+def _section(description: str, properties: Mapping[str, Any], required: list[str] | None = None) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "description": _first_line(description),
+        "properties": dict(properties),
+        "required": required or [],
+        "additionalProperties": False,
+    }
+
+
+def _tagged(tag: str, value: str, description: str, properties: Mapping[str, Any]) -> dict[str, Any]:
+    return _section(description, {tag: {"const": value}, **properties}, [tag])
+
+
+def _described(fields: Mapping[str, tuple[dict[str, Any], str, str]]) -> dict[str, Any]:
+    return {name: {**kind, "unit": unit, "description": meaning} for name, (kind, unit, meaning) in fields.items()}
+
+
+def _fields(struct: Any) -> dict[str, Any]:
+    defaults = struct().to_dict()
+    return {
+        name: {**_type_of(name, defaults[name]), **_default(defaults[name]), "unit": unit or "", "description": meaning}
+        for name, (unit, meaning) in struct.FIELDS.items()
+    }
+
+
+def _type_of(name: str, default: Any) -> dict[str, Any]:
+    if isinstance(default, bool):
+        return {"type": "boolean"}
+    if isinstance(default, str):
+        return {"type": "string"}
+    if isinstance(default, list):
+        if default and isinstance(default[0], list):
+            return {"type": "array", "items": NUMBERS}
+        return WHOLE_NUMBERS if name.endswith("harmonics") else NUMBERS
+    return {"type": "integer"} if isinstance(default, int) else NUMBER
+
+
+def _default(value: Any) -> dict[str, Any]:
+    finite = all(math.isfinite(v) for v in (value if isinstance(value, list) else [value]) if isinstance(v, float))
+    return {"default": value} if finite else {}
+
+
+def _first_line(text: str) -> str:
+    return text.strip().split("\n", 1)[0]

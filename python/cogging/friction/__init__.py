@@ -1,0 +1,1 @@
+"""Friction against steady speed."""

@@ -1,0 +1,233 @@
+"""Friction against steady speed: which law, with which parameters, and how much better it predicts speeds unseen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, smooth_sign
+from cogging.arrays import FloatArray, IntArray
+from cogging.friction.law import FrictionParameter, Law, steady_friction
+
+SPARE = 2  # points more than parameters, at least, for a model to be tried
+
+
+@dataclass(frozen=True)
+class FrictionModel:
+    """One law of the ladder, fitted to all points.
+
+    Attributes:
+        name: coulomb_viscous, direction, stribeck or direction_stribeck.
+        parameters: by path: coulomb, viscous, then <effect>.<field> as in a model file.
+        residual_rms: V, of the points.
+        held_out_rms: V, of the errors at speeds that were left out of the fit, each in turn.
+        held_out_standard_error: V, of that rms, from its scatter between speeds.
+        gain: 1 - held_out_rms over that of Coulomb + viscous.
+    """
+
+    name: str
+    parameters: dict[str, FrictionParameter]
+    residual_rms: float
+    held_out_rms: float
+    held_out_standard_error: float
+    gain: float
+
+    def force(self, velocity: npt.ArrayLike) -> FloatArray:
+        """The friction force (V) at these speeds (m/s), of either sign; any shape."""
+        v = np.asarray(velocity, dtype=np.float64)
+        line = self.parameters["coulomb"].value * smooth_sign(v, 0.0) + self.parameters["viscous"].value * v
+        return np.asarray(sum((steady_friction(effect, v) for effect in self.effects), line), dtype=np.float64)
+
+    @property
+    def effects(self) -> tuple[Any, ...]:
+        """What a plant takes beside `coulomb` and `viscous` of its axis."""
+        fields: dict[str, dict[str, float]] = {}
+        for path, parameter in self.parameters.items():
+            effect, _, field = path.rpartition(".")
+            if effect:
+                fields.setdefault(effect, {})[field] = parameter.value
+        return tuple(EFFECTS[effect](**values) for effect, values in fields.items())
+
+
+@dataclass(frozen=True)
+class FrictionCurve:
+    """What fit_friction_curve found.
+
+    Attributes:
+        models: the laws that the points suffice for, simplest first.
+        best: the law of fewest parameters whose squared errors at speeds left out exceed, speed by speed, those of the
+            best law by no more than two standard errors.
+        velocity, force: the points: means of the rows of one speed and direction; m/s, V, (n,).
+        speed: number of the speed that a point belongs to, (n,); points of one number are left out together.
+        confidence: of the intervals.
+        notes: what the reader has to know about this fit.
+    """
+
+    models: tuple[FrictionModel, ...]
+    best: FrictionModel
+    velocity: FloatArray
+    force: FloatArray
+    speed: IntArray
+    confidence: float
+    notes: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> FrictionModel:
+        """The model of this name.
+
+        Raises:
+            KeyError: it was not fitted.
+        """
+        return {model.name: model for model in self.models}[name]
+
+    def summary(self) -> str:
+        """The fits in a few lines for the screen."""
+        lines = [
+            f"friction curve: {len(self.velocity)} points at {self.speed.max() + 1} speeds from "
+            f"{np.abs(self.velocity).min():.4g} to {np.abs(self.velocity).max():.4g} m/s",
+            "law                 parameters  residual (V)  held out (V)     +- (V)   gain",
+        ]
+        for model in self.models:
+            lines.append(
+                f"{model.name:18s}  {len(model.parameters):10d}  {model.residual_rms:12.5g}  {model.held_out_rms:12.5g}"
+                f"  {model.held_out_standard_error:9.2g}  {model.gain:5.1%}{'  <- best' if model is self.best else ''}"
+            )
+        for path, p in self.best.parameters.items():
+            unit = "" if p.unit == "1" else f"  {p.unit}"
+            lines.append(f"{path:32s} {p.value:11.5g}  [{p.low:.5g}, {p.high:.5g}]{unit}")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+
+def fit_friction_curve(
+    velocity: npt.ArrayLike,
+    force: npt.ArrayLike,
+    *,
+    exponent: float | None = None,
+    same_speed: float = 0.05,
+    confidence: float = 0.95,
+) -> FrictionCurve:
+    """Fit friction laws to forces at steady speeds, and say which one predicts speeds that it has not seen.
+
+    force = (Fc + dC/2 s + static_excess exp(-|v/vs|^exponent)) s + (B + dB/2 s) v, s = sgn(v). The ladder: Coulomb +
+    viscous; with Fc and B that differ with direction; with the Stribeck term; with both. The force is the mean command
+    at a steady speed, so nothing accelerates; cogging averages out over whole periods, which is the caller's to see to.
+
+    Rows of one speed and direction are averaged to a point, since samples of one run are not independent. Least squares
+    on the points; the two shape parameters of the Stribeck term by variable projection: the linear ones are solved for
+    at each trial, from many starts, refined by Gauss-Newton steps. vs is looked for between the lowest and half of the
+    highest speed, since a broader fall is not told from viscous friction, the exponent between 0.5 and 4;
+    static_excess is at least 0. Intervals are robust to noise that differs between speeds (HC3 covariance, MacKinnon
+    and White 1985, Student's t). Each speed, both directions together, is left out of the fit in turn and predicted. A
+    model needs at least two points more than parameters, also with the fullest speed left out.
+
+    At steady speeds a Coulomb level that differs with direction and a constant force (gravity) of -difference/2 are the
+    same.
+
+    Args:
+        velocity: m/s, (n,), of either sign, not zero.
+        force: V, (n,), that keeps this speed: positive forward.
+        exponent: of the Stribeck term; fitted when None.
+        same_speed: |v| this close (relative to the lowest of them) are one speed.
+        confidence: of the intervals.
+
+    Raises:
+        ValueError: names the field, the rule and the value.
+    """
+    _require(_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
+    _require(_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)
+    if exponent is not None:
+        _require(_number(exponent) and exponent > 0.0, "exponent", "must be finite and above 0", exponent)
+    v, f, speed = _points(_numbers("velocity", velocity), _numbers("force", force), same_speed)
+    both_ways = bool(np.any(v > 0.0) and np.any(v < 0.0))
+    notes = [] if both_ways else ["the points go one way only: laws that differ with direction are not tried"]
+
+    laws = [Law(way, bow, exponent) for bow in (False, True) for way in (False, True) if both_ways or not way]
+    least = v.size - int(np.bincount(speed).max())
+    tried = [law for law in laws if least >= law.count + SPARE]
+    rule = (
+        f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
+    )
+    _require(bool(tried), "velocity", f"{rule} parameters", v.size)
+    notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
+
+    fits = [law.fit(v, f) for law in tried]
+    errors = np.stack([_held_out(law, v, f, speed) for law in tried])
+    squares = np.stack([np.bincount(speed, e**2) / np.bincount(speed) for e in errors])
+    counts = np.bincount(speed) / v.size
+    rms = np.sqrt(np.mean(errors**2, axis=1))
+    models = []
+    for law, fit, e, by_speed in zip(tried, fits, rms, squares, strict=True):
+        parameters, told = law.intervals(fit, v, f, confidence)
+        notes += [f"{law.name}: {note}" for note in told]
+        spread = _standard_error(by_speed, counts) / max(2.0 * e, np.finfo(float).tiny)
+        left = float(np.sqrt(np.mean((f - law.predict(fit, v)) ** 2)))
+        gain = 1.0 - float(e / rms[0]) if rms[0] > 0.0 else 0.0
+        models.append(FrictionModel(law.name, parameters, left, float(e), float(spread), gain))
+    best = int(np.argmin(rms))
+    good = [
+        i
+        for i in range(len(models))
+        if counts @ (squares[i] - squares[best]) <= 2.0 * _standard_error(squares[i] - squares[best], counts)
+    ]
+    chosen = min(good, key=lambda i: tried[i].count)
+    if both_ways and "coulomb_asymmetry.difference" in models[chosen].parameters:
+        notes.append("at steady speeds coulomb_asymmetry is not told from a constant force of -difference/2")
+    return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes))
+
+
+def _held_out(law: Law, v: FloatArray, f: FloatArray, speed: IntArray) -> FloatArray:
+    """Errors of the points, each predicted by a fit without its speed."""
+    errors = np.empty_like(f)
+    for number in range(int(speed.max()) + 1):
+        out = speed == number
+        errors[out] = f[out] - law.predict(law.fit(v[~out], f[~out]), v[out])
+    return errors
+
+
+def _standard_error(values: FloatArray, weights: FloatArray) -> float:
+    """Of the weighted mean of values of different speeds; the weights sum to one."""
+    deviation = values - weights @ values
+    return float(np.sqrt(np.sum((weights * deviation) ** 2) * values.size / max(values.size - 1, 1)))
+
+
+def _points(velocity: FloatArray, force: FloatArray, same_speed: float) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Means of the rows of each speed and direction, by rising speed, and the number of the speed."""
+    if force.size != velocity.size:
+        raise ValueError(f"force: must have one value for each of the {velocity.size} speeds, got {force.size}")
+    still = np.flatnonzero(velocity == 0.0)
+    _require(not still.size, "velocity", "must not be 0 (friction at rest is no curve), row", still[:1].tolist())
+    number, first = np.empty(velocity.size, dtype=np.intp), np.inf
+    count = -1
+    for row in np.argsort(np.abs(velocity), kind="stable"):
+        size = abs(velocity[row])
+        if count < 0 or size > first * (1.0 + same_speed):
+            count, first = count + 1, size
+        number[row] = count
+    keys, members = np.unique(2 * number + (velocity > 0.0), return_inverse=True)
+    rows = np.bincount(members.ravel())
+    v, f = (np.bincount(members.ravel(), values) / rows for values in (velocity, force))
+    return v, f, keys // 2
+
+
+def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: must be real numbers, got {type(values).__name__}") from None
+    if array.ndim != 1 or array.size == 0:
+        raise ValueError(f"{name}: must be one-dimensional and not empty, got shape {array.shape}")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
+    return array
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, int | float | np.floating) and not isinstance(value, bool) and bool(np.isfinite(value))
+
+
+def _require(holds: bool, name: str, rule: str, value: Any) -> None:
+    if not holds:
+        raise ValueError(f"{name}: {rule}, got {value}")

@@ -1,0 +1,1 @@
+"""From measured logs to a fitted model, with honest intervals."""

@@ -1,0 +1,280 @@
+"""Inverse dynamics with instruments: the parameters at which the filtered force balance closes.
+
+The idea of IDIM-IV (Janot, Vandanjon, Gautier 2014): the force that the model needs along the measured motion is
+compared with the force that was applied, both through one low-pass filter; the instruments are the same columns along
+a simulated, noise-free run, so that noise in the measured motion and command does not bias the fit.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import DivergedError
+from cogging.arrays import FloatArray, Mask
+from cogging.estimation.gauss_newton import spread_of
+from cogging.estimation.residuals import START
+from cogging.identification.inverse_dynamics import InverseDynamics
+from cogging.logs.log import Log
+from cogging.model.difference_steps import central
+from cogging.model.model import Model
+from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
+
+Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
+
+TOLERANCE = 1e-6  # of a value, by which the last step moves it
+REST = 0.02  # of the largest speed: slower rows do not count
+GAP = 2.5  # median steps: over longer ones nothing is bridged
+
+
+@dataclass(frozen=True)
+class ForceBalance:
+    """One log's force balance: what the fit looks at.
+
+    Attributes:
+        log: measured.
+        dynamics: its filtered force balance.
+        counts: rows in motion, away from the ends and from gaps, (n,).
+        block: number of the block of each row, (n,).
+        scales: sizes of the log.
+    """
+
+    log: Log
+    dynamics: InverseDynamics
+    counts: Mask
+    block: npt.NDArray[np.int64]
+    scales: Scales
+
+    @classmethod
+    def of(cls, log: Log, *, cutoff: float, rest: float | None = None) -> ForceBalance:
+        """Filter a log's motion; rows slower than `rest` (m/s; None: 2 % of the largest speed) do not count."""
+        dynamics = InverseDynamics(log, cutoff=cutoff)
+        motion, even = dynamics.motion, dynamics.even
+        edge = max(START, 0.5 / cutoff)
+        counts = (even >= even[0] + edge) & (even <= even[-1] - edge)
+        moved = np.ones(len(even), dtype=bool)  # by the axis, not by a line across a pause that was cut
+        for k in np.flatnonzero(np.diff(log.time) > GAP * dynamics.sample_time):
+            # What is interpolated across the gap passes through the filter to its neighbours: its memory is left out.
+            first, last = np.searchsorted(even, [log.time[k] - 2.0 / cutoff, log.time[k + 1] + 2.0 / cutoff])
+            counts[first:last] = False
+            if dynamics.pauses:
+                moved[first:last] = False
+        if not moved.any():
+            moved[:] = True
+        scales = Scales(
+            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
+            position=float(np.ptp(log.position)) or 1.0,
+            velocity=float(np.abs(motion.middle_velocity[moved]).max()) or 1.0,
+            acceleration=float(np.quantile(np.abs(motion.acceleration[moved]), 0.99)) or 1.0,
+            time=float(log.time[-1] - log.time[0]),
+            sample_time=dynamics.sample_time,
+        )
+        counts &= np.abs(motion.middle_velocity) > (REST * scales.velocity if rest is None else rest)
+        block = np.floor((even - even[0]) / max(0.2, 4.0 / cutoff)).astype(np.int64)
+        return cls(log, dynamics, counts, block, scales)
+
+    def columns(
+        self, model: Model, parameters: Sequence[Parameter], scales: Scales, dynamics: InverseDynamics | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Residual (n,) and derivatives (p, n), V, of the rows of this motion or another.
+
+        Raises:
+            ValueError: a parameter that no step may move.
+        """
+        steps = [central(model, parameter, scales.step(parameter)) for parameter in parameters]
+        models = [model, *(side for step in steps for side in (step.above, step.below))]
+        table = (self.dynamics if dynamics is None else dynamics).of(models)
+        return table[0], (table[1::2] - table[2::2]) / np.array([step.span for step in steps])[:, None]
+
+    def instruments(
+        self, model: Model, parameters: Sequence[Parameter], scales: Scales, run: Simulator | None
+    ) -> FloatArray | None:
+        """The derivatives (p, n) along a simulated run, V; None where there is none, or it diverges."""
+        if run is None:
+            return None
+        try:
+            along = run(model)
+        except DivergedError:
+            return None
+        dynamics = InverseDynamics(along, cutoff=self.dynamics.cutoff)
+        return self.columns(model, parameters, scales, dynamics)[1]
+
+    def residual_rms(self, model: Model) -> float:
+        """Rms of the balance over the rows that count, V."""
+        return float(np.sqrt(np.mean(self.dynamics.of([model])[0, self.counts] ** 2)))
+
+
+@dataclass(frozen=True)
+class BalanceEstimate:
+    """What the fit of the force balance found.
+
+    Attributes:
+        values: (p,).
+        covariance: jackknife over blocks, and what the prior leaves open, (p, p).
+        freedom: degrees of freedom of each variance, (p,): few where few blocks tell.
+        model: with the values.
+        residual_rms: V, one a log, rows in motion, below the cut-off.
+        instruments: whether simulated instruments were used in all logs.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    freedom: FloatArray
+    model: Model
+    residual_rms: tuple[float, ...]
+    instruments: bool
+
+
+@dataclass(frozen=True)
+class _Equations:
+    """Z^T r = 0 of all logs, linearised.
+
+    Attributes:
+        bread: Z^T d r / d parameter, with the prior's share, (p, p).
+        right: Z^T r, likewise, (p,).
+        parts: instruments (p, n), columns (p, n), residual (n,) and weight of each log, rows that count.
+        instruments: whether all logs have simulated ones.
+    """
+
+    bread: FloatArray
+    right: FloatArray
+    parts: list[tuple[FloatArray, FloatArray, FloatArray, float]]
+    instruments: bool
+
+    def solved(self, right: FloatArray, bread: FloatArray | None = None) -> FloatArray:
+        """bread^-1 right, scaled so that units do not matter."""
+        size = np.sqrt(np.maximum(np.abs(np.diag(self.bread)), 1e-300))
+        scaled = (self.bread if bread is None else bread) / np.outer(size, size)
+        solution: FloatArray = np.linalg.lstsq(scaled, (right.T / size).T, rcond=1e-12)[0]
+        return np.asarray((solution.T / size).T)
+
+
+def fit_force_balance(
+    model: Model,
+    paths: Sequence[str],
+    balances: Sequence[ForceBalance],
+    scales: Scales,
+    simulate: Sequence[Simulator | None],
+    *,
+    loose: FloatArray | None = None,
+    iterations: int = 12,
+) -> BalanceEstimate:
+    """Instrumental variables, Z^T r = 0, by Newton steps; least squares where no run can be simulated.
+
+    Args:
+        model: where to start.
+        paths: of the free parameters.
+        balances: the logs.
+        scales: for the difference steps.
+        simulate: for each log, the noise-free run of a model at the log's times, or None.
+        loose: 1-sigma about its start that is assumed of each parameter, (p,); infinite: none. With it, parameters that
+            the logs hardly determine stay where the others need them, and the covariance tells what that costs.
+        iterations: at most.
+    """
+    if not paths:
+        rms = tuple(balance.residual_rms(model) for balance in balances)
+        return BalanceEstimate(np.empty(0), np.empty((0, 0)), np.empty(0), model, rms, False)
+    prior = np.array([parameters_of(model)[path].value for path in paths])
+    weight = np.zeros(len(paths)) if loose is None else 1.0 / np.asarray(loose) ** 2
+    problem = (paths, balances, scales)
+    if any(simulate):  # first near, by steps that cannot be led astray by a run that is far from the log's
+        model = _newton(model, *problem, [None] * len(balances), weight, prior, iterations)
+    model = _newton(model, *problem, simulate, weight, prior, iterations)
+    values = np.array([parameters_of(model)[path].value for path in paths])
+    equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
+    covariance, freedom = jackknife(equations, balances)
+    open_by_prior = equations.solved(equations.solved(np.diag(weight)).T)
+    rms = tuple(float(np.sqrt(np.mean(r**2))) for _, _, r, _ in equations.parts)
+    return BalanceEstimate(values, covariance + open_by_prior, freedom, model, rms, equations.instruments)
+
+
+def _newton(
+    model: Model,
+    paths: Sequence[str],
+    balances: Sequence[ForceBalance],
+    scales: Scales,
+    simulate: Sequence[Simulator | None],
+    weight: FloatArray,
+    prior: FloatArray,
+    iterations: int,
+) -> Model:
+    """The model after Newton steps towards Z^T r = 0, halved while they raise the residual."""
+    cost = _cost(model, balances)
+    for _ in range(iterations):
+        known = parameters_of(model)
+        values = np.array([known[path].value for path in paths])
+        equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
+        step = -equations.solved(equations.right)
+        length, moved = 1.0, None
+        while length > 1e-3:
+            try:
+                wanted = zip(paths, values + length * step, strict=True)
+                trial = with_values(model, {path: known[path].clipped(value) for path, value in wanted})
+                trial_cost = _cost(trial, balances)
+            except ValueError:
+                length *= 0.5
+                continue
+            if trial_cost <= 1.02 * cost:  # instruments may leave a little more than least squares
+                moved, cost = trial, trial_cost
+                break
+            length *= 0.5
+        if moved is None:
+            break
+        model = moved
+        small = np.array([scales.of(known[path].unit) for path in paths])
+        if np.all(np.abs(step) <= TOLERANCE * (np.abs(values) + 1e-3 * small)):
+            break
+    return model
+
+
+def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[FloatArray, FloatArray]:
+    """Covariance (p, p) from leaving out one block after the other, and its degrees of freedom (p,).
+
+    A sandwich alone is too sure of a parameter that a few blocks show (mass, in a log with few hard accelerations):
+    there the fit follows what it is judged by.
+    """
+    shifts = []
+    for balance, (z, columns, residual, weight) in zip(balances, equations.parts, strict=True):
+        edges = np.flatnonzero(np.diff(balance.block[balance.counts], prepend=-1, append=-2))
+        for first, last in itertools.pairwise(edges):
+            part = z[:, first:last]
+            without = equations.bread - weight * part @ columns[:, first:last].T
+            shifts.append(equations.solved(weight * part @ residual[first:last], without))
+    return spread_of(np.array(shifts))
+
+
+def _equations(
+    model: Model,
+    paths: Sequence[str],
+    balances: Sequence[ForceBalance],
+    scales: Scales,
+    simulate: Sequence[Simulator | None],
+    prior_weight: FloatArray,
+    prior_right: FloatArray,
+) -> _Equations:
+    known = parameters_of(model)
+    parameters = [known[path] for path in paths]
+    bread, right = np.diag(prior_weight), np.array(prior_right)
+    parts, instruments = [], True
+    for balance, run in zip(balances, simulate, strict=True):
+        rows = balance.counts
+        residual, columns = balance.columns(model, parameters, scales)
+        simulated = balance.instruments(model, parameters, scales, run)
+        instruments &= simulated is not None
+        z = columns if simulated is None else simulated
+        weight = 1.0 / max(float(np.mean(residual[rows] ** 2)), 1e-300)
+        bread = bread + weight * z[:, rows] @ columns[:, rows].T
+        right += weight * z[:, rows] @ residual[rows]
+        parts.append((z[:, rows], columns[:, rows], residual[rows], weight))
+    return _Equations(bread, right, parts, instruments)
+
+
+def _cost(model: Model, balances: Sequence[ForceBalance]) -> float:
+    """Geometric mean over the logs' rows of the residual's rms, V."""
+    rows = [int(balance.counts.sum()) for balance in balances]
+    logs = [np.log(max(balance.residual_rms(model), 1e-300)) for balance in balances]
+    return float(np.exp(np.dot(rows, logs) / sum(rows)))

@@ -1,0 +1,147 @@
+"""The force balance of a model along a motion, both sides through one low-pass filter; the forces are the core's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging._core import Predictor
+from cogging.arrays import FloatArray
+from cogging.estimation.residuals import quiet_plant
+from cogging.logs.log import Log
+from cogging.logs.pauses import running_time
+from cogging.model.model import Model
+
+JITTER = 0.01  # of the median step: logs that are evener than this take the command as it stands in the rows
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A smooth motion behind readings; entries (n,), the middle ones half-way to the next row.
+
+    Attributes:
+        position: m.
+        middle_position: m.
+        middle_velocity: mean over the interval, m/s.
+        acceleration: mean over the interval, m/s^2.
+    """
+
+    position: FloatArray
+    middle_position: FloatArray
+    middle_velocity: FloatArray
+    acceleration: FloatArray
+
+
+class InverseDynamics:
+    """Residuals of the force balance along a motion, V: what acts less mass times acceleration, low-pass filtered.
+
+    The rows are those of an even grid with the log's median step: readings are interpolated, of commands the mean that
+    acts over each step is taken. Long pauses are passed over in few rows, whatever their length (see running_time).
+    Effects that falsify the reading are taken out of it. Motor and load of an effect with
+    states (backlash, flexible_mode) are taken as one body, and presliding as sliding: right only in steady motion.
+
+    Args:
+        log: measured, or simulated in its place.
+        cutoff: of the filter, Hz; Butterworth's magnitude of fourth order, without phase.
+
+    Raises:
+        ValueError: the log's rows fill hardly any of its time.
+    """
+
+    def __init__(self, log: Log, *, cutoff: float) -> None:
+        self.cutoff = cutoff
+        steps, running = np.diff(log.time), running_time(log.time)
+        self.sample_time = float(np.median(steps))
+        rows = int(np.floor((running[-1] - running[0]) / self.sample_time + 1e-6)) + 1
+        even = running[0] + self.sample_time * np.arange(rows)
+        if np.abs(steps - self.sample_time).max() <= JITTER * self.sample_time and rows == len(log):
+            self.readings, self.command = log.position, log.command
+        else:
+            self.readings = np.interp(even, running, log.position)
+            self.command = _mean_held(running, log.command, even, self.sample_time)
+        self.pauses = running is not log.time  # whether some were cut
+        self.even = np.interp(even, running, log.time) if self.pauses else even
+        self.motion = self._smooth(self.readings)
+        self.predictor = Predictor(self.even, self.motion.position, self.command)
+
+    def of(self, models: Sequence[Model]) -> FloatArray:
+        """Residuals (V) at the even times, (models, n)."""
+        groups: dict[str, tuple[Motion, list[int]]] = {}
+        for i, model in enumerate(models):
+            falsifying = [effect for effect in model.effects if "reading" in effect.HOOKS]
+            key = repr([(effect.NAME, effect.to_dict()) for effect in falsifying])
+            if key not in groups:
+                groups[key] = (self._behind(falsifying), [])
+            groups[key][1].append(i)
+        table = np.empty((len(models), len(self.even)))
+        for motion, members in groups.values():
+            plants = [quiet_plant(models[i]) for i in members]
+            force = self.predictor.net_force(plants, motion.middle_position, motion.middle_velocity)
+            mass = np.array([models[i].axis.mass for i in members])
+            table[members] = force - mass[:, None] * motion.acceleration
+        return self.filtered(table)
+
+    def filtered(self, rows: FloatArray) -> FloatArray:
+        """The low-pass filter on rows (p, n)."""
+        n = rows.shape[1]
+        padded = np.pad(rows, ((0, 0), (0, fast_length(n) - n)), mode="edge")
+        mirrored = np.concatenate([padded, padded[:, ::-1]], axis=1)
+        length = mirrored.shape[1]
+        frequency = np.fft.rfftfreq(length, self.sample_time)
+        spectrum = np.fft.rfft(mirrored) / (1.0 + (frequency / self.cutoff) ** 8)
+        return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
+
+    def _behind(self, falsifying: Sequence[Any]) -> Motion:
+        """The motion behind the readings."""
+        if not falsifying:
+            return self.motion
+        position = self.readings
+        for _ in range(3):  # x = reading - error(x), whose slope is far below 1
+            error = sum(effect.reading_at(position) - position for effect in falsifying)
+            position = self.readings - error
+        return self._smooth(position)
+
+    def _smooth(self, position: FloatArray) -> Motion:
+        # Filtered at five times the cut-off, so that what the common filter keeps is untouched.
+        rows = len(position)
+        position = np.pad(position, (0, fast_length(rows) + 1 - rows), mode="edge")
+        n = len(position)
+        line = np.linspace(position[0], position[-1], n)
+        rest = position - line
+        odd = np.concatenate([rest[:-1], -rest[:0:-1]])  # odd about the ends: no jump there, nor in the slope
+        frequency = np.fft.rfftfreq(len(odd), self.sample_time)
+        spectrum = np.fft.rfft(odd) / (1.0 + (frequency / min(5.0 * self.cutoff, 0.4 / self.sample_time)) ** 8)
+        smooth = np.fft.irfft(spectrum, len(odd))[:n] + line
+        velocity = np.fft.irfft(spectrum * (2j * np.pi * frequency), len(odd))[:n]
+        smooth, velocity = smooth[:rows], velocity[:rows]  # the line's slope is constant: no acceleration
+        # Over an interval the force is held: what it does is told by the means of velocity and acceleration.
+        middle = np.append(0.5 * (smooth[:-1] + smooth[1:]), smooth[-1])
+        return Motion(smooth, middle, _slope(smooth, self.sample_time), _slope(velocity, self.sample_time))
+
+
+def fast_length(length: int) -> int:
+    """The next length whose only factors are 2, 3 and 5: quick to transform."""
+    best = 1 << length.bit_length()
+    for five in (1, 5, 25, 125):
+        for three in (1, 3, 9, 27):
+            factor = five * three
+            two = 1 << max(0, (-(-length // factor) - 1).bit_length())
+            if factor * two >= length:
+                best = min(best, factor * two)
+    return best
+
+
+def _mean_held(time: FloatArray, command: FloatArray, even: FloatArray, step: float) -> FloatArray:
+    """Mean over each even step of a command that is held from its own time to the next."""
+    total = np.concatenate([[0.0], np.cumsum(command[:-1] * np.diff(time))])
+    edges = np.append(even, even[-1] + step)
+    at_edges = np.interp(edges, time, total) + command[-1] * np.maximum(edges - time[-1], 0.0)
+    return np.asarray(np.diff(at_edges) / step)
+
+
+def _slope(values: FloatArray, step: float) -> FloatArray:
+    slope = np.diff(values) / step
+    return np.asarray(np.append(slope, slope[-1]))

@@ -1,0 +1,166 @@
+"""A measured log with the run of the closed loop that should repeat it: the stated controller, with gains that fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import DivergedError
+from cogging.arrays import FloatArray
+from cogging.estimation.residuals import Replay
+from cogging.identification.force_balance import Simulator
+from cogging.identification.inverse_dynamics import InverseDynamics
+from cogging.log_check.audit import Audit, audit, check_against_model
+from cogging.log_check.controller import MISMATCH, ControllerCheck
+from cogging.logs.log import Log
+from cogging.logs.spikes import repaired, spikes
+from cogging.model.model import Model
+
+ROUGH = 1e-3  # of the rms command: a stated controller that is further off is fitted ...
+FOLLOWED = 0.05  # of the reference's standard deviation: closer, the reference is a noise-free likeness of the motion
+GAIN = 0.8  # ... if that leaves less than this share of the difference
+
+
+class LoggedReplay(Replay):
+    """A replay with the gains that the log shows, and the integral with which it begins."""
+
+    def __init__(self, log: Log, model: Model, *, added_command: FloatArray | None) -> None:
+        super().__init__(log, model, added_command=added_command)
+        self.controller = model.controller
+
+    def run(self, model: Model) -> dict[str, FloatArray]:
+        """The simulated columns of one model, whatever its controller."""
+        return super().run(model.replace(controller=self.controller))
+
+    def log_of(self, model: Model) -> Log:
+        """The simulated log of one model, at the times of the measured one.
+
+        Raises:
+            DivergedError: the replay diverged.
+        """
+        run = self.run(model)
+        if not (np.isfinite(run["position"]).all() and np.isfinite(run["command"]).all()):
+            raise DivergedError("the replay diverged")
+        return Log(time=self.log.time, position=run["position"], command=run["command"])
+
+
+@dataclass(frozen=True)
+class LoggedRun:
+    """One log as a fit uses it.
+
+    Attributes:
+        name: of the log.
+        log: measured.
+        audit: of it.
+        replay: the closed loop on its reference, or None where controller or reference are unknown or do not fit.
+        line: what is to be said of a stated controller, or "".
+        repairs: what is to be said of single values that leave and return, or "".
+    """
+
+    name: str
+    log: Log
+    audit: Audit
+    replay: LoggedReplay | None
+    line: str
+    repairs: str = ""
+
+    @classmethod
+    def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
+        """Audit a log, and find the controller that made it.
+
+        Args:
+            log: measured.
+            model: whose controller is stated.
+            name: of the log, for errors.
+            added_command: what was added to the controller's command, V, (n,).
+
+        Raises:
+            InputError: units that cannot be those of the model.
+            ValueError: added_command is not as long as the log.
+        """
+        added = None if added_command is None else np.asarray(added_command, dtype=float)
+        if added is not None and added.shape != log.time.shape:
+            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {added.shape}")
+        check_against_model(log, model, name)
+        own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
+        found = audit(own, model)
+        usable, line = _usable(model, found.controller)
+        commands = np.zeros(len(log), dtype=bool)
+        if usable is not None and found.controller is not None:
+            commands[list(found.controller.doubted_commands)] = True
+        log, said = repaired(log, spikes(log.position), commands)
+        replay = None
+        if usable is not None and found.controller is not None:
+            start = found.controller.start
+            if start != 0.0:  # an integral that begins elsewhere is a constant
+                added = start + (np.zeros(len(log)) if added is None else added)
+            try:
+                replay = LoggedReplay(log, usable, added_command=added)
+            except ValueError as error:
+                line = line or f"the loop is not replayed: {error}"
+        return cls(name, log, found, replay, line and f"{name}: {line}", said and f"{name}: {said}")
+
+    def simulator(self) -> Simulator | None:
+        """What gives the instruments: the replay, else the reference if the axis followed it, else nothing."""
+        if self.replay is not None:
+            return self.replay.log_of
+        reference = self.log.reference
+        if reference is None or np.std(self.log.position - reference) > FOLLOWED * np.std(reference):
+            return None
+        asked = Log(time=self.log.time, position=reference, command=self.log.command)
+        return lambda model: asked
+
+    def relative_errors(self, model: Model) -> dict[str, float]:
+        """Norm of measured less replayed over norm of measured: position, velocity and command; empty without replay.
+
+        Both velocities by the same differences of readings that were low-pass filtered at 400 Hz at most.
+
+        Raises:
+            DivergedError: the replay diverged.
+        """
+        if self.replay is None:
+            return {}
+        run = self.replay.log_of(model)
+        cutoff = min(80.0, 0.1 / float(np.median(np.diff(self.log.time))))
+        measured, simulated = (InverseDynamics(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
+
+        def ratio(a: FloatArray, b: FloatArray) -> float:
+            return float(np.linalg.norm(a - b) / np.linalg.norm(a))
+
+        return {
+            "position": ratio(self.log.position, run.position),
+            "velocity": ratio(measured, simulated),
+            "command": ratio(self.log.command, run.command),
+        }
+
+
+def _usable(model: Model, check: ControllerCheck | None) -> tuple[Model | None, str]:
+    """The model with the gains that made the log, or None, and what is to be said of them."""
+    if check is None or model.controller is None:
+        return None, ""
+    if check.relative is None or check.difference_rms is None:
+        return None, "; ".join(check.notes)
+    said = f"the stated {check.type} gives the command to {100 * check.relative:.2g} %"
+    fitted_rms = np.inf if check.fitted_rms is None else check.fitted_rms
+    if (
+        check.relative > ROUGH
+        and fitted_rms < GAIN * check.difference_rms
+        and fitted_rms <= MISMATCH * check.command_rms
+    ):
+        gains = ", ".join(
+            f"{name} {value:.5g} (stated {check.stated[name]:.5g})" for name, value in check.fitted.items()
+        )
+        try:
+            usable = model.replace(controller=model.controller.replace(**check.fitted))
+        except ValueError as error:
+            return None, f"{said}, and the gains that fit are none: {error}"
+        return usable, f"{said}; its replay has the gains that fit the log to {_percent(fitted_rms, check)}: {gains}"
+    if check.reproduces is not True:
+        return None, f"{said}: it did not make this log, which is fitted by position and command alone"
+    return model, said if check.relative > ROUGH else ""
+
+
+def _percent(rms: float, check: ControllerCheck) -> str:
+    return f"{100 * rms / check.command_rms:.2g} %"

@@ -1,0 +1,207 @@
+"""What `identify` found: parameters with intervals, and what the logs cannot tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.log_check.audit import Audit
+from cogging.model.model import Model
+
+CORRELATED = 0.8  # above which two parameters are shown as correlated
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """One parameter of the model, before and after.
+
+    Attributes:
+        path: where it stands in the model.
+        unit: SI and V.
+        prior: as the model had it.
+        value: as fitted; the prior where the logs do not determine it.
+        ci95: 95 % interval; infinite where the logs do not determine it.
+        determined: whether they do.
+        inverse_dynamics, output_error: what each estimator says; None where it cannot see the parameter.
+        difference: of the two, in units of its standard deviation were they independent; None likewise.
+        spread: standard deviation of the values of logs fitted one by one; None where fewer than two determine it.
+        single_sigma: rms of the standard deviations that those fits themselves tell; None likewise.
+        note: in words, how well or why not.
+    """
+
+    path: str
+    unit: str
+    prior: float
+    value: float
+    ci95: tuple[float, float]
+    determined: bool
+    inverse_dynamics: float | None
+    output_error: float | None
+    difference: float | None
+    spread: float | None
+    single_sigma: float | None
+    note: str
+
+
+@dataclass(frozen=True)
+class LogFit:
+    """What one log says of the fit.
+
+    Attributes:
+        name: of the file, or the log's number.
+        rows: that counted.
+        residual_before, residual_after: rms of the force balance below the cut-off, V, of the rows in motion.
+        residual_free: the same if parameters that are not determined moved too.
+        floor: what quantiser and stated encoder noise alone would leave, V.
+        replay: relative errors of the closed-loop replay, norm of the difference over norm, of position, velocity and
+            command; empty without a controller.
+        instruments: whether a simulated run served as instruments; else plain least squares.
+    """
+
+    name: str
+    rows: int
+    residual_before: float
+    residual_after: float
+    residual_free: float
+    floor: float
+    replay: Mapping[str, float]
+    instruments: bool
+
+
+@dataclass(frozen=True, repr=False)
+class Identification:
+    """The fit of a model to logs. Printed, it is its `text`.
+
+    Attributes:
+        model: with the fitted values and their intervals in `[bounds]`.
+        parameters: one entry a free parameter.
+        correlation: of the estimates, (p, p), in the order of `parameters`; 0 where not determined.
+        covariance: of the determined ones, in the same order, 0 elsewhere.
+        determinability: what the logs can and cannot determine, in words.
+        logs: one entry a log.
+        audits: of the logs, one a log.
+        cutoff: of the inverse dynamics' filter, Hz.
+        estimator: whose values are reported: "inverse_dynamics" or "output_error".
+        controller: what is to be said of a stated controller, one line a log.
+        notes: what else is to be said of the logs, such as rows that stand in several of them.
+    """
+
+    model: Model
+    parameters: tuple[ParameterEstimate, ...]
+    correlation: FloatArray
+    covariance: FloatArray
+    determinability: tuple[str, ...]
+    logs: tuple[LogFit, ...]
+    audits: tuple[Audit, ...]
+    cutoff: float
+    estimator: str
+    controller: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"Identification(estimator={self.estimator!r}, parameters={[p.path for p in self.parameters]})"
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def __getitem__(self, path: str) -> ParameterEstimate:
+        """The parameter at a path.
+
+        Raises:
+            KeyError: no such free parameter.
+        """
+        for parameter in self.parameters:
+            if parameter.path == path:
+                return parameter
+        raise KeyError(path)
+
+    def text(self) -> str:
+        """The fit for the screen: audit of each log, what they can determine, the parameters, what is left."""
+        lines = []
+        for log, audit in zip(self.logs, self.audits, strict=True):
+            lines += [log.name, *(f"  {line}" for line in audit.text().splitlines())]
+        lines += ["", "What the logs can determine (1 sigma):"]
+        lines += [f"  {line}" for line in self.determinability]
+        lines += ["", f"Fit ({self.estimator.replace('_', ' ')}, below {self.cutoff:g} Hz):", *self._table()]
+        if pairs := self._correlated():
+            lines.append(f"  correlated: {', '.join(pairs)}")
+        lines.append("")
+        for log in self.logs:
+            after = f"{log.residual_after:.4g} V after"
+            if log.residual_after > 1.05 * log.residual_free:
+                after += f" ({log.residual_free:.4g} V if what is not determined moved too)"
+            lines.append(
+                f"{log.name}: force balance {log.residual_before:.4g} V before, {after}, "
+                f"quantiser and encoder noise alone {log.floor:.2g} V ({log.rows} rows in motion)"
+            )
+            if log.replay:
+                errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
+                lines.append(f"  closed-loop replay, relative error: {errors}")
+        return "\n".join([*lines, *self.controller, *(f"note: {note}" for note in self.notes)])
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it for JSON; an infinite interval is null."""
+        parameters = {}
+        for p in self.parameters:
+            parameters[p.path] = {
+                "unit": p.unit,
+                "prior": p.prior,
+                "value": p.value,
+                "ci95": list(p.ci95) if p.determined else None,
+                "determined": p.determined,
+                "inverse_dynamics": p.inverse_dynamics,
+                "output_error": p.output_error,
+                "difference_sigma": p.difference,
+                "spread_between_logs": p.spread,
+                "sigma_of_single_logs": p.single_sigma,
+                "note": p.note,
+            }
+        logs = []
+        for log, audit in zip(self.logs, self.audits, strict=True):
+            logs.append(
+                {
+                    "name": log.name,
+                    "rows": log.rows,
+                    "residual_before": log.residual_before,
+                    "residual_after": log.residual_after,
+                    "residual_free": log.residual_free,
+                    "floor": log.floor,
+                    "replay_relative_error": dict(log.replay),
+                    "instruments": log.instruments,
+                    "audit": audit.to_dict(),
+                }
+            )
+        return {
+            "estimator": self.estimator,
+            "cutoff": self.cutoff,
+            "parameters": parameters,
+            "correlation": self.correlation.tolist(),
+            "determinability": list(self.determinability),
+            "logs": logs,
+            "controller": list(self.controller),
+            "notes": list(self.notes),
+        }
+
+    def _table(self) -> list[str]:
+        width = max(len("parameter"), *(len(p.path) for p in self.parameters))
+        lines = [f"  {'parameter':<{width}} {'prior':>11} {'value':>11}   {'95 % interval':<26} {'check':<11} unit"]
+        for p in self.parameters:
+            interval = f"[{p.ci95[0]:.5g}, {p.ci95[1]:.5g}]" if p.determined else "not determined"
+            check = "" if p.difference is None else f"{p.difference:+.1f} sigma"
+            lines.append(f"  {p.path:<{width}} {p.prior:>11.5g} {p.value:>11.5g}   {interval:<26} {check:<11} {p.unit}")
+            if p.spread is not None:
+                lines[-1] += f"; logs one by one spread by {p.spread:.2g}, each +- {p.single_sigma:.2g}"
+        return lines
+
+    def _correlated(self) -> list[str]:
+        table = np.abs(np.tril(self.correlation, -1))
+        worst = [divmod(int(k), len(table)) for k in np.argsort(-table, axis=None)[:4]]
+        return [
+            f"{self.parameters[j].path} and {self.parameters[i].path} {self.correlation[i, j]:+.2f}"
+            for i, j in worst
+            if table[i, j] > CORRELATED
+        ]

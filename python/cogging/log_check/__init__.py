@@ -1,0 +1,1 @@
+"""Whether a log is what it says it is: time base, columns, controller."""

@@ -1,0 +1,117 @@
+"""A log as the samples of the controller that made it: its rows, and those between them that the log lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import Sampled
+from cogging.arrays import FloatArray, Mask
+from cogging.logs.log import Log
+
+LONG = 1.5  # samples, beyond which some may be missing between two rows
+FILLED = 8  # missing samples on end, at most, over which the readings are drawn as lines; longer, all starts anew
+FOLLOW = 0.05  # of the difference, by which the clock follows the rows: jitter does not add up to a sample
+SEGMENT = 20  # rows of a segment, at least, that are judged
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What a controller saw, one entry a sample, (m,); without gaps these are the log's own rows.
+
+    Attributes:
+        time: s.
+        motion: reference and derivatives by name, as a replay takes them.
+        position: m; on the line between its neighbours where the log has none.
+        command: V, likewise.
+        known: whether the log has a row there.
+        row: the row of the log, the one before where it has none.
+        segment: number of the stretch between gaps that are too long to be filled.
+    """
+
+    time: FloatArray
+    motion: dict[str, FloatArray]
+    position: FloatArray
+    command: FloatArray
+    known: Mask
+    row: npt.NDArray[np.int64]
+    segment: npt.NDArray[np.int64]
+
+    @classmethod
+    def of(cls, log: Log, reference: FloatArray, rate: float, left_out: Mask | None = None) -> Samples:
+        """The samples of a log.
+
+        Args:
+            log: measured.
+            reference: m, (n,), its own or what stands for it.
+            rate: samples a second.
+            left_out: rows whose reading is not believed: as if they were missing.
+        """
+        motion = Sampled(log.time, reference, log.reference_velocity, log.reference_acceleration).samples
+        n = len(log)
+        missing = missing_samples(log.time, rate)
+        segment = np.concatenate([[0], np.cumsum(missing > FILLED)])
+        filled = np.where(missing > FILLED, 0, missing)
+        if not filled.any():
+            row, at = np.arange(n), np.arange(n, dtype=float)
+            known, time, position, command = np.ones(n, dtype=bool), log.time, log.position, log.command
+        else:
+            row = np.repeat(np.arange(n), np.concatenate([filled + 1, [1]]))
+            first = np.concatenate([[0], np.cumsum(filled + 1)])
+            step = np.arange(len(row)) - first[row]
+            at = row + step / np.concatenate([filled + 1, [1]])[row]
+            known = step == 0
+            time, position, command = (np.interp(at, np.arange(n), c) for c in (log.time, log.position, log.command))
+            motion = {name: np.interp(at, np.arange(n), column) for name, column in motion.items() if name != "time"}
+            motion["time"] = time
+        if left_out is not None and left_out.any():
+            known = known & ~left_out[row]
+            position = np.interp(at, np.flatnonzero(~left_out), log.position[~left_out])
+        return cls(time, motion, position, command, known, row, segment[row])
+
+    def judged(self, lags: Sequence[int]) -> Mask:
+        """Samples whose command and all that it came from the log has: readings `lags` samples ago; not the first."""
+        good = self.known.copy()
+        good[0] = False
+        for lag in lags:
+            if lag:
+                good[lag:] &= self.known[:-lag] & (self.segment[lag:] == self.segment[:-lag])
+                good[:lag] &= self.segment[:lag] == 0  # before the log, nothing is known to have been otherwise
+        if self.segment[-1]:
+            counts = np.bincount(self.segment, good)
+            good &= counts[self.segment] >= SEGMENT
+        return good
+
+    def without_means(self, values: FloatArray, rows: Mask) -> FloatArray:
+        """Values less their mean over the rows of each segment."""
+        counts = np.maximum(np.bincount(self.segment, rows), 1.0)
+        return np.asarray(values - (np.bincount(self.segment, values * rows) / counts)[self.segment])
+
+    def medians(self, values: FloatArray, rows: Mask) -> FloatArray:
+        """The median over the rows of each segment, one entry a sample."""
+        result = np.zeros(int(self.segment[-1]) + 1)
+        for number in np.unique(self.segment[rows]):
+            result[number] = np.median(values[rows & (self.segment == number)])
+        return result[self.segment]
+
+
+def missing_samples(time: FloatArray, rate: float) -> npt.NDArray[np.int64]:
+    """How many samples of a controller have no row between each two rows, (n - 1,).
+
+    The clock of the rows may drift against the controller's, and jitter by less than half a sample.
+    """
+    steps = np.diff(time)
+    missing = np.zeros(len(steps), dtype=np.int64)
+    own = steps[(steps > 0.5 / rate) & (steps * rate < LONG)]
+    if len(own) == len(steps) or not (steps * rate > LONG).any():
+        return missing
+    step = float(own.mean()) if len(own) else 1.0 / rate
+    late = 0.0  # of the last row against the clock, samples
+    for k, passed in enumerate((steps / step).tolist()):
+        samples = max(1, round(late + passed))
+        missing[k] = samples - 1
+        late = (late + passed - samples) * (1.0 - FOLLOW) if samples <= FILLED else 0.0
+    return missing

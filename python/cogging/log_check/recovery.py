@@ -1,0 +1,182 @@
+"""A controller that nobody stated, from the log that it made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from cogging._core import CascadeParameters, PidParameters, smooth_sign
+from cogging.arrays import FloatArray, Mask
+from cogging.log_check.controller import fit_samples, least_squares, linear_regressors
+from cogging.log_check.controller_samples import Samples
+from cogging.logs.log import Log
+from cogging.logs.spikes import spikes
+
+Columns = dict[str, FloatArray]
+
+ACCEPTED = 0.005  # of the rms command: more is left by a controller of another kind
+FEWEST_ROWS = 200
+SEARCHED = 5000  # rows, evenly taken, on which the width is searched
+WIDTHS = 25  # of the friction compensation that are tried
+NEGLIGIBLE = 1e-3  # of the rms command: what a gain of no use contributes at most
+
+
+class RecoveredController(NamedTuple):
+    """Type and parameters of a controller that reproduces a log's command, and the rms of what it leaves, V."""
+
+    type: str
+    parameters: PidParameters | CascadeParameters
+    residual_rms: float
+
+
+def recover_controller(log: Log) -> RecoveredController | None:
+    """Find the `cascade` or `pid` that made a log's command, or None if neither did.
+
+    Least squares of the command on what the gains multiply (linear_regressors): error, its sum and backward difference
+    (`pid`), or error and the reading's backward difference (`cascade`), with the reference's derivatives and S(v) of a
+    width that is searched for. Accepted when it leaves at most 0.5 % of the rms command and no gain is negative; gains
+    that contribute less than 0.1 % are set to zero. The simpler of two that fit alike is taken. What the log lacks, or
+    has as single values that leave and return, is gone over as check_controller does.
+    """
+    if log.reference is None or len(log) < FEWEST_ROWS:
+        return None
+    found = _recovered(log, log.reference, np.zeros(len(log), dtype=bool))
+    unseen = spikes(log.position - log.reference)
+    return _recovered(log, log.reference, unseen) if found is None and unseen.any() else found
+
+
+def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredController | None:
+    """The controller of a log, some of whose readings it did not see."""
+    step = float(np.median(np.diff(log.time)))
+    rate = _round_rate(1.0 / step)
+    samples = Samples.of(log, reference, 1.0 / step, unseen)
+    limit, free = _limit(log.command)
+    rows = free[samples.row] & samples.judged((0, 1))
+    if rows.sum() < FEWEST_ROWS // 2:
+        return None
+    command_rms = float(np.sqrt(np.mean(samples.command[samples.known] ** 2)))
+    if command_rms == 0.0:
+        return None
+    found: list[tuple[int, RecoveredController]] = []
+    for kind, struct in (("cascade", CascadeParameters), ("pid", PidParameters)):
+        for velocity in ("reference", "measured"):
+            base = struct(sample_rate=rate, feedforward_velocity=velocity)
+            fit = _fit(kind, base, samples, rows, command_rms)
+            if fit is None or fit[1] > ACCEPTED * command_rms:
+                continue
+            gains, rms = fit
+            if "kp kv" in gains:
+                gains["kp"] = gains.pop("kp kv") / gains["kv"]
+            recovered = RecoveredController(kind, base.replace(**gains, command_limit=limit), rms)
+            found.append((sum(value != 0.0 for value in gains.values()), recovered))
+    if not found:
+        return None
+    smallest = min(recovered.residual_rms for _, recovered in found)
+    alike = [entry for entry in found if entry[1].residual_rms <= 1.05 * smallest + 1e-9 * command_rms]
+    return min(alike, key=lambda entry: entry[0])[1]
+
+
+def _fit(
+    kind: str, base: PidParameters | CascadeParameters, samples: Samples, rows: Mask, command_rms: float
+) -> tuple[dict[str, float], float] | None:
+    """Gains by name, the width of S(v) among them, and the rms that they leave; None where one is negative."""
+    fixed = linear_regressors(kind, base, samples.motion, samples.position)
+    _, _, believed = fit_samples(samples, fixed, rows, "ki" in fixed)
+    if believed.sum() < rows.sum():
+        command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))
+    return _fit_rows(kind, fixed, samples, believed, command_rms)
+
+
+def _fit_rows(
+    kind: str, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask, command_rms: float
+) -> tuple[dict[str, float], float] | None:
+    """The same, on rows that are believed."""
+    apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
+
+    def of_rows(column: FloatArray) -> FloatArray:
+        return (samples.without_means(column, rows) if apart else column)[rows]
+
+    velocity = fixed["viscous"][rows]
+    whole = fixed["viscous"]
+    fixed = {name: of_rows(column) for name, column in fixed.items()}
+    command = of_rows(samples.command)
+
+    def solve(names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
+        columns = {name: column[::every] for name, column in fixed.items() if names is None or name in names}
+        if "coulomb" in columns and apart:
+            columns["coulomb"] = of_rows(smooth_sign(whole, width))[::every]
+        elif "coulomb" in columns:
+            columns["coulomb"] = smooth_sign(velocity[::every], width)
+        if "ki" in columns and not apart:
+            columns["start"] = np.ones(len(columns["ki"]))
+        return (*least_squares(columns, command[::every]), columns)
+
+    every = 1 + command.size // SEARCHED
+    top = float(np.abs(velocity).max())
+    widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
+    width = min(widths, key=lambda candidate: solve(None, candidate, every)[1])
+    if width > 0.0:
+        middle = math.log(width)
+        width = _golden(lambda exponent: solve(None, math.exp(exponent), every)[1], middle - 0.4, middle + 0.4)
+    names: set[str] | None = None
+    for _ in range(6):
+        gains, rms, columns = solve(names, width)
+        useless = {
+            name
+            for name, gain in gains.items()
+            if abs(gain) * float(np.sqrt(np.mean(columns[name] ** 2))) < NEGLIGIBLE * command_rms
+            or (gain < 0.0 and name != "start")
+        }
+        useless -= {"start"}
+        if not useless:
+            break
+        kept = set(gains) - useless - {"start"}
+        if not kept:
+            return None
+        names = kept
+    if kind == "cascade" and not {"kp kv", "kv"} <= set(gains):
+        return None
+    if kind == "pid" and "kp" not in gains:
+        return None
+    gains.pop("start", None)
+    if any(gain < 0.0 for gain in gains.values()):
+        return None
+    if "coulomb" in gains:
+        gains["coulomb_width"] = width
+    return gains, rms
+
+
+def _golden(cost: Callable[[float], float], low: float, high: float) -> float:
+    """The exponent between low and high with the smallest cost, as a width (golden section)."""
+    share = 0.5 * (math.sqrt(5.0) - 1.0)
+    a, b = high - share * (high - low), low + share * (high - low)
+    cost_a, cost_b = cost(a), cost(b)
+    for _ in range(40):
+        if cost_a <= cost_b:
+            high, b, cost_b = b, a, cost_a
+            a = high - share * (high - low)
+            cost_a = cost(a)
+        else:
+            low, a, cost_a = a, b, cost_b
+            b = low + share * (high - low)
+            cost_b = cost(b)
+    return math.exp(0.5 * (low + high))
+
+
+def _round_rate(rate: float) -> float:
+    """A rate to the six digits that a time column is good for."""
+    return float(f"{rate:.6g}")
+
+
+def _limit(command: FloatArray) -> tuple[float, Mask]:
+    """The limit at which a command was cut, V (0 = none), and the rows that were not and are not the first."""
+    top = float(np.abs(command).max())
+    at_top = np.abs(command) >= top * (1.0 - 1e-9)
+    runs = at_top[:-2] & at_top[1:-1] & at_top[2:]
+    cut = bool(runs.any()) and float(np.ptp(command)) > 0.0
+    free = ~at_top if cut else np.ones(command.size, dtype=bool)
+    free[0] = False
+    return (top if cut else 0.0), free

@@ -1,0 +1,130 @@
+"""Named columns of numbers out of a file of any format that is read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.files import InputError, require_file
+from cogging.logs.readers import text_table
+from cogging.logs.readers.apart import FORMATS, read_apart
+from cogging.logs.readers.request import Request
+
+SUFFIXES = {".mat": "matlab", ".mf4": "mdf", ".mdf": "mdf", ".parquet": "parquet"}
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+OTHERS = {  # what is often given by mistake
+    b"\x89PNG": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
+    b"PK\x03\x04": "a ZIP archive (or a spreadsheet)",
+    b"\x1f\x8b": "a gzip archive",
+    b"%PDF": "a PDF document",
+    b"\xd0\xcf\x11\xe0": "an Office document",
+    b"SQLite format 3": "an SQLite database",
+}
+
+
+def read_columns(
+    path: str | os.PathLike[str],
+    names: Sequence[str],
+    *,
+    optional: Sequence[str] = (),
+    columns: Mapping[str, str] | None = None,
+    scale: Mapping[str, float] | None = None,
+    rows: slice | None = None,
+    progress: bool = True,
+) -> dict[str, FloatArray]:
+    """Read named columns of a text table (CSV), MATLAB, ASAM MDF or Parquet file.
+
+    The format is told by the file's first bytes. A text table has a header row, below any other lines, and commas,
+    semicolons, tabs or blanks between its columns. A unit may stand behind a name, `position [mm]`: one that is not
+    SI (or V, A, N) is refused unless `scale` says what to make of it.
+
+    Args:
+        path: the file.
+        names: columns that must be there.
+        optional: columns that may be there.
+        columns: what a column is called in the file, by its name here (`{"position": "qm"}`).
+        scale: factor by which a column is multiplied, by its name here.
+        rows: the data rows to take, counted from 0.
+        progress: show on a terminal how far the reading of a large text table is.
+
+    Returns:
+        The columns by name, each (n,).
+
+    Raises:
+        InputError: a missing column, text in a number, a NaN, no rows, columns of different lengths, a broken file, a
+            library that is not installed; names file, line or row, column, and the value.
+    """
+    request = _request(path, names, optional, columns, scale, rows, progress)
+    kind = format_of(path)
+    arrays = text_table.read(request) if kind is None else read_apart(kind, request)
+    if not arrays or not next(iter(arrays.values())).size:
+        raise request.refuse("rows: must be at least 1, got 0")
+    for name, factor in (scale or {}).items():
+        if name in arrays and factor != 1.0:
+            with np.errstate(over="ignore"):
+                arrays[name] = arrays[name] * factor
+            if not np.isfinite(arrays[name]).all():
+                raise request.refuse(f"{name}: must stay finite when scaled, got a factor of {factor:g}")
+    return arrays
+
+
+def _request(
+    path: str | os.PathLike[str],
+    names: Sequence[str],
+    optional: Sequence[str],
+    columns: Mapping[str, str] | None,
+    scale: Mapping[str, float] | None,
+    rows: slice | None,
+    progress: bool,
+) -> Request:
+    columns, scale, rows = dict(columns or {}), dict(scale or {}), rows or slice(0, None)
+    for option, mapping in (("columns", columns), ("scale", scale)):
+        for name in mapping:
+            if name not in (*names, *optional):
+                raise InputError(f"{option}: {name}: must be one of {', '.join((*names, *optional))}")
+    for name, factor in scale.items():
+        if not np.isfinite(factor) or factor == 0.0:
+            raise InputError(f"scale: {name}: must be a finite number and not 0, got {factor!r}")
+    start, stop = rows.start or 0, rows.stop
+    if rows.step not in (None, 1) or start < 0 or (stop is not None and stop <= start):
+        raise InputError(f"rows: needs 0 <= first < end and a step of 1, got {start}:{stop}")
+    return Request(path, tuple(names), tuple(optional), columns, frozenset(scale), slice(start, stop), progress)
+
+
+def format_of(path: str | os.PathLike[str]) -> str | None:
+    """What a file is, by its first bytes: a key of FORMATS, or None for text.
+
+    Raises:
+        InputError: it cannot be read, is no file, is empty of what its suffix promises, or is of a known other kind.
+    """
+    try:
+        require_file(path)
+        with open(path, "rb") as file:
+            head = file.read(1024)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:  # a zero byte in the name
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path!r}: cannot be read: {error}") from None
+    if HDF5_SIGNATURE in (head[:8], head[512:520]):
+        return "hdf5"
+    if head[:6] == b"MATLAB" and head[126:128] in (b"IM", b"MI"):
+        return "matlab"
+    if head[:8] in (b"MDF     ", b"UnFinMF "):
+        return "mdf"
+    if head[:4] == b"PAR1":
+        return "parquet"
+    for signature, what in OTHERS.items():
+        if head.startswith(signature):
+            raise InputError(f"{path}: must be a log (CSV, MATLAB, MDF or Parquet), got {what}")
+    promised = SUFFIXES.get(Path(path).suffix.lower())
+    if promised is not None:
+        got = f"{head[:8]!r} at its start" if head else "an empty file"
+        raise InputError(f"{path}: must be a {FORMATS[promised][0]} as its name says, got {got}")
+    return None

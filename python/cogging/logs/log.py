@@ -1,0 +1,278 @@
+"""Logs: columns over time, measured or simulated, in memory and in files."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import io
+import math
+import numbers
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import format_rows
+from cogging.arrays import FloatArray
+from cogging.files import LARGEST, InputError, read_toml, target_of, to_toml, write_files
+from cogging.logs.columns import read_columns
+from cogging.outputs import sidecar
+
+SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
+SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
+REQUIRED = ("time", "position", "command")
+ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
+OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
+
+
+@dataclass(frozen=True)
+class Log:
+    """One run of an axis, measured or simulated: one row a sample.
+
+    Columns may be anything that is an array of real numbers (lists, pandas Series). They are held as read-only float64
+    arrays, without a copy where they are float64 arrays already.
+
+    Attributes:
+        time: s, strictly increasing, (n,).
+        position: m, encoder reading at `time`.
+        command: V, computed from that reading, applied from `time` and held until the next row.
+        reference: m, or None; its derivatives (m/s, m/s^2) likewise.
+        true_position: m, the plant's own; None in a measured log. Likewise true_velocity, m/s.
+        estimates: what the controller believed, (n, p), where it was asked for.
+        metadata: what a CSV cannot hold: model, reference, version and seed of a simulated log.
+
+    Raises:
+        ValueError: a column is missing, not of real numbers, of another shape or length than `time`, has a masked
+            entry or one that is not finite, or `time` is not strictly increasing; names column, row, rule and value.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    command: FloatArray
+    reference: FloatArray | None = None
+    reference_velocity: FloatArray | None = None
+    reference_acceleration: FloatArray | None = None
+    true_position: FloatArray | None = None
+    true_velocity: FloatArray | None = None
+    estimates: FloatArray | None = None
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        rows = -1
+        for name in (*REQUIRED, *OPTIONAL, "true_position", "true_velocity", "estimates"):
+            given = getattr(self, name)
+            if given is None and name not in REQUIRED:
+                continue
+            values = _numbers(name, given, dimensions=2 if name == "estimates" else 1)
+            if rows < 0:
+                rows = len(values)
+                _require_increasing(values)
+            if len(values) != rows:
+                raise ValueError(f"{name}: must be as long as time ({rows} rows), got {len(values)}")
+            object.__setattr__(self, name, values)
+
+    @classmethod
+    def of(cls, columns: Mapping[str, FloatArray], metadata: Mapping[str, Any] | None = None) -> Log:
+        """Make a log of columns by name, as a file or a run gives them."""
+        return cls(
+            time=columns["time"],
+            position=columns["position"],
+            command=columns["command"],
+            reference=columns.get("reference"),
+            reference_velocity=columns.get("reference_velocity"),
+            reference_acceleration=columns.get("reference_acceleration"),
+            true_position=columns.get("true_position"),
+            true_velocity=columns.get("true_velocity"),
+            estimates=columns.get("estimates"),
+            metadata=metadata or {},
+        )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def error(self) -> FloatArray:
+        """Encoder reading minus reference, m, (n,).
+
+        Raises:
+            ValueError: the log has no reference.
+        """
+        if self.reference is None:
+            raise ValueError("reference: must be in the log to know the error, got none")
+        return self.position - self.reference
+
+    def columns(self) -> dict[str, FloatArray]:
+        """The columns of a log file that this log has, by name."""
+        values = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL)}
+        return {name: value for name, value in values.items() if value is not None}
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a file of the format that the suffix names, and `PATH.toml` with the metadata.
+
+        `.mat` (MATLAB 5, extra `matlab`), `.parquet` (extra `parquet`); any other name but those of ASAM MDF is a CSV
+        with a header row. Every number is kept to its last bit.
+
+        Raises:
+            InputError: the file cannot be written, or a library is not installed; nothing is left behind.
+        """
+        suffix = Path(path).suffix.lower()
+        if suffix in (".mf4", ".mdf", ".dat"):
+            raise InputError(f"{path}: must be a CSV, .mat or .parquet file to be written, got {suffix}")
+        try:
+            pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
+        except ImportError as error:
+            extra = {".mat": "matlab", ".parquet": "parquet"}[suffix]
+            raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[{extra}]'") from None
+        files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
+        beside = sidecar(path)
+        _require_sidecar(beside)
+        if self.metadata:
+            document = {"version": importlib.metadata.version("cogging"), **self.metadata}
+            files[beside] = [to_toml(_plain(document)).encode()]
+        write_files(files)
+        if not self.metadata:
+            Path(beside).unlink(missing_ok=True)  # of another log that stood here
+
+    def _csv(self) -> Iterator[bytes]:
+        columns = self.columns()
+        arrays = [np.ascontiguousarray(column, dtype=np.float64) for column in columns.values()]
+        yield (",".join(columns) + "\n").encode()
+        for first in range(0, len(self), ROWS_AT_ONCE):
+            yield format_rows(arrays, first, min(first + ROWS_AT_ONCE, len(self)))
+
+    def _matlab(self) -> Iterable[bytes]:
+        from scipy.io import savemat
+
+        buffer = io.BytesIO()
+        savemat(buffer, self.columns(), oned_as="column")
+        return [buffer.getvalue()]
+
+    def _parquet(self) -> Iterable[bytes]:
+        import pyarrow as pa
+        import pyarrow.parquet as parquet
+
+        buffer = pa.BufferOutputStream()
+        parquet.write_table(pa.table(self.columns()), buffer)
+        return [buffer.getvalue().to_pybytes()]
+
+
+def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:
+    """A column as a read-only float64 array; a view of what is one already.
+
+    Raises:
+        ValueError: it is none.
+    """
+    array = given if type(given) is np.ndarray and given.dtype.kind != "O" else _array(name, given)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name}: must be real numbers, got {'none' if given is None else array.dtype}")
+    if array.ndim != dimensions:
+        wanted = "(rows,)" if dimensions == 1 else "(rows, estimates)"
+        raise ValueError(f"{name}: must have the shape {wanted}, got {array.shape}")
+    if not array.size and dimensions == 1:
+        raise ValueError(f"{name}: must have at least 1 row, got 0")
+    if isinstance(given, np.ma.MaskedArray) and np.ma.getmaskarray(given).any():
+        row = int(np.argmax(np.ma.getmaskarray(given))) // max(1, array.size // len(array))
+        raise ValueError(f"row {row}: {name}: must not be masked: leave out the rows that are, got a mask there")
+    with np.errstate(over="ignore"):  # what is too large for float64 is infinite, and told below
+        values: FloatArray = array.astype(np.float64, copy=False).view()
+    if not np.isfinite(values).all():
+        bad = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
+        raise ValueError(f"row {bad[0]}: {name}: must be a finite number, got {values[bad]:g}")
+    values.flags.writeable = False
+    return values
+
+
+def _array(name: str, given: Any) -> npt.NDArray[Any]:
+    try:
+        array = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        raise ValueError(f"{name}: must be real numbers, got a {type(given).__name__} that is no array") from None
+    if array.dtype.kind != "O" or array.ndim == 0:
+        return array
+    for row, value in enumerate(array.flat):  # what a table with missing entries holds, or integers beyond 64 bits
+        if not isinstance(value, numbers.Real) or isinstance(value, bool):
+            raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
+    return np.array([_as_float(value) for value in array.flat], dtype=np.float64).reshape(array.shape)
+
+
+def _as_float(value: numbers.Real) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _require_increasing(time: FloatArray) -> None:
+    rising = time[1:] > time[:-1]
+    if not rising.all():
+        row = int(np.argmin(rising)) + 1
+        before, here = _told_apart(time[row - 1], time[row])
+        raise ValueError(f"row {row}: time: must be strictly increasing, got {here} after {before}")
+
+
+def _plain(value: Any) -> Any:
+    """A document with lists in place of arrays."""
+    if isinstance(value, Mapping):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def read_log(
+    path: str | os.PathLike[str],
+    *,
+    columns: Mapping[str, str] | None = None,
+    scale: Mapping[str, float] | None = None,
+    rows: slice | None = None,
+) -> Log:
+    """Read a log from a file (see columns.read_columns for formats and arguments), and `PATH.toml` if it is there.
+
+    Raises:
+        InputError: the file cannot be used, has fewer than two rows, or `time` is not strictly increasing.
+    """
+    table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows)
+    time = table["time"]
+    if time.size < 2:
+        raise InputError(f"{path}: rows: must be at least 2, got {time.size}")
+    rising = time[1:] > time[:-1]
+    if not rising.all():
+        at = int(np.argmin(rising)) + 1
+        row = at + (rows.start or 0 if rows is not None else 0)
+        before, here = _told_apart(time[at - 1], time[at])
+        raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
+    beside = Path(sidecar(path))
+    metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
+    return Log.of(table, metadata)
+
+
+def _require_sidecar(path: str) -> None:
+    """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
+    if os.path.lexists(path) and target_of(path).exists() and "version" not in read_toml(path):
+        raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
+
+
+def require_sizes(log: Log) -> None:
+    """Refuse a log whose numbers cannot be squared and divided: of no machine, but of a file that went wrong.
+
+    Raises:
+        ValueError: a column above LARGEST in size; a position or command that is not constant or zero but below
+            SMALLEST; rows closer than SHORTEST on average. Names column, rule and value.
+    """
+    for name, values in log.columns().items():
+        size = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
+        if size > LARGEST:
+            row = int(np.argmax(np.abs(values)))
+            raise ValueError(f"{name}: must be at most {LARGEST:g} in size, got {values[row]:g} in row {row}")
+    for name, size in (("position", np.ptp(log.position)), ("command", np.abs(log.command).max())):
+        if 0.0 < size < SMALLEST:
+            raise ValueError(f"{name}: must be constant or change by at least {SMALLEST:g}, got {size:g}")
+    step = float(log.time[-1] - log.time[0]) / max(len(log) - 1, 1)
+    if step < SHORTEST:
+        raise ValueError(f"time: must have rows at least {SHORTEST:g} s apart on average, got {step:g} s")
+
+
+def _told_apart(first: float, second: float) -> tuple[str, str]:
+    short = f"{first:g}", f"{second:g}"
+    return short if short[0] != short[1] or first == second else (repr(float(first)), repr(float(second)))

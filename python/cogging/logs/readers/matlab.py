@@ -1,0 +1,62 @@
+"""MATLAB files: version 4 to 7 through scipy, 7.3 (HDF5) through h5py. A field of a struct is called `struct.field`."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from cogging.logs.readers.request import Request
+
+
+def read(request: Request) -> dict[str, Any]:
+    """Read variables of a version 4 to 7 file.
+
+    Raises:
+        ImportError: scipy is not installed.
+        InputError: a variable is missing. What a broken file raises is scipy's.
+    """
+    from scipy.io import loadmat, whosmat
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of scipy about duplicate names
+        kinds = {name: kind for name, _, kind in whosmat(request.path)}
+        wanted = {request.in_file(name) for name in (*request.names, *request.optional)}
+        roots = {name for name in kinds if name in wanted or kinds[name] == "struct"}
+        variables = loadmat(request.path, variable_names=sorted(roots)) if roots else {}
+    present = {name: variables.get(name) for name, kind in kinds.items() if kind != "struct"}
+    for name, kind in kinds.items():
+        if kind == "struct":
+            present.update(_fields(name, variables.get(name)))
+    names = list(present)
+    return {name: present[names[place]] for name, place in request.choose(names, "file").items()}
+
+
+def _fields(name: str, value: Any) -> dict[str, Any]:
+    """The arrays in a struct, fields of structs in it included."""
+    if not isinstance(value, np.ndarray) or value.dtype.names is None or value.size != 1:
+        return {name: value}
+    found: dict[str, Any] = {}
+    for field in value.dtype.names:
+        inner = value[field].flat[0]
+        found.update(_fields(f"{name}.{field}", inner))
+    return found
+
+
+def read_hdf5(request: Request) -> dict[str, Any]:
+    """Read variables of a version 7.3 file, or datasets of another HDF5 file; groups are structs.
+
+    Raises:
+        ImportError: h5py is not installed.
+        InputError: a variable is missing, or its numbers stand in another file. What a broken file raises is h5py's.
+    """
+    import h5py
+
+    from cogging.logs.readers.hdf5 import datasets, numbers_of
+
+    with h5py.File(request.path, "r") as file:
+        present = datasets(file, request)
+        names = list(present)
+        chosen = request.choose(names, "file")
+        return {name: numbers_of(present[names[place]], name, request) for name, place in chosen.items()}

@@ -1,0 +1,120 @@
+"""ASAM measurement data, version 2 to 4 (.mf4, .dat, .mdf), through asammdf."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cogging.files import InputError
+from cogging.logs.readers.formulas import Formulas
+from cogging.logs.readers.request import Request
+
+#: Conversions that make numbers of numbers, by the library's codes. Those of value ranges to texts may hold others.
+NUMBERS = {3: (65535, 0, 1, 2, 6, 7, 8, 9), 4: (0, 1, 2, 4, 5)}
+RANGES = 6  # to numbers, of version 4: of whole numbers the library takes the wrong ones
+FLOATS = (4, 5)  # data types of version 4
+VALUES_TO_TEXTS = {3: (11, 12), 4: (7, 8)}
+FORMULA = {3: 10, 4: 3}
+OF_TIME = (65535, 0)  # that the library applies to the time of version 2 and 3: none and linear
+
+
+def _unit(channel: Any) -> str:
+    """The unit of a channel, whose conversion may hold it instead."""
+    return str(getattr(channel, "unit", "") or getattr(getattr(channel, "conversion", None), "unit", "") or "")
+
+
+def read(request: Request) -> dict[str, Any]:
+    """Read channels of one channel group; `time` is its master channel unless a channel bears that name.
+
+    A channel that stands in several groups is called `GROUP.CHANNEL`, the group by its number.
+
+    Raises:
+        ImportError: asammdf is not installed.
+        InputError: a channel is missing, or they stand in different groups. What a broken file raises is asammdf's.
+    """
+    formulas = Formulas()  # before the library takes them up
+    from asammdf import MDF
+
+    plain: dict[str, Any] = {"process_bus_logging": False}  # which opens what is attached
+    with MDF(request.path, **plain) as file:
+        masters = set(file.masters_db.items())
+        places: dict[str, tuple[int, int]] = {}
+        counts = {name: len(entries) for name, entries in file.channels_db.items()}
+        for name, entries in file.channels_db.items():
+            for group, channel in entries:
+                places[name if counts[name] == 1 else f"{group}.{name}"] = (group, channel)
+        wants_master = "time" in (*request.names, *request.optional) and request.in_file("time") not in places
+        if wants_master and "time" not in request.columns:
+            others = tuple(name for name in request.names if name != "time")
+            optional = tuple(name for name in request.optional if name != "time")
+        else:
+            wants_master, others, optional = False, tuple(request.names), tuple(request.optional)
+        narrowed = Request(request.path, others, optional, request.columns, request.scaled, request.rows)
+        names = [name for name, place in places.items() if place not in masters] if wants_master else list(places)
+        units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
+        chosen = {name: places[names[i]] for name, i in narrowed.choose(names, "file", units).items()}
+        groups = {group for group, _ in chosen.values()}
+        if len(groups) > 1:
+            where = ", ".join(f"{name} in {group}" for name, (group, _) in chosen.items())
+            raise request.refuse(f"columns: must stand in one channel group, of one time base, got {where}")
+        version = 4 if str(file.version) >= "4" else 3
+        for name, (group, channel) in chosen.items():
+            _require_numbers(request, name, file.groups[group].channels[channel], version)
+        for group in groups:
+            _require_time(request, file, group, version)
+        columns: dict[str, Any] = {}
+        for name, (group, channel) in chosen.items():
+            signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
+            columns[name] = signal.samples
+            if signal.invalidation_bits is not None and signal.invalidation_bits.any():
+                row = int(signal.invalidation_bits.argmax())
+                raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
+        if wants_master:
+            columns["time"] = file.get_master(next(iter(groups)))
+        if formulas.refused:
+            raise request.refuse(f"conversion: must not be a formula in the file, got {formulas.refused[0]!r}")
+        return columns
+
+
+def _require_time(request: Request, file: Any, group: int, version: int) -> None:
+    """Refuse a group whose time, which the library reads along, is not made of what stands in the file."""
+    if group not in file.masters_db:
+        return
+    master = file.groups[group].channels[file.masters_db[group]]
+    name = f"time ({master.name})"
+    _require_numbers(request, name, master, version)
+    if version == 3 and master.conversion is not None and master.conversion.conversion_type not in OF_TIME:
+        raise request.refuse(f"{name}: must be converted linearly, got conversion {master.conversion.conversion_type}")
+
+
+def _require_numbers(request: Request, name: str, channel: Any, version: int) -> None:
+    """Refuse a channel whose conversion is not done or not one of numbers: what comes out would be raw counts.
+
+    A formula is a text that the library evaluates.
+    """
+    if channel.conversion is None:
+        if getattr(channel, "conversion_addr", 0):
+            raise request.refuse(f"{name}: must have a whole conversion, got one that cannot be read")
+        return
+    if version == 4 and channel.conversion.conversion_type == RANGES and channel.data_type in FLOATS:
+        return
+    _require_conversion(request, name, channel.conversion, version)
+
+
+def _require_conversion(request: Request, name: str, conversion: Any, version: int) -> None:
+    kind = conversion.conversion_type
+    if kind == FORMULA[version]:
+        raise _formula(request, name, conversion.formula)
+    if kind in VALUES_TO_TEXTS[version]:
+        for inner in (getattr(conversion, "referenced_blocks", None) or {}).values():
+            if hasattr(inner, "conversion_type"):
+                _require_conversion(request, name, inner, version)
+            elif isinstance(inner, bytes) and version == 3 and b"{X}" in inner:
+                raise _formula(request, name, inner.decode("latin-1"))
+    elif kind not in NUMBERS[version]:
+        rule = "must have a conversion of numbers to numbers that is read rightly"
+        raise request.refuse(f"{name}: {rule}, got number {kind} of MDF {version}")
+
+
+def _formula(request: Request, name: str, text: str) -> InputError:
+    said = str(text).strip(" \0")[:60]
+    return request.refuse(f"{name}: must be converted without a formula, which is not evaluated, got {said!r}")

@@ -1,0 +1,186 @@
+"""Text tables: comma, semicolon, tab or blanks between the columns, a header row, any lines before it."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import sys
+
+from tqdm import tqdm
+
+from cogging._core import NumberReader
+from cogging.arrays import FloatArray
+from cogging.files import InputError
+from cogging.logs.readers.request import Request, split_unit
+
+BLOCK = 1 << 22  # bytes read at once
+HEAD = 1 << 18  # bytes in which the header row must stand
+HEAD_LINES = 200
+LARGE = 100 << 20  # bytes from which a bar shows how far the reading is
+SEPARATORS = (";", ",", "\t")
+SHOWN = 40  # letters of a line that an error shows
+QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
+
+
+def read(request: Request) -> dict[str, FloatArray]:
+    """Read columns of a text table (see columns.read_columns for what is refused)."""
+    try:
+        with open(request.path, "rb", buffering=0) as file:
+            size = os.fstat(file.fileno()).st_size
+            head = file.read(min(HEAD, size))
+            while len(head) < min(HEAD, size) and (more := file.read(HEAD - len(head))):
+                head += more
+            lines = _lines(head, request)
+            separator, labels, units, first_data = _find_header(lines, request)
+            index = request.choose(labels, "header", units)
+            order = sorted(index, key=lambda name: index[name])
+            rows = request.rows
+            kept = [lines[i] for i in range(first_data, len(lines))]
+            mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
+            if len(set(index.values())) < len(index):  # two names for one column: read once
+                order = [name for i, name in enumerate(order) if i == 0 or index[name] != index[order[i - 1]]]
+            limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
+            reader = NumberReader(
+                separator=separator,
+                fields=len(labels),
+                wanted=[index[name] for name in order],
+                labels=order,
+                first_row=rows.start or 0,
+                end_row=rows.stop,
+                first_line=first_data + 1,
+                expected_rows=int(1.1 * limit / mean) + 16,
+            )
+            file.seek(_offset(head, first_data))
+            shown = request.progress and size >= LARGE and sys.stderr.isatty()
+            with tqdm(
+                total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False
+            ) as bar:
+                while not reader.done and (block := file.read(BLOCK)):
+                    reader.feed(block)
+                    bar.update(len(block))
+            reader.finish()
+    except OSError as error:
+        raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise _readable(error, request) from None
+    arrays = dict(zip((index[name] for name in order), reader.take(), strict=True))
+    return {name: arrays[place] for name, place in index.items()}
+
+
+def _readable(error: ValueError, request: Request) -> InputError:
+    if isinstance(error, UnicodeDecodeError):  # the core's message quotes bytes of the file
+        return request.refuse(f"must be UTF-8 text, got the byte {error.object[error.start]:#x}")
+    return request.refuse(str(error))
+
+
+def _lines(head: bytes, request: Request) -> list[str]:
+    """The lines of the file's beginning, the last one left out where it may be cut."""
+    whole = len(head) < HEAD
+    if b"\0" in head:
+        raise request.refuse(f"must be UTF-8 text, got a zero at byte {head.index(0)}")
+    try:
+        text = head.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        if whole or error.start < len(head) - 4:
+            raise
+        text = head[: error.start].decode("utf-8-sig")
+    if "\r" in text.replace("\r\n", "") and "\n" not in text:
+        raise request.refuse("line 1: must end with LF or CR LF, got a lone CR")
+    lines = text.split("\n")
+    if lines and (not lines[-1] or not whole):
+        lines.pop()
+    return [line.rstrip("\r") for line in lines]
+
+
+def _offset(head: bytes, line: int) -> int:
+    """Where a line (from 0) begins, in bytes."""
+    at = 0
+    for _ in range(line):
+        newline = head.find(b"\n", at)
+        if newline < 0:
+            return len(head)
+        at = newline + 1
+    return at
+
+
+def _split(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        return line.replace("\t", " ").split()
+    fields = [entry.strip() for entry in _cells(line, separator)]
+    while fields and not fields[-1]:
+        fields.pop()
+    return fields
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:  # a field beyond all measure
+        return line.split(separator)
+
+
+def _require_whole_quotes(line: str, separator: str, number: int, request: Request) -> None:
+    """Refuse quotes that are open at the line's end, or have text behind them: rows are held to the same (the core)."""
+    blanks = " " if separator == "\t" else " \t"
+    at = 0
+    while at < len(line):
+        start = at = at + len(line[at:]) - len(line[at:].lstrip(blanks))
+        if line.startswith('"', start):
+            quoted = QUOTED.match(line, start)
+            if quoted is None:
+                raise request.refuse(f"line {number}: must close its quotes, got {line[start : start + SHOWN]!r}")
+            behind = line[quoted.end() :]
+            at = quoted.end() if separator == " " else len(line) - len(behind.lstrip(blanks))
+            if at < len(line) and line[at] not in (blanks if separator == " " else separator):
+                got = f"{line[start : start + SHOWN]!r}"
+                raise request.refuse(f"line {number}: must have a separator behind closed quotes, got {got}")
+        ends = [i for i in (line.find(mark, at) for mark in (blanks if separator == " " else separator)) if i >= 0]
+        at = min(ends) + 1 if ends else len(line)
+
+
+def _separator(line: str) -> str:
+    outside = "".join(line.split('"')[::2])
+    best = max(SEPARATORS, key=outside.count)
+    return best if best in outside else " "
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], list[str] | None, int]:
+    """Separator, names, units of a row below them, and the first data line."""
+    wanted = {request.in_file(name) for name in request.names}
+    candidates = [i for i, line in enumerate(lines[:HEAD_LINES]) if line.strip()]
+    best = candidates[0] if candidates else None
+    before = None  # the line before the first row of numbers: what a header would be
+    for i in candidates:
+        separator = _separator(lines[i])
+        fields = _split(lines[i].lstrip("#% "), separator)
+        if wanted <= {text for field in fields for text in (field, split_unit(field)[0])}:
+            best = i
+            break
+        if len(fields) > 1 and all(map(_is_number, fields)) and before is None and i != candidates[0]:
+            before = candidates[candidates.index(i) - 1]
+    else:
+        best = before if before is not None else best
+    if best is None:
+        request.choose([], "header")
+        raise request.refuse("rows: must be at least 1, got 0")  # every wanted column was optional
+    separator = _separator(lines[best])
+    _require_whole_quotes(lines[best].lstrip("#% "), separator, best + 1, request)
+    labels = _split(lines[best].lstrip("#% "), separator)
+    below = [i for i in candidates if i > best]
+    if below:
+        units = _split(lines[below[0]], separator)
+        if any(units) and len(units) <= len(labels) and not any(map(_is_number, units)) and len(below) > 1:
+            _require_whole_quotes(lines[below[0]], separator, below[0] + 1, request)
+            return separator, labels, units + [""] * (len(labels) - len(units)), below[0] + 1
+    return separator, labels, None, best + 1

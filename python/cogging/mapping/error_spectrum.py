@@ -1,0 +1,138 @@
+"""The spatial spectrum of a tracking error: which periods a controller should cancel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.logs.log import Log
+
+OVERSAMPLING = 8  # frequencies between two that the travel tells apart
+THRESHOLD = 8.0  # times the noise level (the median of the amplitudes that are left): a line above it is proposed
+POINTS_PER_PERIOD = 8.0  # of the shortest: more samples than these are not used
+CONSTANT = 0.98  # of the top speed: what counts as constant speed
+
+
+@dataclass(frozen=True)
+class TrackingSpectrum:
+    """Amplitudes of a tracking error against spatial period, on the parts of constant speed.
+
+    Attributes:
+        frequency: 1/m, (n,); amplitude: m, (n,), of the strokes' mean power.
+        noise: m, the median amplitude once the proposed lines are taken out.
+        resolution: 1/m, one over the travel at constant speed: closer lines cannot be told apart.
+        periods: m, proposed for cancellation, strongest first; period_amplitudes: m.
+    """
+
+    frequency: FloatArray
+    amplitude: FloatArray
+    noise: float
+    resolution: float
+    periods: tuple[float, ...]
+    period_amplitudes: tuple[float, ...]
+
+
+def tracking_spectrum(
+    log: Log, *, shortest_period: float = 2e-3, most: int = 8, share: float = 0.15
+) -> TrackingSpectrum:
+    """Find the spatial periods in the tracking error of a log.
+
+    On every stretch of constant speed the error is fitted by a constant and a sine and cosine of each frequency against
+    position (least squares). The powers of the stretches are averaged, since the phase differs with direction. The
+    strongest line is taken out of every stretch, and the rest searched again.
+
+    Args:
+        log: with a reference.
+        shortest_period: m, the last one looked for.
+        most: at most so many periods are proposed.
+        share: of the strongest line's amplitude that a further one must have, beside standing above the noise.
+
+    Raises:
+        ValueError: no reference, or no stretch of constant speed three shortest periods long.
+    """
+    stretches = _stretches(log, shortest_period)
+    travel = max((float(np.ptp(x)) for x, _ in stretches), default=0.0)
+    if travel < 3 * shortest_period:
+        raise ValueError(
+            f"log: must hold a stretch of constant speed of {3 * shortest_period:g} m or more, got {travel:g} m"
+        )
+    stretches = [(x, e) for x, e in stretches if np.ptp(x) > 0.5 * travel]
+    frequency = np.arange(1.0 / travel, 1.0 / shortest_period, 1.0 / (OVERSAMPLING * travel))
+    rest = [e for _, e in stretches]
+    bases = [_bases(x, frequency) for x, _ in stretches]
+    first = amplitude = _amplitude(bases, rest)
+    found: list[tuple[float, float]] = []
+    while len(found) < most:
+        peak = int(np.argmax(amplitude))
+        strongest = found[0][1] if found else 0.0
+        if amplitude[peak] < max(THRESHOLD * float(np.median(amplitude)), share * strongest):
+            break
+        line = _refine(stretches, rest, float(frequency[peak]), 1.0 / (OVERSAMPLING * travel))
+        found.append((1.0 / line, float(amplitude[peak])))
+        # All lines together, anew: those found first were shifted by those still hidden.
+        rest = [_without(x, e, [1.0 / period for period, _ in found]) for x, e in stretches]
+        amplitude = _amplitude(bases, rest)
+    return TrackingSpectrum(
+        frequency=frequency,
+        amplitude=first,
+        noise=float(np.median(amplitude)),
+        resolution=1.0 / travel,
+        periods=tuple(period for period, _ in found),
+        period_amplitudes=tuple(size for _, size in found),
+    )
+
+
+def _stretches(log: Log, shortest_period: float) -> list[tuple[FloatArray, FloatArray]]:
+    """Position and error of each stretch of constant speed, thinned to what the shortest period needs."""
+    if log.reference is None:
+        raise ValueError("reference: must be in the log to know the error, got none")
+    velocity = log.reference_velocity
+    if velocity is None:
+        velocity = np.gradient(log.reference, log.time)
+    fast = np.abs(velocity) >= CONSTANT * np.abs(velocity).max()
+    sign = np.where(fast, np.sign(velocity), 0.0)
+    cuts = np.flatnonzero(np.diff(sign)) + 1
+    parts = []
+    for rows in np.split(np.arange(len(log)), cuts):
+        if sign[rows[0]] == 0.0 or rows.size < 32:
+            continue
+        rows = rows[rows.size // 20 :]  # the transient after the ramp
+        needed = POINTS_PER_PERIOD * float(np.ptp(log.position[rows])) / shortest_period
+        rows = rows[:: max(1, int(rows.size / needed))]
+        parts.append((log.position[rows], log.error[rows]))
+    return parts
+
+
+def _bases(x: FloatArray, frequency: FloatArray) -> tuple[FloatArray, FloatArray]:
+    angle = 2 * np.pi * np.outer(frequency, x - x.mean())
+    return np.sin(angle), np.cos(angle)
+
+
+def _amplitude(bases: list[tuple[FloatArray, FloatArray]], errors: list[FloatArray]) -> FloatArray:
+    powers = []
+    for (sine, cosine), error in zip(bases, errors, strict=True):
+        window = np.hanning(error.size)
+        weighted = window * (error - np.average(error, weights=window)) * 2.0 / window.sum()
+        powers.append((sine @ weighted) ** 2 + (cosine @ weighted) ** 2)
+    return np.asarray(np.sqrt(np.mean(powers, axis=0)))
+
+
+def _without(x: FloatArray, error: FloatArray, lines: list[float]) -> FloatArray:
+    angle = 2 * np.pi * np.outer(x - x.mean(), lines)
+    design = np.column_stack([np.ones_like(x), x - x.mean(), np.sin(angle), np.cos(angle)])
+    return np.asarray(error - design @ np.linalg.lstsq(design, error, rcond=None)[0])
+
+
+def _refine(stretches: list[tuple[FloatArray, FloatArray]], rest: list[FloatArray], line: float, step: float) -> float:
+    """The frequency near `line` that takes most out of the rest: golden section over two steps."""
+
+    def left(candidate: float) -> float:
+        return sum(float(np.sum(_without(x, e, [candidate]) ** 2)) for (x, _), e in zip(stretches, rest, strict=True))
+
+    low, high, golden = line - step, line + step, 0.5 * (np.sqrt(5.0) - 1.0)
+    for _ in range(24):
+        first, second = high - golden * (high - low), low + golden * (high - low)
+        low, high = (low, second) if left(first) < left(second) else (first, high)
+    return 0.5 * (low + high)

@@ -1,0 +1,174 @@
+"""What `cogging map` finds in a scan: the fitted cogging model, its table, its figure (Lu et al. 2008, Figs. 5, 6)."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cogging._core import CoggingModel
+from cogging.arrays import FloatArray
+from cogging.files import InputError, same_file, to_toml, write_files
+from cogging.model.model import cogging_to_dict
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class HarmonicAmplitude:
+    """One harmonic of the map: amplitude sin(2 pi harmonic x / pitch + phase).
+
+    Attributes:
+        harmonic: of the pitch.
+        amplitude: V; of a modulated harmonic the rms over the scan's points of its local sqrt(f_S^2 + f_C^2).
+        standard_error: V, of the amplitude.
+        phase: rad; of a modulated harmonic that of the means of f_S and f_C.
+        false_alarm: probability that noise alone lifts any line of the spectrum as far as this one.
+    """
+
+    harmonic: int
+    amplitude: float
+    standard_error: float
+    phase: float
+    false_alarm: float
+
+
+@dataclass(frozen=True)
+class CrossValidation:
+    """How well a model predicts the parts of the scan that its fit did not see.
+
+    Attributes:
+        order: of the B-splines; 0 = periodic.
+        coefficients: number of sines and cosines.
+        rms: V, of the prediction errors.
+        standard_error: V, of that rms, from its scatter between the blocks left out.
+    """
+
+    order: int
+    coefficients: int
+    rms: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class MapFit:
+    """A cogging model fitted to a scan, force = F_cogging(x) + offset + trend (x - centre) + coulomb direction.
+
+    Attributes:
+        cogging: F_cogging(x), V; zero where no harmonic was found.
+        order: of the B-splines; 0 = periodic.
+        sine_standard_error: V, (terms, control points), as `cogging.sine`; likewise cosine_standard_error. That of a
+            control point in `unexcited` is the prior's.
+        amplitudes: one entry a harmonic.
+        offset: V, at the centre of the travel; offset_standard_error likewise.
+        coulomb: V, half of the difference of the two directions; None where the scan goes one way only.
+        trend: V/m; 0 with the standard error 0 where it is within 3 standard errors of none and therefore left out.
+        residual_rms: V, of the averaged points.
+        noise: V rms of one averaged point, from the median of the residual's spectrum; where residual_rms is larger,
+            the scan has structure that the model lacks.
+        cross_validation: the models that were compared, simplest first.
+        unexcited: control points (from 0) that the scan determines by less than half; the rest is the prior, which
+            continues the neighbours.
+        notes: what the reader has to know about this fit.
+        position, force, direction: the averaged points of the scan: m, V, +1 or -1, (n,).
+        fitted: V, (n,), the model with offset, trend and friction at these points.
+        line, line_amplitude, line_threshold: the spectrum: f pitch (whole at harmonics), V, and V above which a line is
+            found, each (lines,).
+    """
+
+    cogging: CoggingModel
+    order: int
+    sine_standard_error: FloatArray
+    cosine_standard_error: FloatArray
+    amplitudes: tuple[HarmonicAmplitude, ...]
+    offset: float
+    offset_standard_error: float
+    coulomb: float | None
+    coulomb_standard_error: float | None
+    trend: float
+    trend_standard_error: float
+    residual_rms: float
+    noise: float
+    cross_validation: tuple[CrossValidation, ...]
+    unexcited: tuple[int, ...]
+    notes: tuple[str, ...]
+    position: FloatArray
+    force: FloatArray
+    direction: FloatArray
+    fitted: FloatArray
+    line: FloatArray
+    line_amplitude: FloatArray
+    line_threshold: FloatArray
+
+    def summary(self) -> str:
+        """The fit in a few lines for the screen."""
+        spline, pitch = self.cogging.basis.spline, self.cogging.basis.pitch
+        kind = f"order {self.order}, {spline.control_points} control points" if self.order else "periodic"
+        lines = [
+            f"cogging map: {len(self.position)} points over {np.ptp(self.position):.4g} m, pitch {pitch:.4g} m, {kind}",
+            "harmonic  amplitude (V)   +- (V)  phase (rad)  false alarm",
+        ]
+        for a in self.amplitudes:
+            lines.append(
+                f"{a.harmonic:8d}  {a.amplitude:13.5g}  {a.standard_error:7.1g}  {a.phase:11.3f}  {a.false_alarm:11.1g}"
+            )
+        values = [("offset", self.offset, self.offset_standard_error, "V")]
+        if self.coulomb is not None and self.coulomb_standard_error is not None:
+            values.insert(0, ("coulomb", self.coulomb, self.coulomb_standard_error, "V"))
+        if self.trend_standard_error > 0.0:
+            values.append(("trend", self.trend, self.trend_standard_error, "V/m"))
+        lines += [f"{name:8s}  {value:13.5g}  {error:7.1g}  {unit}" for name, value, error, unit in values]
+        lines.append(f"residual  {self.residual_rms:13.5g}  V rms; noise {self.noise:.3g} V rms")
+        for c in self.cross_validation:
+            name, mark = (f"order {c.order}" if c.order else "periodic"), "  <- chosen" * (c.order == self.order)
+            lines.append(
+                f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  V rms, {name}, {c.coefficients} coefficients{mark}"
+            )
+        return "\n".join(lines + [f"note: {note}" for note in self.notes])
+
+    def plot(self) -> Figure:
+        """Draw measured and fitted force and their difference over position (as Figs. 5, 6), and the spectrum."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+        force, residual, spectrum = figure.subplots(3, 1)
+        residual.sharex(force)
+        for direction, colour, name in ((1.0, "tab:blue", "forward"), (-1.0, "tab:orange", "backward")):
+            x, measured, fitted = (v[self.direction == direction] for v in (self.position, self.force, self.fitted))
+            if x.size:
+                force.plot(x, measured, ".", markersize=2.5, color=colour, label=f"measured, {name}")
+                force.plot(x, fitted, linewidth=0.8, color="black", label=None if force.lines[2:] else "fitted")
+                residual.plot(x, measured - fitted, linewidth=0.6, color=colour)
+        force.set_title("Cogging map", loc="left")
+        force.set(ylabel="force (V)")
+        force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize="small", frameon=False)
+        residual.set(xlabel="position (m)", ylabel="residual (V)")
+        spectrum.semilogy(self.line, self.line_amplitude, linewidth=0.7, label="measured")
+        spectrum.semilogy(self.line, self.line_threshold, linewidth=0.9, label="found from here")
+        for entry in self.amplitudes:
+            spectrum.axvline(entry.harmonic, color="black", linewidth=0.4, linestyle=":")
+        spectrum.set(xlabel="harmonic of the pitch", ylabel="amplitude (V)")
+        largest = float(self.line_amplitude.max())
+        if largest > 0.0:
+            spectrum.set_ylim(max(0.03 * float(self.line_threshold.min()), 1e-6 * largest), 3.0 * largest)
+        spectrum.legend(loc="upper right", fontsize="small")
+        return figure
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the `[cogging]` section of a model file, and the figure beside it as .png.
+
+        Raises:
+            InputError: a file cannot be written, or both are one: a model called `.png`.
+        """
+        picture = io.BytesIO()
+        self.plot().savefig(picture, format="png", dpi=120)
+        text = to_toml({"cogging": cogging_to_dict(self.cogging)})
+        figure = os.fspath(Path(path).with_suffix(".png"))
+        if same_file(path, figure):
+            raise InputError(f"{path}: must not be where its figure is written, got {figure}")
+        write_files({os.fspath(path): [text.encode()], figure: [picture.getvalue()]})

@@ -1,0 +1,145 @@
+"""A scan: the force that holds an axis against its position, which way it went, and its points on a grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging.arrays import FloatArray, Mask
+from cogging.files import LARGEST
+from cogging.logs.log import SMALLEST
+
+FEWEST_POINTS = 10
+TURN = 0.01  # of the travel: going back by less is noise of the encoder or a rest, no reversal
+POINTS_PER_PERIOD = 2.5  # a harmonic sampled more thinly is not told from others
+CELLS_PER_PERIOD = 20  # of the highest harmonic: an average over one cell takes at most 0.4 % off its amplitude
+
+
+@dataclass(frozen=True)
+class Scan:
+    """The points of a scan, at most one a cell and pass, in the order of the passes.
+
+    Attributes:
+        position: m, (n,).
+        force: V, (n,): F_cogging + friction, whatever the sensor's sign was.
+        direction: (n,), +1 where the position rose, -1 where it fell.
+        both_ways: whether friction can be told from the offset.
+        resolvable: the highest harmonic that the points tell from others.
+        highest: the highest harmonic that is looked for.
+        notes: what was done to the rows.
+    """
+
+    position: FloatArray
+    force: FloatArray
+    direction: FloatArray
+    both_ways: bool
+    resolvable: int
+    highest: int
+    notes: tuple[str, ...]
+
+    @property
+    def travel(self) -> float:
+        """m."""
+        return float(np.ptp(self.position))
+
+
+def read_scan(
+    position: npt.ArrayLike, force: npt.ArrayLike, *, pitch: float, force_sign: int, highest_harmonic: int
+) -> Scan:
+    """Check a scan, find which way it went and average its rows where they stand close.
+
+    Directions come from the reversals: places from which the position goes back by more than 1 % of the travel. Rows
+    within that distance after a reversal are left out, since friction is still on its way from one sign to the other.
+    Rows of one pass within a cell of pitch / (20 highest harmonics) are averaged, so that a long rest weighs no more
+    than its place.
+
+    Raises:
+        ValueError: names the field, the rule and the value.
+    """
+    x, y = _numbers("position", position), _numbers("force", force)
+    if y.size != x.size:
+        raise ValueError(f"force: must have one value for each of the {x.size} positions, got {y.size}")
+    if x.size < FEWEST_POINTS:
+        raise ValueError(f"position: must hold at least {FEWEST_POINTS} points of a scan, got {x.size}")
+    if isinstance(force_sign, bool) or force_sign not in (1, -1):
+        raise ValueError(f"force_sign: must be 1 or -1, got {force_sign!r}")
+    travel = float(np.ptp(x))
+    if travel < pitch:
+        raise ValueError(f"position: must travel at least one pitch ({pitch:g} m), got {travel:g} m")
+    resolvable = int(pitch / (POINTS_PER_PERIOD * _spacing(x)) - 0.5)
+    if resolvable < 1:
+        raise ValueError(
+            f"position: must have a point every {pitch / 3.75:.3g} m or less, got one every {_spacing(x):.3g} m"
+        )
+    highest = min(highest_harmonic, resolvable)
+    y, notes = force_sign * y, []
+
+    passes, direction, turning = _passes(x)
+    turned = turning & (passes > 0)
+    one_way = [np.ptp(x[there]) < pitch if np.any(there := (direction == d) & ~turned) else True for d in (1.0, -1.0)]
+    both_ways = not any(one_way)
+    if both_ways:
+        kept = ~turned
+        notes.append(f"{int(turned.sum())} rows just after a reversal left out" if turned.any() else "")
+    else:
+        main = 1.0 if np.sum(direction == 1.0) >= np.sum(direction == -1.0) else -1.0
+        kept = direction == main
+        notes.append("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both")
+        notes.append(f"{int(np.sum(~kept))} rows of a short way back left out" if not kept.all() else "")
+    cell = pitch / (CELLS_PER_PERIOD * highest)
+    keys = np.stack([passes[kept], np.floor((x[kept] - x.min()) / cell).astype(np.int64)])
+    _, members, counts = np.unique(keys, axis=1, return_inverse=True, return_counts=True)
+    members = members.ravel()
+    if counts.size < kept.sum():
+        notes.append(f"{int(kept.sum())} rows averaged to {counts.size} points, one a {cell:.3g} m and pass")
+    position, force, way = (np.bincount(members, v[kept]) / counts for v in (x, y, direction))
+    if position.size < FEWEST_POINTS:
+        raise ValueError(f"position: must hold at least {FEWEST_POINTS} points that differ, got {position.size}")
+    return Scan(position, force, np.sign(way), both_ways, resolvable, highest, tuple(note for note in notes if note))
+
+
+def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
+    try:
+        if np.iscomplexobj(values):
+            raise TypeError
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: must be real numbers, got {type(values).__name__}") from None
+    if array.ndim != 1:
+        raise ValueError(f"{name}: must be one-dimensional, got {array.ndim} dimensions")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
+    size = float(np.abs(array).max(initial=0.0))
+    if size > LARGEST or 0.0 < size < SMALLEST:
+        raise ValueError(f"{name}: must be 0 or between {SMALLEST:g} and {LARGEST:g} in size, got {size:g}")
+    return array
+
+
+def _spacing(position: FloatArray) -> float:
+    """The distance of neighbouring points below which half of the travel lies: jitter and rests do not shorten it."""
+    gaps = np.sort(np.diff(np.unique(position)))
+    return float(gaps[np.searchsorted(np.cumsum(gaps), 0.5 * gaps.sum())])
+
+
+def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, Mask]:
+    """For each row the number of its pass, the pass's direction and whether the row is still near where it turned.
+
+    The row at which the motion turns belongs to the pass that arrives there.
+    """
+    limit = TURN * float(np.ptp(position))
+    x = position.tolist()
+    starts, directions, way, low, high = [0], [0.0], 0.0, 0, 0
+    for i, here in enumerate(x):
+        low, high = (i if here < x[low] else low), (i if here > x[high] else high)
+        if way <= 0.0 and here - x[low] > limit:
+            starts, directions, way, high = [*starts, low + 1], [*directions, 1.0], 1.0, i
+        elif way >= 0.0 and x[high] - here > limit:
+            starts, directions, way, low = [*starts, high + 1], [*directions, -1.0], -1.0, i
+    starts, directions = [0, *starts[2:]], directions[1:]  # what lies before the first motion belongs to it
+    lengths = np.diff([*starts, len(x)])
+    passes = np.repeat(np.arange(len(starts)), lengths)
+    turns = position[np.maximum(np.array(starts) - 1, 0)]
+    return passes, np.array(directions)[passes], np.abs(position - turns[passes]) < limit

@@ -1,0 +1,1 @@
+"""The model of an axis, its parameters by path, and between which numbers they lie."""

@@ -1,0 +1,358 @@
+"""The model of an axis: what `[axis]`, `[cogging]`, `[[effects]]` and the other sections of a model file say."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from cogging import _core
+from cogging._core import (
+    AdaptiveRobustParameters,
+    Arc,
+    AxisParameters,
+    Cascade,
+    CascadeParameters,
+    CoggingModel,
+    Dcarc,
+    EncoderParameters,
+    NoiseParameters,
+    ObserverBased,
+    ObserverBasedParameters,
+    OutputFeedbackArc,
+    OutputFeedbackArcParameters,
+    Pid,
+    PidParameters,
+    Plant,
+    Speed,
+    SpeedParameters,
+    SplineHarmonics,
+)
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
+from cogging.shown import quoted
+
+#: Controllers by the name that a model file gives them: parameter struct and class.
+CONTROLLERS: dict[str, tuple[Any, Any]] = {
+    "pid": (PidParameters, Pid),
+    "cascade": (CascadeParameters, Cascade),
+    "speed": (SpeedParameters, Speed),
+    "arc": (AdaptiveRobustParameters, Arc),
+    "dcarc": (AdaptiveRobustParameters, Dcarc),
+    "output_feedback_arc": (OutputFeedbackArcParameters, OutputFeedbackArc),
+    "observer_based": (ObserverBasedParameters, ObserverBased),
+}
+ControllerParameters = (
+    PidParameters
+    | CascadeParameters
+    | SpeedParameters
+    | AdaptiveRobustParameters
+    | OutputFeedbackArcParameters
+    | ObserverBasedParameters
+)
+Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased
+
+SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "bounds")
+COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
+LARGEST_FLOAT = int(sys.float_info.max)
+COUNTED = 1 << 31  # whole numbers that the core counts with
+STEPS_MAX = 10_000  # a sample, of those that may be asked for
+UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
+
+
+@dataclass(frozen=True)
+class Model:
+    """An axis as a model file describes it: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects.
+
+    A model read from a file, fitted from a log or written by hand is this one type.
+
+    Attributes:
+        axis: mass and friction, in the command unit and SI.
+        cogging: F_cogging(x), which opposes the command, or None.
+        effects: forces, friction and amplifier effects beyond the axis.
+        encoder: resolution and noise of the position reading.
+        noise: force noise, for simulation.
+        controller: parameters of the controller, or None where it is not known.
+        controller_type: its name in model files, a key of CONTROLLERS.
+        uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
+        intervals: 95 % intervals by parameter path, as `identify` writes them into `[bounds]`; [-inf, inf] where the
+            logs do not determine the parameter.
+        steps_per_sample: the fewest integration steps between two samples of a simulated run; it takes as many more
+            as its accuracy needs.
+    """
+
+    axis: AxisParameters
+    cogging: CoggingModel | None = None
+    effects: tuple[Any, ...] = ()
+    encoder: EncoderParameters = field(default_factory=EncoderParameters)
+    noise: NoiseParameters = field(default_factory=NoiseParameters)
+    controller: ControllerParameters | None = None
+    controller_type: str | None = None
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
+    intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    steps_per_sample: int = 1
+
+    def __post_init__(self) -> None:
+        if (self.controller is None) != (self.controller_type is None):
+            raise ValueError("controller, controller_type: both or neither must be given")
+        if self.controller_type is not None and self.controller_type not in CONTROLLERS:
+            raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
+        object.__setattr__(self, "effects", tuple(self.effects))
+
+    def plant(self) -> Plant:
+        """Make the machine to simulate."""
+        return Plant(
+            self.axis,
+            cogging=self.cogging,
+            effects=list(self.effects),
+            encoder=self.encoder,
+            noise=self.noise,
+        )
+
+    def make_controller(self) -> Controller:
+        """Make a fresh controller.
+
+        Raises:
+            ValueError: the model has no `[controller]`.
+        """
+        if self.controller is None or self.controller_type is None:
+            raise ValueError("controller: must be given to simulate, got a model without [controller]")
+        controller: Controller = CONTROLLERS[self.controller_type][1](self.controller)
+        return controller
+
+    def replace(self, **changes: Any) -> Model:
+        """Make a copy with the given attributes changed."""
+        return replace(self, **changes)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Model:
+        """Read a model file (TOML).
+
+        Raises:
+            InputError: the file cannot be used; names file, line, field, rule and value.
+        """
+        document = read_toml(path)
+        try:
+            return cls.from_dict(document)
+        except FieldError as error:
+            raise error.in_file(path, read_text(path)) from None
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a model file (TOML), without loss."""
+        write_text(path, to_toml(self.to_dict()))
+
+    @classmethod
+    def from_dict(cls, document: Mapping[str, Any]) -> Model:
+        """Make a model from the sections of a model file.
+
+        Raises:
+            FieldError: a ValueError that names section, field, rule and value.
+        """
+        refuse_unknown_keys(document, SECTIONS, "")
+        if "axis" not in document:
+            raise FieldError("", "axis", "must be given, got no such section")
+        axis_section = dict(_table(document, "axis"))
+        uncertainty = axis_section.pop("uncertainty", {})
+        if "mass" not in axis_section:
+            raise FieldError("axis", "mass", "must be given, got nothing")
+        axis = parameters_from(AxisParameters, axis_section, "axis")
+        controller_type, controller = _controller_from(document, axis)
+        return cls(
+            axis=axis,
+            cogging=_cogging_from(_table(document, "cogging")) if "cogging" in document else None,
+            effects=_effects_from(document.get("effects", [])),
+            encoder=parameters_from(EncoderParameters, _table(document, "encoder"), "encoder"),
+            noise=parameters_from(NoiseParameters, _table(document, "noise"), "noise"),
+            controller=controller,
+            controller_type=controller_type,
+            uncertainty=_uncertainty_from(uncertainty),
+            intervals=_intervals_from(_table(document, "bounds")),
+            steps_per_sample=_steps_from(_table(document, "simulation")),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The sections of a model file: what from_dict reads."""
+        document: dict[str, Any] = {"axis": self.axis.to_dict()}
+        if self.uncertainty:
+            document["axis"]["uncertainty"] = dict(self.uncertainty)
+        if self.cogging is not None:
+            document["cogging"] = cogging_to_dict(self.cogging)
+        if self.effects:
+            document["effects"] = [{"name": effect.NAME, **effect.to_dict()} for effect in self.effects]
+        document["encoder"] = self.encoder.to_dict()
+        document["noise"] = self.noise.to_dict()
+        if self.controller is not None:
+            document["controller"] = {"type": self.controller_type, **self.controller.to_dict()}
+        if self.steps_per_sample != 1:
+            document["simulation"] = {"steps_per_sample": self.steps_per_sample}
+        if self.intervals:
+            document["bounds"] = {path: list(interval) for path, interval in self.intervals.items()}
+        return document
+
+
+def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurrence: int = 0) -> Any:
+    """Make a C++ parameter struct from a section, with the struct's own defaults and rules.
+
+    Raises:
+        FieldError: an unknown key, a value of the wrong type, or one that breaks the struct's rule.
+    """
+    try:
+        refuse_unknown_keys(section, struct.FIELDS, name)
+        defaults = struct().to_dict()
+        for key, value in section.items():
+            _require_type(value, defaults[key], name, key)
+    except FieldError as error:
+        raise FieldError(error.section, error.key, error.problem, occurrence) from None
+    try:
+        return struct(**section)
+    except ValueError as error:  # the core says "field: rule, got value"
+        key, _, problem = str(error).partition(": ")
+        raise FieldError(name, key, problem, occurrence) from None
+
+
+def cogging_to_dict(cogging: CoggingModel) -> dict[str, Any]:
+    """The `[cogging]` section of a cogging model."""
+    basis = cogging.basis
+    section: dict[str, Any] = {"pitch": basis.pitch if basis.pitch > 0 else basis.spline.pitch}
+    if basis.harmonics:
+        section["harmonics"] = list(basis.harmonics)
+    else:
+        section["periods"] = list(basis.periods)
+    section["order"] = basis.spline.order
+    section["origin"] = basis.spline.origin
+    section["sine"] = cogging.sine.tolist()
+    section["cosine"] = cogging.cosine.tolist()
+    return section
+
+
+def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    section = document.get(name, {})
+    if not isinstance(section, Mapping):
+        raise FieldError("", name, f"must be a section, got {quoted(section)}")
+    return section
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value of a file is a number that a double holds."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return -LARGEST_FLOAT <= value <= LARGEST_FLOAT
+    return isinstance(value, float)
+
+
+def _require_type(value: Any, default: Any, section: str, key: str) -> None:
+    kind, holds = "a number", is_number(value)
+    if isinstance(default, bool):
+        kind, holds = "true or false", isinstance(value, bool)
+    elif isinstance(default, str):
+        kind, holds = "a text", isinstance(value, str)
+    elif isinstance(default, list):
+        free = not default or key in ("periods", "observer_gain")  # as many as the user has
+        kind = "a list of numbers" if free else f"{len(default)} numbers"
+        holds = isinstance(value, list) and all(map(is_number, value))
+        holds = holds and (free or len(value) == len(default))
+        if key.endswith("harmonics"):
+            kind, holds = "a list of whole numbers", holds and all(isinstance(v, int) for v in value)
+    elif isinstance(default, int):
+        kind, holds = "a whole number", holds and isinstance(value, int)
+    if not holds:
+        raise FieldError(section, key, f"must be {kind}, got {quoted(value)}")
+    counted = key.endswith("harmonics") or isinstance(default, int)
+    largest = COUNTED - 1 if counted else LARGEST
+    for number in value if isinstance(value, list) else [value]:
+        if isinstance(number, int | float) and largest < abs(number) < math.inf:
+            raise FieldError(section, key, f"must be at most {largest:.10g} in size, got {quoted(number)}")
+
+
+def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
+    refuse_unknown_keys(section, COGGING_KEYS, "cogging")
+    rows = {key: _rows(section[key], key) for key in ("sine", "cosine") if key in section}
+    if len(rows) == 1:
+        raise FieldError("cogging", next(iter(rows)), "needs both sine and cosine, or neither, got one")
+    for key in ("pitch", "origin"):
+        _require_type(section.get(key, 0.0), 0.0, "cogging", key)
+    _require_type(section.get("order", 3), 3, "cogging", "order")
+    for key in ("harmonics", "periods"):
+        if key in section:
+            _require_type(section[key], [], "cogging", key)
+    points = rows["sine"].shape[1] if rows else 1
+    arguments = {key: value for key, value in section.items() if key not in rows}
+    try:
+        basis = SplineHarmonics(control_points=points, **arguments)
+        zeros = np.zeros((basis.terms, 1))
+        return CoggingModel(basis, rows.get("sine", zeros), rows.get("cosine", zeros))
+    except ValueError as error:
+        key, _, problem = str(error).partition(": ")
+        raise FieldError("cogging", "sine" if key == "control_points" else key, problem) from None
+
+
+def _rows(value: Any, key: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    good = isinstance(value, list) and all(isinstance(row, list) and all(map(is_number, row)) for row in value)
+    if not good or len({len(row) for row in value}) != 1 or not value[0]:
+        raise FieldError("cogging", key, "must be rows of numbers of equal length, one row a harmonic")
+    rows = np.array(value, dtype=float)
+    if not np.all(np.abs(rows) <= LARGEST):
+        raise FieldError("cogging", key, f"must be numbers of at most {LARGEST:g} in size")
+    return rows
+
+
+def _effects_from(effects: Any) -> tuple[Any, ...]:
+    if not isinstance(effects, list) or not all(isinstance(entry, Mapping) for entry in effects):
+        raise FieldError("", "effects", "must be written as [[effects]] tables")
+    made = []
+    for occurrence, entry in enumerate(effects):
+        fields = dict(entry)
+        name = fields.pop("name", None)
+        if not isinstance(name, str) or name not in _core.EFFECTS:
+            known = ", ".join(_core.EFFECTS)
+            raise FieldError("effects", "name", f"must be one of {known}, got {quoted(name)}", occurrence)
+        made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
+    return tuple(made)
+
+
+def _controller_from(
+    document: Mapping[str, Any], axis: AxisParameters
+) -> tuple[str | None, ControllerParameters | None]:
+    if "controller" not in document:
+        return None, None
+    section = dict(_table(document, "controller"))
+    kind = section.pop("type", None)
+    if not isinstance(kind, str) or kind not in CONTROLLERS:
+        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}")
+    struct = CONTROLLERS[kind][0]
+    if "coulomb_width" in struct.FIELDS:
+        # Truth and belief part here: the controller's width is the axis' as first read, and its own from then on.
+        section.setdefault("coulomb_width", axis.coulomb_width)
+    return kind, parameters_from(struct, section, "controller")
+
+
+def _uncertainty_from(section: Any) -> dict[str, float]:
+    if not isinstance(section, Mapping):
+        raise FieldError("axis", "uncertainty", f"must be a section, got {quoted(section)}")
+    refuse_unknown_keys(section, UNCERTAINTY_KEYS, "axis.uncertainty")
+    for key, value in section.items():
+        if not is_number(value) or not 0.0 <= value <= LARGEST:
+            raise FieldError("axis.uncertainty", key, f"must be a number from 0 to {LARGEST:g}, got {quoted(value)}")
+    return {key: float(value) for key, value in section.items()}
+
+
+def _steps_from(section: Mapping[str, Any]) -> int:
+    refuse_unknown_keys(section, ("steps_per_sample",), "simulation")
+    steps = section.get("steps_per_sample", 1)
+    if not isinstance(steps, int) or isinstance(steps, bool) or not 1 <= steps <= STEPS_MAX:
+        rule = f"must be a whole number from 1 to {STEPS_MAX}"
+        raise FieldError("simulation", "steps_per_sample", f"{rule}, got {quoted(steps)}")
+    return steps
+
+
+def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    intervals = {}
+    for path, interval in section.items():
+        good = isinstance(interval, list) and len(interval) == 2 and all(map(is_number, interval))
+        if not good or not interval[0] <= interval[1]:
+            raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {quoted(interval)}")
+        intervals[path] = (float(interval[0]), float(interval[1]))
+    return intervals

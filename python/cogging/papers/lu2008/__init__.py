@@ -1,0 +1,1 @@
+"""Lu, Chen, Yao, Wang 2008: B-spline cogging model, ARC and DCARC, Tables 1 and 2."""

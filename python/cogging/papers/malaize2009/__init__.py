@@ -1,0 +1,1 @@
+"""Malaize and Levine 2009: observer-based cancellation, LMI gains, Table I."""

@@ -1,0 +1,243 @@
+"""The setup of Malaize and Levine 2009: printed numbers, machines, controllers, motion and the accuracy of Table I.
+
+Forces are accelerations in the paper: a mass of 1 and m/s^2 as the command unit. Lambda pushes (+), so F_cogging of
+this project is -Lambda. What is not reported is assumed and says so; the amplitudes are calibrated on the PID row and
+the pole radius on lambda* (malaize2009_calibration.py), the observer row then follows.
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging import effects
+from cogging._core import (
+    AxisParameters,
+    CoggingModel,
+    EncoderParameters,
+    ObserverBased,
+    ObserverBasedParameters,
+    Pid,
+    PidParameters,
+    Plant,
+    PointToPoint,
+    PointToPointParameters,
+    SplineHarmonics,
+    closed_loop,
+)
+from cogging.design.observer import ObserverProblem
+from cogging.design.pid import pid_gains
+from cogging.files import parse_toml
+from cogging.logs.log import Log
+from cogging.model.model import Controller
+
+# Not reported, assumed.
+SAMPLE_RATE = 10_000.0  # Hz
+DELAY = 1e-4  # s: one sample of computing
+VISCOUS = 1.0  # 1/s
+PID_POLE = -120.0  # 1/s, three times; the observer's position loop has the same real part (section IV.C)
+OMEGA, DAMPING = 120.0, 1.0
+DECAY_RATE = 3.0  # 1/s
+VELOCITY_RATIO = 0.25  # velocity_min / velocity_max of the certificate
+FREEZE_RATIO = 0.01  # of velocity_max: below it (at rest) the harmonics are frozen
+RAMP = 0.02  # s in which the acceleration rises: its jerk limit
+DWELL, REPEATS = 0.2, 5
+
+CONTROLLERS = ("PID", "observer")
+
+
+@dataclass(frozen=True)
+class Motor:
+    """One motor of Table I.
+
+    Attributes:
+        name: "ironcore" or "ironless".
+        periods: m (Table I).
+        shape: relative amplitudes, assumed; scaled to the PID's accuracy.
+        friction: m/s^2, assumed.
+        resolution: m, of the encoder, assumed.
+        velocity: m/s, top speed, assumed.
+        acceleration: m/s^2 (section V).
+        stroke: m, assumed.
+        accuracy: m, of PID and observer (Table I).
+        lambda_star: m/s^2 (Table I).
+    """
+
+    name: str
+    periods: tuple[float, ...]
+    shape: tuple[float, ...]
+    friction: float
+    resolution: float
+    velocity: float
+    acceleration: float
+    stroke: float
+    accuracy: tuple[float, float]
+    lambda_star: float
+
+
+MOTORS = {
+    "ironcore": Motor(
+        name="ironcore",
+        periods=(0.024, 0.016, 0.012),
+        shape=(1.0, 0.6, 0.4),
+        friction=0.1,
+        resolution=1e-7,
+        velocity=0.4,
+        acceleration=4.0,
+        stroke=0.4,
+        accuracy=(10e-6, 0.5e-6),
+        lambda_star=5.0,
+    ),
+    "ironless": Motor(
+        name="ironless",
+        periods=(0.042, 0.021),
+        shape=(1.0, 0.5),
+        friction=0.005,
+        resolution=1e-8,
+        velocity=0.25,
+        acceleration=2.5,
+        stroke=0.4,
+        accuracy=(0.5e-6, 0.05e-6),
+        lambda_star=3.5,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """What was calibrated for a motor.
+
+    Attributes:
+        amplitude: m/s^2, of the first period; the others follow by Motor.shape.
+        pole_radius: r, 1/s.
+        lambda_star: m/s^2, that the design with this radius certifies when all lambda_n are equal.
+        observer_gain: K.
+    """
+
+    amplitude: float
+    pole_radius: float
+    lambda_star: float
+    observer_gain: tuple[float, ...]
+
+
+def shipped(motor: Motor) -> Calibrated:
+    """The calibrated values that come with the package (written by malaize2009_calibration.py)."""
+    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text()
+    part = parse_toml(text)[motor.name]
+    return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
+
+
+def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem:
+    """The observer's design problem for a motor."""
+    fields: dict[str, Any] = {
+        "periods": list(motor.periods),
+        "velocity_min": VELOCITY_RATIO * motor.velocity,
+        "velocity_max": motor.velocity,
+        "viscous": VISCOUS,
+        "omega": OMEGA,
+        "damping": DAMPING,
+        "decay_rate": DECAY_RATE,
+        "pole_radius": pole_radius,
+    }
+    return ObserverProblem(**{**fields, **changes})
+
+
+def plant(
+    motor: Motor,
+    amplitude: float,
+    *,
+    ripples: Sequence[tuple[float, float]] = (),
+    resolution: float | None = None,
+    friction: float | None = None,
+) -> Plant:
+    """The machine (1), (2): phases of one radian more for each period, exact dry friction, one sample of delay.
+
+    Args:
+        motor: one of MOTORS.
+        amplitude: of the first period, m/s^2.
+        ripples: further ones that no controller knows: period (m), amplitude (m/s^2).
+        resolution: m; the motor's own when None.
+        friction: m/s^2; the motor's own when None.
+    """
+    phases = np.arange(len(motor.periods))
+    sine = [[-amplitude * share * np.cos(phase)] for share, phase in zip(motor.shape, phases, strict=True)]
+    cosine = [[-amplitude * share * np.sin(phase)] for share, phase in zip(motor.shape, phases, strict=True)]
+    listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
+    listed += [effects.CoggingHarmonic(period=period, sine=size) for period, size in ripples]
+    return Plant(
+        AxisParameters(
+            mass=1.0,
+            viscous=VISCOUS,
+            coulomb=motor.friction if friction is None else friction,
+            travel=[-0.1, motor.stroke + 0.1],
+        ),
+        cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
+        effects=listed,
+        encoder=EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
+    )
+
+
+def reference(motor: Motor) -> PointToPoint:
+    """Strokes there and back at the motor's top speed and acceleration (Fig. 2: lengths and rests are assumed)."""
+    return PointToPoint(
+        PointToPointParameters(
+            distance=motor.stroke,
+            velocity=motor.velocity,
+            acceleration=motor.acceleration,
+            jerk=motor.acceleration / RAMP,
+            dwell=DWELL,
+            repeats=REPEATS,
+        )
+    )
+
+
+def pid(thrust: float = 1.0) -> Controller:
+    """The PID: three equal poles, feedforward of mass and mu. thrust: by which the motor pushes more than believed."""
+    kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
+    return Pid(
+        PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd - thrust * VISCOUS, mass=thrust, viscous=thrust)
+    )
+
+
+def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> Controller:
+    """The observer (6) with law (8); stretch: by which its periods are wrong."""
+    return ObserverBased(
+        ObserverBasedParameters(
+            sample_rate=SAMPLE_RATE,
+            periods=[stretch * period for period in motor.periods],
+            observer_gain=list(gains.observer_gain),
+            position_gain=OMEGA**2,
+            velocity_gain=2 * DAMPING * OMEGA - VISCOUS,
+            mass=thrust,
+            viscous=VISCOUS,
+            velocity_min=FREEZE_RATIO * motor.velocity,
+            delay=DELAY,
+        )
+    )
+
+
+def run(machine: Plant, controller: Controller, motor: Motor) -> Log:
+    """Run a controller along the motor's strokes."""
+    return Log.of(closed_loop(machine, controller, reference(motor)))
+
+
+def true_error(log: Log) -> Any:
+    """True position minus reference, m, (n,)."""
+    if log.true_position is None or log.reference is None:
+        raise ValueError("true_position: must be in the log, which has to be a simulated one")
+    return log.true_position - log.reference
+
+
+def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:
+    """Max |x - x*| (m) after the first stroke, rest included; cold: of the first stroke itself."""
+    first = log.time < 0.5 * reference(motor).period
+    return float(np.abs(true_error(log)[first if cold else ~first]).max())
+
+
+def accuracies(machine: Plant, controllers: Mapping[str, Controller], motor: Motor) -> dict[str, float]:
+    """The accuracy (m) of each controller on a machine."""
+    return {name: accuracy(run(machine, controller, motor), motor) for name, controller in controllers.items()}

@@ -1,0 +1,56 @@
+"""The published experiments by name: run, shown beside the paper, written."""
+
+from __future__ import annotations
+
+import importlib
+import os
+
+from cogging.papers.result import Reproduction
+
+#: The papers that can be reproduced; each is a package beside this file.
+PAPERS = ("lu2008", "malaize2009", "xu2001")
+
+
+def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:
+    """Reproduce the experiments of a paper: its tables beside ours, and its figures.
+
+    Args:
+        paper: one of PAPERS.
+        out: folder into which `<paper>.json` and the figures are written; None writes nothing.
+        progress: show a progress bar on standard error.
+
+    Raises:
+        ValueError: the paper is not one of PAPERS.
+    """
+    if paper not in PAPERS:
+        raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}")
+    return _run(f"cogging.papers.{paper}.reproduce", "reproduce", paper, out, progress)
+
+
+def compare(*, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:
+    """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.
+
+    Args:
+        out: folder into which `comparison.json` and the figure are written; None writes nothing.
+        progress: show a progress bar on standard error.
+    """
+    return _run("cogging.papers.comparison", "compare", "comparison", out, progress)
+
+
+def _run(
+    module_name: str, function: str, name: str, out: str | os.PathLike[str] | None, progress: bool
+) -> Reproduction:
+    module = importlib.import_module(module_name)
+    from tqdm import tqdm
+
+    hidden = None if progress else True  # None: where standard error is no terminal
+    with tqdm(total=len(module.STEPS), desc=name, unit="step", disable=hidden, leave=False) as bar:
+
+        def done(step: str) -> None:
+            bar.set_postfix_str(step)
+            bar.update()
+
+        result: Reproduction = getattr(module, function)(done)
+    if out is not None:
+        result.write(out)
+    return result

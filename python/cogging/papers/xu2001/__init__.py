@@ -1,0 +1,1 @@
+"""Xu and Yao 2001: output-feedback ARC, Table 1."""

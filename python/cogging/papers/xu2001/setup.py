@@ -1,0 +1,220 @@
+"""The setup of Xu and Yao 2001: printed numbers, plant, controllers, references and indexes of Table 1.
+
+Sources are cited as (Table 1), (eq. n), (section). What the paper does not report of the plant is calibrated on
+the PID columns (xu2001_calibration.py).
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cogging import effects
+from cogging._core import (
+    AxisParameters,
+    EncoderParameters,
+    FilteredSine,
+    FilteredSineParameters,
+    OutputFeedbackArcParameters,
+    Performance,
+    PidParameters,
+    Plant,
+    PointToPoint,
+    PointToPointParameters,
+    closed_loop_batch,
+    performance,
+)
+from cogging.design.pid import pid_gains
+from cogging.files import parse_toml
+from cogging.logs.log import Log
+from cogging.model.model import Controller
+
+if TYPE_CHECKING:
+    pass
+
+SAMPLE_RATE = 2500.0  # Hz (section 4.3)
+RESOLUTION = 1e-6  # m (section 4.1)
+FRICTION_LEVEL = 0.1  # V: (0.2 / pi) arctan(900 v) = 0.1 S(v) (section 4.3, both controllers)
+FRICTION_WIDTH = 1.0 / 900.0  # m/s (same)
+VISCOUS = 2.73 / 10.0  # V/(m/s): theta_2 / theta_1 of (52); assumed without payload too
+MASSES = {"1": 1.0 / 37.0, "2": 1.0 / 10.0, "3": 1.0 / 37.0}  # V/(m/s^2) (sections 4.1, 4.3)
+DISTURBANCE = (0.5, 2.2, 7.2)  # V, s, s: set 3 (section 4.3)
+PID_POLE, PID_MASS = -300.0, 0.02  # 1/s, V/(m/s^2): three poles (section 4.3)
+DURATION = 10.0  # s: T_f, not reported; the rms commands of the PID give 9.6 to 10.6
+FINAL_WINDOW = 2.0  # s (section 4.2)
+TRAVEL = (-0.3, 0.5)  # m: not reported, no run comes near its ends
+SEED = 2001  # of the encoder noise; the spread over seeds is shown by xu2001_study.py
+
+SETS = ("1", "2", "3")
+CONTROLLERS = ("PID", "ARC")
+INDEXES = ("e_M", "e_F", "e_rms", "u_rms", "du_rms", "c_u")
+UNITS = ("m", "m", "m", "V", "V", "1")
+
+#: Table 1: e_M, e_F, e_rms (m), u_rms, du_rms (V), c_u by controller and set.
+TABLE_1: dict[str, dict[str, tuple[float, ...]]] = {
+    "PID": {
+        "1": (51.2e-6, 15.1e-6, 2.99e-6, 0.19, 0.05, 0.28),
+        "2": (156e-6, 21.2e-6, 8.04e-6, 0.21, 0.06, 0.28),
+        "3": (85.8e-6, 16.1e-6, 4.35e-6, 0.40, 0.04, 0.11),
+    },
+    "ARC": {
+        "1": (14.4e-6, 6.88e-6, 1.88e-6, 0.20, 0.06, 0.32),
+        "2": (113e-6, 6.71e-6, 4.32e-6, 0.21, 0.06, 0.30),
+        "3": (55.9e-6, 6.30e-6, 3.26e-6, 0.42, 0.08, 0.19),
+    },
+}
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """What the paper does not report of the plant; calibrated on the PID columns.
+
+    Attributes:
+        coulomb, coulomb_width: V, m/s; width 0 = sgn with sticking.
+        static_excess, stribeck_velocity: V, m/s; (3) with exponent 2.
+        offset: V, a constant force.
+        delay: s, from reading to acting command.
+        encoder_noise: m rms.
+        ripple, ripple_period: V, m, one spatial harmonic.
+    """
+
+    coulomb: float
+    coulomb_width: float
+    static_excess: float
+    stribeck_velocity: float
+    offset: float
+    delay: float
+    encoder_noise: float
+    ripple: float
+    ripple_period: float
+
+
+def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
+    """The calibrated unknowns that come with the package, by friction law."""
+    text = importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text()
+    return Unknowns(**parse_toml(text)[law]["unknowns"])
+
+
+def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
+    """The machine of a set: payload in set 2, the 0.5 V step in set 3."""
+    fields = {
+        "mass": MASSES[set_name],
+        "viscous": VISCOUS,
+        "coulomb": unknowns.coulomb,
+        "coulomb_width": unknowns.coulomb_width,
+        "travel": list(TRAVEL),
+    }
+    listed: list[Any] = [
+        effects.ConstantForce(force=unknowns.offset),
+        effects.CommandDelay(delay=unknowns.delay),
+        effects.CoggingHarmonic(period=unknowns.ripple_period, sine=unknowns.ripple),
+    ]
+    if unknowns.static_excess > 0.0:
+        listed.append(
+            effects.StribeckFriction(static_excess=unknowns.static_excess, velocity=unknowns.stribeck_velocity)
+        )
+    if set_name == "3":
+        force, start, stop = DISTURBANCE
+        listed.append(effects.DisturbanceStep(force=force, start=start, stop=stop))
+    return Plant(
+        AxisParameters(**{**fields, **axis_changes}),
+        effects=listed,
+        encoder=EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise),
+    )
+
+
+def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
+    """The PID (57): three equal poles for M_min = 0.02, feedforward M(0) = 0.05, B(0) = 0.24, measured velocity."""
+    kp, ki, kd = pid_gains([pole] * 3, PID_MASS)
+    fields = {
+        "sample_rate": SAMPLE_RATE,
+        "kp": kp,
+        "ki": ki,
+        "kd": kd,
+        "mass": 0.05,
+        "viscous": 0.24,
+        "coulomb": FRICTION_LEVEL,
+        "coulomb_width": FRICTION_WIDTH,
+        "feedforward_velocity": "measured",
+    }
+    return PidParameters(**{**fields, **changes})
+
+
+def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
+    """The ARC with every printed number (section 4.3), robust terms off: k_1s = g_1, k_2s = g_2.
+
+    With the printed robust terms one encoder count would move the command by some 1e5 V (xu2001_study.py), so they
+    cannot have run; the conditions of Theorem 1 A are then not met.
+    """
+    fields = {
+        "sample_rate": SAMPLE_RATE,
+        "observer_gain_1": 400.0,
+        "observer_gain_2": 4e4,
+        "theta": [30.0, 10.0, 0.0],
+        "theta_min": [8.3, 2.4, -50.0],
+        "theta_max": [50.0, 17.5, 50.0],
+        "adaptation": [5e5, 3e5, 20e5],
+        "weight_1": 1.0,
+        "weight_2": 0.1,
+        "gain_1": 600.0,
+        "gain_2": 850.0,
+        "epsilon_11": 5e-5,
+        "epsilon_12": 5e-5,
+        "epsilon_21": 1e-3,
+        "epsilon_22": 1.0,
+        "c_phi_1": [5e-5, 0.5e-5, 10e-5],
+        "c_phi_2": [5e-5, 0.5e-5, 10e-5],
+        "c_theta_2": [1e5, 1e5, 1e5],
+        "coulomb": FRICTION_LEVEL,
+        "coulomb_width": FRICTION_WIDTH,
+    }
+    return OutputFeedbackArcParameters(**{**fields, **changes})
+
+
+def reference() -> FilteredSine:
+    """Case 1: 0.05 sin(4 t) through the generator (58) with beta_1 = 100, beta_2 = 2500."""
+    return FilteredSine(
+        FilteredSineParameters(amplitude=0.05, frequency=4.0 / (2.0 * np.pi), beta_1=100.0, beta_2=2500.0)
+    )
+
+
+def fast_reference() -> PointToPoint:
+    """Case 2: 1 m/s and 12 m/s^2 back and forth; stroke 0.4 m, dwell 0.5 s and no jerk limit are assumed."""
+    return PointToPoint(PointToPointParameters(distance=0.4, velocity=1.0, acceleration=12.0, dwell=0.5, repeats=3))
+
+
+def indexes(log: Log) -> dict[str, float]:
+    """The six indexes of section 4.2, of the encoder reading minus the reference and of the whole command."""
+    found: Performance = performance(log.time, log.error, log.command, final_window=FINAL_WINDOW)
+    values = (
+        found.error_max,
+        found.error_final_max,
+        found.error_rms,
+        found.command_rms,
+        found.command_change_rms,
+        found.command_chatter,
+    )
+    return dict(zip(INDEXES, values, strict=True))
+
+
+def run(
+    unknowns: Unknowns, controller: Controller, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
+) -> dict[str, Log]:
+    """Run one controller through the three sets of case 1."""
+    logs = closed_loop_batch(
+        [plant(unknowns, name, **(axis_changes or {})) for name in SETS],
+        [controller] * len(SETS),
+        reference(),
+        duration=DURATION,
+        seeds=[seed] * len(SETS),
+    )
+    return {name: Log.of(columns) for name, columns in zip(SETS, logs, strict=True)}
+
+
+def to_dict(unknowns: Unknowns) -> dict[str, float]:
+    """The unknowns by name."""
+    return asdict(unknowns)

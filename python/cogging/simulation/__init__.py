@@ -1,0 +1,1 @@
+"""Closed-loop runs of a model, and the motions that they are asked for."""

@@ -1,0 +1,129 @@
+"""Reference files: what the axis is asked to do."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cogging._core import (
+    FilteredSine,
+    FilteredSineParameters,
+    PointToPoint,
+    PointToPointParameters,
+    Reference,
+    Sampled,
+    Sine,
+    SineParameters,
+)
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.logs.columns import read_columns
+from cogging.model.model import is_number, parameters_from
+from cogging.shown import quoted
+
+#: Motions by the name that a reference file gives them: parameter struct and class.
+REFERENCES: dict[str, tuple[Any, Any]] = {
+    "point_to_point": (PointToPointParameters, PointToPoint),
+    "sine": (SineParameters, Sine),
+    "filtered_sine": (FilteredSineParameters, FilteredSine),
+}
+TYPES = (*REFERENCES, "sampled")
+#: Fields of a sampled motion: a file, or the samples themselves.
+SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
+
+
+def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
+    """Read a reference file (TOML): the motion and its `duration` (s; 0 = the motion's own end).
+
+    Raises:
+        InputError: the file cannot be used; names file, line, field, rule and value.
+    """
+    document = read_toml(path)
+    try:
+        return reference_from(document, Path(path).parent)
+    except FieldError as error:
+        raise error.in_file(path, read_text(path)) from None
+
+
+def files_of_reference(path: str | os.PathLike[str]) -> list[str | os.PathLike[str]]:
+    """A reference file and the table of samples that it names, if it does.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    file = read_toml(path).get("file")
+    return [path, Path(path).parent / file] if isinstance(file, str) else [path]
+
+
+def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> tuple[Reference, float]:
+    """Make a motion from the fields of a reference file; `file` of a sampled one is sought in `folder`.
+
+    Raises:
+        FieldError: a ValueError that names field, rule and value.
+    """
+    fields = dict(document)
+    kind = fields.pop("type", None)
+    if kind not in TYPES:
+        raise FieldError("", "type", f"must be one of {', '.join(TYPES)}, got {quoted(kind)}")
+    duration = fields.pop("duration", 0.0)
+    if not is_number(duration) or not 0 <= duration < 1e9:
+        raise FieldError("", "duration", f"must be a number of seconds from 0 to 1e9, got {quoted(duration)}")
+    if kind == "sampled":
+        return _sampled(fields, folder or Path()), float(duration)
+    struct, motion = REFERENCES[kind]
+    if kind != "point_to_point" and not duration:
+        raise FieldError("", "duration", "must be given for a motion without an end, got none")
+    return motion(parameters_from(struct, fields, "")), float(duration)
+
+
+def reference_to_dict(reference: Reference) -> dict[str, Any]:
+    """The fields of a reference file for a motion: what reference_from reads. A sampled one has arrays.
+
+    Raises:
+        TypeError: a motion of a class that reference files do not know.
+    """
+    if isinstance(reference, Sampled):
+        return {"type": "sampled", **reference.samples}
+    for kind, (_, motion) in REFERENCES.items():
+        if isinstance(reference, motion):
+            return {"type": kind, **reference.parameters.to_dict()}
+    raise TypeError(f"reference: must be one of {', '.join(TYPES)}, got {type(reference).__name__}")
+
+
+def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
+    refuse_unknown_keys(fields, SAMPLED_KEYS, "")
+    file = fields.get("file")
+    table: Mapping[str, Any]
+    if file is None and "time" in fields:
+        table = {name: _column(name, values) for name, values in fields.items()}
+        if "reference" not in table:
+            raise FieldError("", "reference", "must be given with time, got nothing")
+        source = ""
+    elif not isinstance(file, str):
+        raise FieldError("", "file", f"must name a CSV file, got {quoted(file)}")
+    elif len(fields) > 1:
+        raise FieldError("", "file", f"must stand without samples beside it, got {', '.join(fields)}")
+    else:
+        optional = ("reference_velocity", "reference_acceleration")
+        table = read_columns(folder / file, ("time", "reference"), optional=optional)
+        source = f"{file}: "
+    try:
+        return Sampled(
+            table["time"],
+            table["reference"],
+            table.get("reference_velocity"),
+            table.get("reference_acceleration"),
+        )
+    except ValueError as error:
+        raise FieldError("", "file" if source else "time", f"{source}{error}") from None
+
+
+def _column(name: str, values: Any) -> Any:
+    if isinstance(values, np.ndarray):
+        return values
+    if not (isinstance(values, list) and all(is_number(value) and abs(value) <= LARGEST for value in values)):
+        raise FieldError("", name, f"must be a list of numbers of at most {LARGEST:g} in size")
+    return np.array(values, dtype=np.float64)

@@ -1,0 +1,153 @@
+"""The command: what it writes, what it says, and its exit status."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.cli.main import main
+from cogging.papers.lu2008 import reproduce as lu2008
+from tests.fixtures.files import MODEL, REFERENCE
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "model.toml").write_text(MODEL)
+    (tmp_path / "ref.toml").write_text(REFERENCE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_simulate_writes_a_log(folder, capsys):
+    assert main(["simulate", "model.toml", "--reference", "ref.toml", "--out", "log.csv", "--seed", "4"]) == 0
+    assert "rows" in capsys.readouterr().out
+    log = cogging.read_log("log.csv")
+    direct = cogging.simulate("model.toml", "ref.toml", seed=4)
+    np.testing.assert_array_equal(log.position, direct.position)
+    np.testing.assert_array_equal(log.command, direct.command)
+    other = cogging.simulate("model.toml", "ref.toml", seed=5)
+    assert not np.array_equal(log.command, other.command)
+
+
+def test_the_command_is_installed(folder):
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "cogging.cli.main",
+            "simulate",
+            "model.toml",
+            "--reference",
+            "ref.toml",
+            "--out",
+            "log.csv",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (folder / "log.csv").exists()
+
+
+def bad_calls():
+    yield "unknown key", MODEL + "speed = 3\n", REFERENCE, r"model.toml: line 21: controller.speed: is not known"
+    yield "outside", MODEL, REFERENCE.replace("0.1\n", "0.9\n"), "reference: must stay within travel [0, 0.51]"
+    yield "diverging", MODEL.replace("48.0", "4800.0"), REFERENCE, "the run diverged at 0."
+    yield "no controller", MODEL[: MODEL.index("[controller]")], REFERENCE, "controller: must be given to simulate"
+    yield "no reference", MODEL, 'type = "zigzag"\n', "ref.toml: line 1: type: must be one of"
+
+
+@pytest.mark.parametrize(("case", "model", "reference", "message"), list(bad_calls()), ids=lambda value: value[:14])
+def test_a_bad_input_is_one_line_and_status_2(case, model, reference, message, folder, capsys):
+    (folder / "model.toml").write_text(model)
+    (folder / "ref.toml").write_text(reference)
+    assert main(["simulate", "model.toml", "--reference", "ref.toml", "--out", "log.csv"]) == 2
+    error = capsys.readouterr().err
+    assert message in error, case
+    assert error.count("\n") == 1
+    assert sorted(path.name for path in folder.iterdir()) == ["model.toml", "ref.toml"], "nothing is left behind"
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["reproduce", "smith1999"],
+        ["simulate", "model.toml", "--reference", "ref.toml", "--out", "log.csv", "--seed", "-1"],
+        ["simulate", "missing.toml", "--reference", "ref.toml", "--out", "log.csv"],
+    ],
+)
+def test_other_bad_calls(call, folder, capsys):
+    assert main(call) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        [],
+        ["dance"],
+        ["simulate", "model.toml"],
+        ["map", "scan.csv", "--pitch", "wide"],
+        ["map", "scan.csv", "--pitch", "0.05", "--rows", "5:2"],
+        ["map", "scan.csv", "--pitch", "0.05", "--columns", "position"],
+        ["map", "scan.csv", "--pitch", "0.05", "--scale", "force=heavy"],
+    ],
+)
+def test_a_wrong_call_is_one_line_and_status_2(call, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(call)
+    assert stopped.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def write_scan(path, count=510, noise=0.002):
+    axis = lu2008.AXES["X"]
+    truth = lu2008.cogging_map(axis, lu2008.shipped_amplitudes(axis))
+    x = np.arange(count) * 1e-3
+    force = truth.force(x) + np.random.default_rng(1).normal(0, noise, count)
+    path.write_text("pos,f\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(x.tolist(), force.tolist(), strict=True)))
+    return x, truth
+
+
+def test_map_writes_a_model_part_and_a_figure(folder, capsys):
+    x, truth = write_scan(folder / "scan.csv")
+    call = ["map", "scan.csv", "--pitch", "0.05", "--columns", "position=pos,force=f", "--out", "map.toml"]
+    assert main(call) == 0
+    assert "harmonic" in capsys.readouterr().out
+    assert (folder / "map.png").read_bytes().startswith(b"\x89PNG")
+    part = cogging.files.read_toml("map.toml")
+    fitted = cogging.Model.from_dict({"axis": {"mass": 1.0}, **part}).cogging
+    inside = x[20:-20]
+    assert np.std(fitted.force(inside) - truth.force(inside)) < 0.1 * np.std(truth.force(inside))
+
+
+def test_a_scan_of_three_points(folder, capsys):
+    write_scan(folder / "scan.csv", count=3)
+    call = ["map", "scan.csv", "--pitch", "0.05", "--columns", "position=pos,force=f", "--out", "map.toml"]
+    assert main(call) == 2
+    error = capsys.readouterr().err
+    assert "scan.csv" in error
+    assert "got 3" in error
+    assert error.count("\n") == 1
+    assert not (folder / "map.toml").exists()
+
+
+def test_reproduce_writes_tables_and_figures(folder, capsys):
+    assert main(["reproduce", "lu2008", "--out", "results"]) == 0
+    screen = capsys.readouterr().out
+    assert "calibrated" in screen
+    assert "predicted" in screen
+    document = json.loads((folder / "results" / "lu2008.json").read_text())
+    assert document["paper"] == "lu2008"
+    assert [table["id"] for table in document["tables"]] == ["table1", "table2"]
+    row = document["tables"][0]["rows"][0]
+    assert (
+        row.items()
+        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "predicted"}.items()
+    )
+    pictures = sorted(path.name for path in (folder / "results").glob("*.png"))
+    assert pictures == sorted(f"lu2008_fig{number}.png" for number in (2, 3, 5, 6, 7, 8, 9, 10))

@@ -1,0 +1,90 @@
+"""Hostile calls: each ends with status 0, or with status 2 and one line; nothing else reaches the terminal.
+
+`python -m pytest tests/cli/test_hostile_words.py -s` prints how many calls of each kind went wrong.
+"""
+
+import collections
+import logging
+import time
+import warnings
+
+import pytest
+
+from cogging.cli.main import main
+from cogging.papers.result import Reproduction
+from tests.fixtures import hostile_calls
+from tests.fixtures.hostile_answers import Answer, everything, faults, place
+
+#: How many calls of each kind the default run makes: 880 together.
+CALLS = {
+    "model": 240,
+    "option": 200,
+    "signal": 100,
+    "name": 100,
+    "reference": 80,
+    "header": 60,
+    "document": 60,
+    "sidecar": 40,
+}
+SHOWN_BY_PYTHON = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)  # not shown, that is
+
+
+def run(call, folder, capfd, caplog):
+    """Make a call in this process, and see all that it prints, C libraries and warnings included."""
+    before = place(call, folder)
+    caplog.clear()
+    capfd.readouterr()
+    started, status, raised = time.process_time(), None, ""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.resetwarnings()
+        for kind in SHOWN_BY_PYTHON:
+            warnings.simplefilter("ignore", kind)
+        try:
+            status = main(call.arguments)
+        except SystemExit as end:
+            status = end.code
+        except BaseException as error:
+            raised = f"{type(error).__name__}: {error}"[:300]
+    seconds = time.process_time() - started
+    said = capfd.readouterr()
+    err = said.err + "".join(f"{warning.category.__name__}: {warning.message}\n" for warning in told)
+    err += "".join(f"{record.getMessage()}\n" for record in caplog.records if record.levelno >= logging.WARNING)
+    after = everything(folder)
+    left = sorted(name for name in after if after[name] != before.get(name))
+    left += sorted(f"{name} (gone)" for name in before if name not in after)
+    return Answer(status, said.out, err, seconds, left, raised, b"[axis]" in after.get("out.toml", b""))
+
+
+def count(kind, seeds, tmp_path, capfd, caplog, monkeypatch, request):
+    """Run calls of a kind; the faults by call."""
+    monkeypatch.setattr("cogging.cli.main.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
+    monkeypatch.setattr("cogging.cli.main.compare", lambda progress: Reproduction("comparison", [], {}))
+    wrong, slowest, statuses = {}, 0.0, collections.Counter()
+    for seed in seeds:
+        folder = tmp_path / f"{seed}"
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        call = hostile_calls.draw(kind, seed)
+        answer = run(call, folder, capfd, caplog)
+        slowest = max(slowest, answer.seconds)
+        statuses[answer.status] += 1
+        found = list(faults(answer, folder))
+        if found:
+            wrong[f"{seed} {call}"] = found
+    if request.config.getoption("capture") == "no":
+        with capfd.disabled():
+            print(f"\n{kind}: {len(wrong)} of {len(seeds)} wrong, statuses {dict(statuses)}, slowest {slowest:.1f} s")
+    return wrong
+
+
+@pytest.mark.parametrize("kind", hostile_calls.KINDS)
+def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch, request):
+    wrong = count(kind, range(CALLS[kind]), tmp_path, capfd, caplog, monkeypatch, request)
+    assert not wrong, "\n".join(f"{call}\n    {'; '.join(found)}" for call, found in wrong.items())
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("kind", hostile_calls.KINDS)
+def test_more_hostile_calls(kind, tmp_path, capfd, caplog, monkeypatch, request):
+    wrong = count(kind, range(1000, 1000 + 8 * CALLS[kind]), tmp_path, capfd, caplog, monkeypatch, request)
+    assert not wrong, "\n".join(f"{call}\n    {'; '.join(found)}" for call, found in wrong.items())

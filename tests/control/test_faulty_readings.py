@@ -1,0 +1,280 @@
+"""A sample that is no measurement: every controller holds its last command, learns nothing, counts it and recovers."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cogging.model.model import CONTROLLERS
+
+RATE, LIMIT, MASS, VISCOUS = 5000.0, 4.0, 0.12, 0.3
+FEEDFORWARD = {"mass": MASS, "viscous": VISCOUS, "command_limit": LIMIT, "sample_rate": RATE}
+LEARNS = {
+    "mass_adaptation": 1.0,
+    "viscous_adaptation": 10.0,
+    "coulomb_adaptation": 10.0,
+    "disturbance_adaptation": 1000.0,
+    "cogging_harmonics": [1, 2],
+    "cogging_control_points": 9,
+    "cogging_adaptation": 100.0,
+    "epsilon": 0.1,
+}
+PARAMETERS = {
+    "pid": {"kp": 4800.0, "ki": 1e5, "kd": 48.0, "feedforward_velocity": "measured"} | FEEDFORWARD,
+    "cascade": {"kp": 100.0, "kv": 40.0, "feedforward_velocity": "measured"} | FEEDFORWARD,
+    "speed": {"kp": 20.0} | FEEDFORWARD,
+    "arc": LEARNS | FEEDFORWARD,
+    "dcarc": LEARNS | FEEDFORWARD,
+    "output_feedback_arc": {"theta": [8.4, 2.5, 0.0], "sample_rate": RATE, "command_limit": LIMIT, "coulomb": 0.01},
+    "observer_based": {
+        "sample_rate": RATE,
+        "periods": [0.05, 0.025],
+        "observer_gain": [600.0, 1.2e5, 8e6, 0.0, 0.0, 0.0, 0.0],
+        "delay": 0.0003,
+        "mass": MASS,
+        "command_limit": LIMIT,
+    },
+}
+STILL = {  # what must be off for a controller to be a linear law that a gap cannot change
+    "arc": {name: 0.0 for name in LEARNS if name.endswith("_adaptation")},
+    "dcarc": {name: 0.0 for name in LEARNS if name.endswith("_adaptation")},
+    "output_feedback_arc": {"adaptation": [0.0, 0.0, 0.0]},
+}
+FAULTS = [math.nan, math.inf, -math.inf, 1e308, -1e308, 1e12, -math.nan]
+EVERY = pytest.mark.parametrize("kind", CONTROLLERS)
+
+
+def test_every_controller_stands_here():
+    assert set(PARAMETERS) == set(CONTROLLERS)
+
+
+def make(kind, **changes):
+    struct, controller = CONTROLLERS[kind]
+    return controller(struct(**PARAMETERS[kind] | changes))
+
+
+def ask(controller, point, reading):
+    """The command for a reference (position, velocity, acceleration), which goes on at the same acceleration."""
+    x, v, a = point
+    if not hasattr(controller, "preview"):
+        return controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=reading)
+    h = controller.preview
+    return controller.command(reference=point, ahead=(x + h * v + 0.5 * h * h * a, v + h * a, a), reading=reading)
+
+
+def cut(command):
+    return min(max(command, -LIMIT), LIMIT)
+
+
+def motion(samples):
+    """A sine from 0.2 m that starts at rest at its lower end: position, velocity, acceleration, (n, 3)."""
+    w, t = 2 * np.pi * 2.0, np.arange(samples) / RATE
+    return np.stack(
+        [0.2 - 0.03 * np.cos(w * t), 0.03 * w * np.sin(w * t), 0.03 * w * w * np.cos(w * t)], axis=1
+    ).tolist()
+
+
+def run(controller, faults, samples=4000):
+    """A loop around a mass with viscous friction; `faults` maps samples to what is read there.
+
+    Returns commands as computed, and the true states (n, 2).
+    """
+    points = motion(samples)
+    x, v, decay = points[0][0], 0.0, math.exp(-VISCOUS / MASS / RATE)
+    commands, states = [], []
+    for k, point in enumerate(points):
+        states.append((x, v))
+        learned = controller.estimates
+        refused = controller.samples_refused
+        command = ask(controller, point, faults.get(k, x))
+        controller.update(cut(command))
+        if k in faults:
+            np.testing.assert_array_equal(controller.estimates, learned)
+            assert command == (cut(commands[-1]) if commands else 0.0)
+        assert controller.samples_refused == refused + (k in faults)
+        commands.append(command)
+        steady = cut(command) / VISCOUS
+        x, v = x + steady / RATE + (v - steady) * (1 - decay) * MASS / VISCOUS, steady + (v - steady) * decay
+    return np.array(commands), np.array(states)
+
+
+def draw_faults(seed, samples=4000, first=False):
+    """Single samples, bursts that are bridged and ones that are not, of every fault; the last 1200 are sound."""
+    rng = np.random.default_rng(seed)
+    faults = {}
+    for length in (1, 1, 1, 2, 3, int(rng.integers(4, 17)), int(rng.integers(17, 40))):
+        start = int(rng.integers(200, samples - 1300))
+        faults |= {start + i: FAULTS[rng.integers(len(FAULTS))] for i in range(length)}
+    if first:
+        faults |= {i: FAULTS[rng.integers(len(FAULTS))] for i in range(rng.integers(1, 30))}
+    return faults
+
+
+@EVERY
+@pytest.mark.parametrize("seed", range(4))
+def test_a_controller_recovers_from_gaps(kind, seed):
+    faults = draw_faults(seed, first=seed % 2 == 1)
+    sound, undisturbed = run(make(kind), {})
+    controller = make(kind)
+    commands, states = run(controller, faults)
+    assert np.isfinite(commands).all()
+    assert np.isfinite(states).all()
+    assert controller.samples_refused == len(faults)
+    disturbed = np.abs(commands - sound)
+    assert disturbed.max() > 1e-3, "the gaps were felt at all"
+    wanted = np.array(motion(len(states)))[:, :2]
+    place = 1 if kind == "speed" else 0  # a velocity loop knows no position to come back to
+    off, off_undisturbed = (np.abs(run - wanted)[-500:, place].max() for run in (states, undisturbed))
+    assert off < 1.1 * off_undisturbed + (1e-4 if kind == "speed" else 2e-6)
+
+
+@EVERY
+@pytest.mark.parametrize("length", [1, 2, 7, 16])
+def test_the_step_behind_a_gap_does_not_kick(kind, length):
+    """Along a straight line a gap changes no later command: velocities are taken over the samples that passed."""
+    changes = STILL.get(kind, {})
+    whole, gappy = make(kind, **changes), make(kind, **changes)
+    speed, rng = 0.21, np.random.default_rng(length)
+    start = int(rng.integers(20, 60))
+    expected, found = [], []
+    for k in range(120):
+        x = 0.1 + speed * k / RATE
+        expected.append(ask(whole, (x, speed, 0.0), x))
+        found.append(ask(gappy, (x, speed, 0.0), math.nan if start <= k < start + length else x))
+        whole.update(0.0)
+        gappy.update(0.0)
+    behind = slice(start + length, None)
+    np.testing.assert_allclose(found[behind], expected[behind], rtol=1e-7, atol=1e-9)
+    np.testing.assert_array_equal(found[start : start + length], np.full(length, cut(expected[start - 1])))
+
+
+@EVERY
+def test_a_gap_at_the_start_is_as_if_it_had_not_been(kind):
+    late, fresh = make(kind), make(kind)
+    points = motion(300)
+    for fault in FAULTS:
+        assert ask(late, points[0], fault) == 0.0
+        late.update(0.0)
+    rng = np.random.default_rng(3)
+    for point in points:
+        reading = point[0] + 1e-6 * rng.normal()
+        command = ask(fresh, point, reading)
+        assert ask(late, point, reading) == command
+        for controller in (late, fresh):
+            controller.update(cut(command))
+    np.testing.assert_array_equal(late.estimates, fresh.estimates)
+    assert (late.samples_refused, fresh.samples_refused) == (len(FAULTS), 0)
+
+
+@EVERY
+@pytest.mark.parametrize("limit", [0.0, LIMIT])
+def test_without_any_reading_nothing_is_commanded(kind, limit):
+    controller = make(kind, command_limit=limit)
+    learned = controller.estimates
+    for k, point in enumerate(motion(100)):
+        assert ask(controller, point, FAULTS[k % len(FAULTS)]) == 0.0
+        controller.update(FAULTS[k % len(FAULTS)])
+    np.testing.assert_array_equal(controller.estimates, learned)
+    assert controller.samples_refused == 100
+
+
+@EVERY
+@pytest.mark.parametrize("place", range(3))
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_reference_that_is_not_finite_is_refused_alike(kind, place, fault):
+    by_reference, by_reading = make(kind), make(kind)
+    for k, point in enumerate(motion(60)):
+        wrong = 20 <= k < 23
+        broken = [fault if wrong and i == place else value for i, value in enumerate(point)]
+        commands = [
+            ask(by_reference, broken, point[0] + 1e-6),
+            ask(by_reading, point, math.nan if wrong else point[0] + 1e-6),
+        ]
+        assert commands[0] == commands[1]
+        assert math.isfinite(commands[0])
+        for controller in (by_reference, by_reading):
+            controller.update(cut(commands[0]))
+    assert by_reference.samples_refused == 3
+
+
+@EVERY
+@pytest.mark.parametrize("fault", FAULTS)
+def test_an_applied_command_that_is_not_finite_was_its_own(kind, fault):
+    told, untold = make(kind, command_limit=0.05), make(kind, command_limit=0.05)
+    rng = np.random.default_rng(1)
+    for k, point in enumerate(motion(200)):
+        reading = point[0] + 1e-5 * rng.normal()
+        command = ask(told, point, reading)
+        assert ask(untold, point, reading) == command
+        applied = min(max(command, -0.05), 0.05)
+        told.update(applied)
+        untold.update(fault if k % 3 == 0 else applied)
+    assert untold.samples_refused == 0
+
+
+@EVERY
+@pytest.mark.parametrize("reading", [9.9e11, -9.9e11, 1e6])
+def test_a_huge_reading_leaves_no_lasting_harm(kind, reading):
+    """One that is just below the limit is a number as any other: what it does is undone by the readings behind it."""
+    controller = make(kind)
+    commands = []
+    points = motion(6000)
+    for k, point in enumerate(points):
+        commands.append(ask(controller, point, reading if k == 1000 else point[0]))
+        controller.update(cut(commands[-1]))
+    assert np.isfinite(commands).all()
+    assert np.isfinite(controller.estimates).all()
+    assert controller.samples_refused == 0
+    assert abs(commands[1000]) > 1e3  # nothing was held
+
+
+@EVERY
+def test_what_is_held_is_cut_at_the_limit(kind):
+    controller = make(kind)
+    points = motion(50)
+    for point in points:
+        command = ask(controller, point, point[0])
+        controller.update(cut(command))
+    command = ask(controller, points[-1], points[-1][0] - 0.1)
+    assert command > LIMIT
+    controller.update(LIMIT)
+    assert ask(controller, points[-1], math.nan) == LIMIT
+
+
+def test_a_held_speed_goes_through_its_delay():
+    """w = kp (v_r - v) of the samples 0, 1, 2; then w is held: the delay of 2.5 samples goes on."""
+    controller = make("speed", mass=0.0, viscous=0.0, delay=2.5 / RATE, kp=1.0)
+    found = []
+    for k, velocity in enumerate([0.1, 0.2, 0.3, 9.0, 9.0, 9.0, 9.0, 9.0]):
+        found.append(controller.command(reference=0.0, reference_velocity=velocity, reading=math.nan if k > 2 else 0.0))
+        controller.update(found[-1])
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.05, 0.15, 0.25, 0.3, 0.3, 0.3], rtol=1e-12, atol=1e-15)
+
+
+def test_a_gap_adds_nothing_to_the_integral():
+    controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.0)
+    found = []
+    for reading in [1e-3, 1e-3, math.nan, math.inf, math.nan, 1e-3]:
+        found.append(controller.command(reference=0.0, reading=reading))
+        controller.update(found[-1])
+    step = -1e5 * 1e-3 / RATE
+    np.testing.assert_allclose(found, step * np.array([1, 2, 2, 2, 2, 3]), rtol=1e-12)
+
+
+def test_a_refused_sample_is_no_windup():
+    """The sum takes back the step of a sample that was cut once, not again in each sample that is held."""
+    controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.03)
+    for reading in [1e-3, 1e-3, math.nan, math.nan, math.nan]:
+        command = controller.command(reference=0.0, reading=reading)
+        controller.update(min(max(command, -0.03), 0.03))
+    assert controller.command(reference=0.0, reading=0.0) == pytest.approx(-0.02, rel=1e-12)
+
+
+@EVERY
+def test_a_copy_keeps_the_count(kind):
+    controller = make(kind)
+    ask(controller, motion(1)[0], math.nan)
+    other = controller.copy()
+    ask(other, motion(1)[0], math.nan)
+    assert (controller.samples_refused, other.samples_refused) == (1, 2)
+    assert "samples_refused" in type(controller).__doc__

@@ -1,0 +1,281 @@
+"""Observer-based cancellation: the controller against a second writing, the design against its own inequalities."""
+
+import sys
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+import cogging
+from cogging.papers.malaize2009 import setup as malaize2009_setup
+from cogging.papers.malaize2009 import study as malaize2009_study
+from cogging.papers.malaize2009.setup import MOTORS
+
+PERIODS = [0.024, 0.016, 0.012]
+
+
+def parameters(**changes):
+    gains = malaize2009_setup.shipped(MOTORS["ironcore"])
+    base = malaize2009_setup.observer(MOTORS["ironcore"], gains).parameters
+    return base.replace(**changes)
+
+
+def problem(**changes):
+    fields = {"periods": PERIODS, "velocity_min": 0.1, "velocity_max": 0.4, "viscous": 1.0, "pole_radius": 465.0}
+    return cogging.ObserverProblem(**{**fields, **changes})
+
+
+def literal(p, motion, readings, applied):
+    """(6) and (8) with matrices, as the controller's docstring says, for one direction of motion and no delay."""
+    n, t_s = len(p.periods), 1.0 / p.sample_rate
+    w = 2 * np.pi / np.array(p.periods)
+    rotation_generator = np.zeros((2 * n, 2 * n))
+    for i in range(n):
+        rotation_generator[2 * i, 2 * i + 1], rotation_generator[2 * i + 1, 2 * i] = w[i], -w[i]
+    state = np.zeros(3 + 2 * n)
+    commands = []
+    for k, reading in enumerate(readings):
+        x, v, _ = (float(c[0]) for c in motion.sample(np.array([k * t_s])))
+        if k == 0:
+            state[0], state[1] = reading, v
+        else:
+            moved = x - float(motion.sample(np.array([(k - 1) * t_s]))[0][0])
+            speed, zeta = moved / t_s, state[3:].copy()
+            push = applied[k - 1] / p.mass + state[2] + zeta[::2].sum()
+            rate = speed * (w @ zeta[1::2])
+            curve = -(speed**2) * (w**2 @ zeta[::2])
+            acc = push - p.viscous * state[1]
+            jerk = rate - p.viscous * acc
+            snap = curve - p.viscous * jerk
+            state[0] += t_s * state[1] + t_s**2 / 2 * acc + t_s**3 / 6 * jerk
+            state[1] += t_s * acc + t_s**2 / 2 * jerk + t_s**3 / 6 * snap
+            state[3:] = expm(moved * rotation_generator) @ zeta
+        gain = np.array(p.observer_gain)
+        correction = t_s * gain * (reading - state[0])
+        if abs(v) < p.velocity_min:
+            correction[3:] = 0.0
+        state = state + correction
+        x2, v2, a2 = (float(c[0]) for c in motion.sample(np.array([k * t_s + 0.5 * t_s])))
+        turned = expm((x2 - x) * rotation_generator) @ state[3:]
+        force = state[2] + turned[::2].sum()
+        u = -p.position_gain * (reading - x) - p.velocity_gain * (state[1] - v) - force + a2 + p.viscous * v2
+        commands.append(p.mass * u)
+    return np.array(commands), state
+
+
+def test_the_controller_against_matrices():
+    p = parameters(mass=0.7, delay=0.0, velocity_min=0.01)
+    motion = cogging.PointToPoint(
+        cogging.PointToPointParameters(distance=0.1, velocity=0.3, acceleration=3.0, jerk=100.0)
+    )
+    random, controller = np.random.default_rng(5), cogging.ObserverBased(p)
+    t = np.arange(1500) / p.sample_rate
+    now = np.column_stack(motion.sample(t))
+    ahead = np.column_stack(motion.sample(t + controller.preview))
+    readings = now[:, 0] + 1e-6 * random.normal(size=t.size)
+    applied = np.cumsum(random.normal(size=t.size)) * 0.1
+    found = []
+    for k in range(t.size):
+        found.append(controller.command(reference=list(now[k]), ahead=list(ahead[k]), reading=readings[k]))
+        controller.update(applied[k])
+    expected, state = literal(p, motion, readings, applied)
+    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
+    np.testing.assert_allclose(controller.estimates, state, rtol=1e-6, atol=1e-7 * np.abs(state).max())
+
+
+def test_backwards_is_the_mirror_of_forwards():
+    # x -> -x, u -> -u turns the machine round: with phases turned too the errors are exactly opposite.
+    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
+    errors = []
+    for sign in (1.0, -1.0):
+        sine = [[-gains.amplitude]] * 3
+        cosine = [[-sign * 0.5 * gains.amplitude]] * 3
+        machine = cogging.Plant(
+            cogging.AxisParameters(mass=1.0, viscous=1.0, travel=[-0.6, 0.6]),
+            cogging=cogging.CoggingModel(cogging.SplineHarmonics(periods=PERIODS), sine, cosine),
+        )
+        motion = cogging.PointToPoint(
+            cogging.PointToPointParameters(distance=sign * 0.4, velocity=0.4, acceleration=4.0, jerk=200.0, dwell=0.1)
+        )
+        controller = malaize2009_setup.observer(motor, gains)
+        log = cogging.Log.of(cogging.closed_loop(machine, controller, motion))
+        errors.append(log.true_position - log.reference)
+    np.testing.assert_allclose(errors[1], -errors[0], atol=1e-9)
+    assert np.abs(errors[0]).max() > 1e-6
+
+
+def test_a_wrong_sign_of_the_gain_diverges():
+    # One K cannot serve both directions: without mirroring (here: the harmonics' cosine gains turned) it diverges.
+    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
+    turned = np.array(gains.observer_gain)
+    turned[4::2] *= -1.0
+    controller = cogging.ObserverBased(parameters(observer_gain=list(turned)))
+    with pytest.raises(cogging.DivergedError, match="diverged at"):
+        malaize2009_setup.run(malaize2009_setup.plant(motor, gains.amplitude), controller, motor)
+
+
+def test_rotation_by_the_measured_position_works_too():
+    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
+    machine = malaize2009_setup.plant(motor, gains.amplitude)
+    controller = cogging.ObserverBased(parameters(rotation="measured"))
+    assert malaize2009_setup.accuracy(malaize2009_setup.run(machine, controller, motor), motor) < 0.5e-6
+
+
+def test_the_design_is_certified_by_its_inequalities():
+    task = problem()
+    design = cogging.design_observer(task)
+    assert design.inequality_margin < 0
+    assert design.slowest_pole < -task.decay_rate
+    assert design.slowest_pole_at_rest < 0
+    assert design.condition < 1e4
+    # gamma_c against the state space: the norm of C_c (s - alpha - A + B L)^-1 B.
+    a = np.array([[0.0, 1.0], [-(task.omega**2), -2 * task.omega]]) + task.decay_rate * np.eye(2)
+    omega = np.concatenate([[0.0], np.logspace(-2, 5, 4001)])
+    gain = [abs(np.linalg.solve(1j * w * np.eye(2) - a, [0.0, 1.0])[1]) for w in omega]
+    assert design.gamma_c == pytest.approx(max(gain), rel=1e-4)
+    assert design.gamma_n == pytest.approx(1 / (2 * np.pi * design.gamma_c * design.gamma_o), rel=1e-12)
+    inverse = 1 / np.array(PERIODS)
+    assert design.lambda_equal * np.sqrt(np.sum(inverse**2)) == pytest.approx(design.gamma_n, rel=1e-12)
+    assert design.lambda_alone * inverse.max() == pytest.approx(design.gamma_n, rel=1e-12)
+
+
+def test_the_frozen_observer_has_the_certified_gain():
+    # gamma_o bounds the gain from B_o u to z_o = (L_nu nu~ + C_N zeta~) at any frozen velocity, with the decay rate.
+    task = problem()
+    design = cogging.design_observer(task)
+    n = len(PERIODS)
+    for velocity in (0.1, 0.23, 0.4):
+        a = np.zeros((2 * n + 3, 2 * n + 3))
+        a[0, 1], a[1, 1], a[1, 2] = 1.0, -1.0, 1.0
+        for i, period in enumerate(PERIODS):
+            a[1, 3 + 2 * i] = 1.0
+            a[3 + 2 * i, 4 + 2 * i], a[4 + 2 * i, 3 + 2 * i] = (
+                2 * np.pi * velocity / period,
+                -2 * np.pi * velocity / period,
+            )
+        a[:, 0] -= design.observer_gain
+        c_o = np.array([0.0, design.velocity_gain, 1.0] + [1.0, 0.0] * n)
+        b_o = np.eye(2 * n + 3)[:, 3:]
+        worst = 0.0
+        for w in np.linspace(0.0, 1500.0, 1501):
+            response = c_o @ np.linalg.solve((1j * w - task.decay_rate) * np.eye(2 * n + 3) - a, b_o)
+            worst = max(worst, np.linalg.norm(response))
+        assert worst < design.gamma_o
+        assert np.abs(np.linalg.eigvals(a)).max() < task.pole_radius * (1 + 1e-9)
+
+
+def test_a_gain_that_grows_with_velocity_certifies_more():
+    constant, affine = cogging.design_observer(problem()), cogging.design_observer(problem(affine=True))
+    assert affine.lambda_equal > 1.2 * constant.lambda_equal
+    assert affine.observer_gain_slope.size == 9
+
+
+def test_random_machines_decay_as_certified():
+    design = cogging.design_observer(problem())
+    rates = [malaize2009_study.decay(MOTORS["ironcore"], design, seed) for seed in range(4)]
+    print(f"\ndecay of 4 random machines inside the certificate: {np.round(rates, 1)} 1/s, certified 3")
+    assert min(rates) > 3.0
+
+
+RULES = [
+    ({"periods": []}, "periods: must list at least one, got none"),
+    ({"periods": [0.02, 0.0]}, "periods: each must be above 0, got 0.0"),
+    ({"velocity_min": 0.0}, "velocity_min: must be above 0: at rest zeta is not observable"),
+    ({"velocity_min": 0.5}, "velocity_max: must be above velocity_min = 0.5, got 0.4"),
+    ({"decay_rate": -1.0}, "decay_rate: must be at least 0, got -1.0"),
+    ({"decay_rate": 130.0}, "decay_rate: must be below 120 1/s, the position loop's slowest pole, got 130.0"),
+    ({"pole_radius": 0.0}, "pole_radius: must be above 0, got 0.0"),
+    ({"omega": float("nan")}, "omega: must be above 0, got nan"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), RULES)
+def test_design_rules(change, message):
+    with pytest.raises(ValueError, match=message):
+        problem(**change)
+
+
+def test_too_much_decay_is_refused_with_an_offer():
+    with pytest.raises(ValueError, match=r"decay_rate: must be at most [0-9.]+ 1/s .* got 60"):
+        cogging.design_observer(problem(decay_rate=60.0))
+
+
+def test_without_cvxpy_the_error_names_the_extra(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cvxpy", None)
+    with pytest.raises(ImportError, match=r"pip install 'cogging\[design\]'"):
+        cogging.design_observer(problem())
+
+
+CONTROLLER_RULES = [
+    ({"periods": []}, "periods: must list 1 to 16, got 0"),
+    ({"periods": [0.02, -0.01, 0.01]}, "periods: must be finite and above 0, got -0.01"),
+    ({"observer_gain": [1.0, 2.0]}, "observer_gain: must hold 3 \\+ 2 periods = 9 values, got 2"),
+    ({"observer_gain_slope": [1.0]}, "observer_gain_slope: must be empty or hold 3 \\+ 2 periods = 9 values, got 1"),
+    ({"delay": -1.0}, "delay: must be 0 to 61 samples, got -1"),
+    ({"rotation": "guessed"}, 'rotation: must be "reference" or "measured", got guessed'),
+    ({"velocity_min": -1.0}, "velocity_min: must be finite and at least 0, got -1"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), CONTROLLER_RULES)
+def test_controller_rules(change, message):
+    with pytest.raises(ValueError, match=message):
+        parameters(**change)
+
+
+def test_the_spectrum_finds_what_was_put_in():
+    # An error made by hand: three lines of known period over noise; two of them in one direction only.
+    t = np.arange(20_000) * 1e-4
+    x = np.where(t < 1.0, 0.4 * t, 0.8 - 0.4 * t)
+    velocity = np.where(t < 1.0, 0.4, -0.4)
+    noise = 1e-8 * np.random.default_rng(6).normal(size=t.size)
+    error = 1e-6 * np.sin(2 * np.pi * x / 0.0317 + 0.3) + 4e-7 * np.cos(2 * np.pi * x / 0.0123) + noise
+    log = cogging.Log(time=t, position=x + error, command=0 * t, reference=x, reference_velocity=velocity)
+    found = cogging.tracking_spectrum(log)
+    np.testing.assert_allclose(found.periods, [0.0317, 0.0123], rtol=2e-3)
+    np.testing.assert_allclose(found.period_amplitudes, [1e-6, 4e-7], rtol=0.05)
+    assert found.resolution == pytest.approx(1 / 0.38, rel=0.02)
+    quiet = cogging.Log(time=t, position=x + noise, command=0 * t, reference=x, reference_velocity=velocity)
+    assert cogging.tracking_spectrum(quiet).periods == ()
+
+
+def test_the_spectrum_needs_constant_speed():
+    t = np.arange(1000) * 1e-3
+    x = 1e-3 * np.sin(2 * np.pi * t)
+    log = cogging.Log(time=t, position=x, command=0 * t, reference=x, reference_velocity=np.gradient(x, t))
+    with pytest.raises(ValueError, match=r"log: must hold a stretch of constant speed"):
+        cogging.tracking_spectrum(log)
+    with pytest.raises(ValueError, match="reference: must be in the log"):
+        cogging.tracking_spectrum(cogging.Log(time=t, position=x, command=0 * t))
+
+
+def test_observer_error_of_the_true_model_is_that_of_the_sampling():
+    # No friction, no quantiser, no delay: what is left after the first metre is far below a nanometre.
+    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
+    controller = cogging.ObserverBased(parameters(delay=0.0))
+    log = malaize2009_study.long_stroke(motor, np.array([0.2, 0.1, 0.05]), np.array([0.0, 1.0, 2.0]), controller)
+    error = np.abs(log.true_position - log.reference)
+    at_speed = (log.time > 5.0) & (log.time < 9.0)
+    assert error[at_speed].max() < 1e-9 * 5
+    assert gains.lambda_star == pytest.approx(5.0, rel=0.01)
+
+
+def test_the_simulated_plant_is_equation_1():
+    # (1), (2) by an independent integrator: u held at zero, start at speed.
+    motor = MOTORS["ironless"]
+    machine = malaize2009_setup.plant(motor, 0.02)
+    still = cogging.PointToPoint(cogging.PointToPointParameters(distance=1e-9, velocity=1.0, acceleration=1.0))
+    silent = cogging.Pid(cogging.PidParameters(sample_rate=10_000.0))
+    log = cogging.closed_loop(machine, silent, still, duration=0.5, initial_velocity=0.2)
+    phases = np.arange(2)
+
+    def rate(_, state):
+        x, v = state
+        push = sum(
+            0.02 * s * np.sin(2 * np.pi * x / p + f) for s, p, f in zip(motor.shape, motor.periods, phases, strict=True)
+        )
+        return [v, push - v - 0.005]
+
+    exact = solve_ivp(rate, (0, 0.5), [0.0, 0.2], t_eval=log["time"], rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(log["true_position"], exact.y[0], atol=1e-9)

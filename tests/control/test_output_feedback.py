@@ -1,0 +1,358 @@
+"""Output-feedback adaptive robust control: Xu and Yao 2001, against formulas written down a second time."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm, solve_continuous_lyapunov
+
+import cogging
+from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.papers.xu2001.study import ROBUST_TERMS
+
+SWITCHES = [{}, *({name: True} for name in ROBUST_TERMS), dict.fromkeys(ROBUST_TERMS, True)]
+
+
+def random_inputs(random):
+    return {
+        "position": random.normal(0, 0.05),
+        "eta_1": random.normal(0, 1e-4),
+        "eta_2": random.normal(0, 1e-3),
+        "psi_2": random.uniform(0, 0.01),
+        "reference": random.normal(0, 0.05),
+        "reference_velocity": random.normal(0, 0.2),
+        "theta": list(random.uniform([8.3, 2.4, -50], [50, 17.5, 50])),
+    }
+
+
+class Literal:
+    """The law in numpy, term by term as printed (with the errata), the derivatives by complex steps."""
+
+    def __init__(self, p):
+        self.p = p
+        self.k = np.array([p.observer_gain_1, p.observer_gain_2])
+        self.a0 = np.array([[-self.k[0], 1.0], [-self.k[1], 0.0]])
+        self.range2 = np.sum((np.array(p.theta_max) - np.array(p.theta_min)) ** 2)
+        self.gamma = np.array(p.adaptation)
+
+    def alpha(self, y, eta, psi_2, q_d, v_d, theta):
+        p = self.p
+        xi_1, xi_2 = self.a0 @ eta, -self.a0 @ self.a0 @ eta
+        model = -(xi_2[1] - theta[1] * (xi_1[1] + y) + theta[2] * psi_2 - v_d) / theta[0]
+        phi = np.array([model, -(xi_1[1] + y), psi_2])
+        z = y - q_d
+        k_1s = p.gain_1
+        if p.use_c_phi_1:
+            k_1s = k_1s + p.robust_factor * np.sum((np.array(p.c_phi_1) * self.gamma * phi) ** 2)
+        value = model - k_1s * z / p.theta_min[0]
+        if p.use_alpha_1s2:
+            value = value - p.robust_factor * self.range2 * np.sum(phi**2) / (4 * p.theta_min[0] * p.epsilon_11) * z
+        if p.use_alpha_1s3:
+            value = value - p.robust_factor / (4 * p.theta_min[0] * p.epsilon_12) * z
+        return value, phi
+
+    def gradient(self, y, eta, psi_2, q_d, v_d, theta):
+        point = np.array([y, *eta, psi_2, q_d, v_d, *theta], dtype=complex)
+        out = []
+        for i in range(point.size):
+            moved = point.copy()
+            moved[i] += 1e-30j
+            out.append(self.alpha(moved[0], moved[1:3], moved[3], moved[4], moved[5], moved[6:])[0].imag / 1e-30)
+        return np.array(out)
+
+    def command(self, y, eta, lam, psi, reference, theta):
+        p = self.p
+        q_d, v_d, a_d = reference
+        alpha, phi_1 = self.alpha(y, eta, psi[1], q_d, v_d, theta)
+        d = self.gradient(y, eta, psi[1], q_d, v_d, theta)
+        xi_1, xi_2 = self.a0 @ eta, -self.a0 @ self.a0 @ eta
+        omega = np.array([lam[1], -(xi_1[1] + y), psi[1]])
+        eta_rate = self.a0 @ eta + np.array([0, y])
+        psi_rate = self.a0 @ psi + np.array([0, 1])
+        alpha_rate = d[0] * (xi_2[1] + theta @ omega) + d[1:3] @ eta_rate + d[3] * psi_rate[1] + d[4] * v_d + d[5] * a_d
+        z_1, z_2 = y - q_d, lam[1] - alpha
+        phi_2 = -d[0] * omega
+        phi_2[0] += p.weight_1 / p.weight_2 * z_1
+        k_2s = p.gain_2
+        if p.use_c_theta_2:
+            k_2s += p.robust_factor * np.sum((d[6:] * np.array(p.c_theta_2)) ** 2)
+        if p.use_c_phi_2:
+            k_2s += p.robust_factor * np.sum((np.array(p.c_phi_2) * self.gamma * phi_2) ** 2)
+        u = -p.weight_1 / p.weight_2 * theta[0] * z_1 + self.k[1] * lam[0] + alpha_rate - k_2s * z_2
+        if p.use_u_s2:
+            u -= p.robust_factor * self.range2 * np.sum(phi_2**2) / (4 * p.epsilon_21) * z_2
+        if p.use_u_s3:
+            u -= p.robust_factor * d[0] ** 2 / (4 * p.epsilon_22) * z_2
+        tau = p.weight_1 * phi_1 * z_1 + p.weight_2 * phi_2 * z_2
+        return u, tau, z_1, z_2
+
+
+@pytest.mark.parametrize("switches", SWITCHES, ids=lambda s: "+".join(s) or "none")
+def test_partial_derivatives(switches):
+    p = xu2001_setup.arc_parameters(**switches)
+    controller, literal, random = cogging.OutputFeedbackArc(p), Literal(p), np.random.default_rng(1)
+    names = ("position", "eta_1", "eta_2", "psi_2", "reference", "reference_velocity", "theta_1", "theta_2", "theta_3")
+    for _ in range(50):
+        x = random_inputs(random)
+        found = controller.virtual_control(**x)
+        arguments = (
+            x["position"],
+            np.array([x["eta_1"], x["eta_2"]]),
+            x["psi_2"],
+            x["reference"],
+            x["reference_velocity"],
+            np.array(x["theta"]),
+        )
+        assert found["value"] == pytest.approx(literal.alpha(*arguments)[0], rel=1e-10)
+        gradient = literal.gradient(*arguments)
+        for name, expected in zip(names, gradient, strict=True):
+            assert found[name] == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(gradient).max()), name
+
+
+@pytest.mark.parametrize("switches", SWITCHES, ids=lambda s: "+".join(s) or "none")
+def test_command_and_adaptation_against_the_printed_law(switches):
+    p = xu2001_setup.arc_parameters(**switches, robust_factor=1e-4)
+    controller, literal, random = cogging.OutputFeedbackArc(p), Literal(p), np.random.default_rng(2)
+    block = np.zeros((3, 3))
+    block[:2, :2], block[1, 2] = literal.a0, 1.0
+    step = expm(block / p.sample_rate)
+    eta = lam = psi = np.zeros(2)
+    theta, first = np.array(p.theta), None
+    for k in range(40):
+        t = k / p.sample_rate
+        reference = tuple(float(column[0]) for column in xu2001_setup.reference().sample(np.array([t])))
+        reading = 0.2 + reference[0] + 1e-5 * random.normal()
+        first = reading if first is None else first
+        y, moved = reading - first, (reference[0] + 0.2 - first, *reference[1:])
+        u_star, tau, z_1, z_2 = literal.command(y, eta, lam, psi, moved, theta)
+        friction = p.coulomb * 2 / np.pi * np.arctan(reference[1] / p.coulomb_width)
+        found = controller.command(
+            reference=0.2 + reference[0],
+            reference_velocity=reference[1],
+            reference_acceleration=reference[2],
+            reading=reading,
+        )
+        scale = max(1.0, abs(found))
+        assert found == pytest.approx(u_star + friction, abs=1e-8 * scale)
+        assert controller.z_1 == pytest.approx(z_1, abs=1e-12)
+        assert controller.z_2 == pytest.approx(z_2, rel=1e-8, abs=1e-12)
+        applied = np.clip(found, -1.0, 1.0)
+        controller.update(applied)
+        rate = np.array(p.adaptation) * tau
+        theta = np.clip(theta + rate / p.sample_rate, p.theta_min, p.theta_max)
+        eta = step[:2, :2] @ eta + step[:2, 2] * y
+        lam = step[:2, :2] @ lam + step[:2, 2] * (applied - friction)
+        psi = step[:2, :2] @ psi + step[:2, 2]
+        np.testing.assert_allclose(controller.estimates, theta, rtol=1e-8, atol=1e-7)
+        np.testing.assert_allclose(controller.filters, [*eta, *lam, *psi], rtol=1e-9, atol=1e-12)
+
+
+def test_projection_p1_and_p2():
+    # (21): the estimate stays inside, and theta_tilde^T (Gamma^-1 Proj(Gamma tau) - tau) <= 0 for every tau.
+    random = np.random.default_rng(3)
+    low, high = np.array([8.3, 2.4, -50.0]), np.array([50.0, 17.5, 50.0])
+    for _ in range(2000):
+        theta = random.uniform(low, high)
+        estimate = np.choose(random.integers(0, 3, 3), [low, random.uniform(low, high), high])
+        gamma, tau = random.uniform(0.1, 1e6, 3), random.normal(size=3)
+        rate = np.array([cogging.project(*args) for args in zip(gamma * tau, estimate, low, high, strict=True)])
+        assert (estimate - theta) @ (rate / gamma - tau) <= 1e-12
+        moved = estimate + 1e-9 * rate / np.abs(gamma * tau).max()
+        assert np.all((moved >= low - 1e-15) | (rate >= 0))
+        assert np.all((moved <= high + 1e-15) | (rate <= 0))
+
+
+def ideal_plant(theta, force=0.0, **effects_fields):
+    """The design model (6): mass, viscous friction and a constant d_n, an ideal encoder."""
+    mass = 1.0 / theta[0]
+    return cogging.Plant(
+        cogging.AxisParameters(mass=mass, viscous=theta[1] * mass, travel=[-1.0, 1.0]),
+        effects=[cogging.effects.ConstantForce(force=theta[2] * mass + force)],
+    )
+
+
+def stepwise(p, theta, duration, disturbance=None):
+    """Run controller and design model sample by sample, the model solved exactly; yields what theory speaks of."""
+    controller = cogging.OutputFeedbackArc(p)
+    t_s = 1.0 / p.sample_rate
+    block = np.array([[0.0, 1.0, 0.0], [0.0, -theta[1], 1.0], [0.0, 0.0, 0.0]])
+    step = expm(block * t_s)
+    x = np.zeros(2)  # position and velocity
+    motion = xu2001_setup.reference()
+    for k in range(int(duration * p.sample_rate)):
+        q_d, v_d, a_d = (float(column[0]) for column in motion.sample(np.array([k * t_s])))
+        u = controller.command(reference=q_d, reference_velocity=v_d, reference_acceleration=a_d, reading=x[0])
+        yield k * t_s, x.copy(), controller
+        controller.update(u)
+        push = theta[0] * u + theta[2] + (disturbance(k * t_s) if disturbance else 0.0)
+        x = step[:2, :2] @ x + step[:2, 2] * push
+
+
+def test_the_state_estimate_is_exact_with_the_true_theta():
+    theta = np.array([20.0, 5.0, 3.0])
+    p = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
+    worst = 0.0
+    for t, (position, velocity), controller in stepwise(p, theta, 0.5):
+        if t > 0:
+            # x_2 = q' + theta_2 q; psi and eta see the held position, hence the allowance of half a sample's motion.
+            worst = max(worst, abs(controller.velocity_state(list(theta)) - velocity - theta[1] * position))
+    assert worst < 3e-3, worst
+    coarse = xu2001_setup.arc_parameters(sample_rate=2500.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
+    larger = max(
+        abs(c.velocity_state(list(theta)) - v - theta[1] * x) for t, (x, v), c in stepwise(coarse, theta, 0.5) if t > 0
+    )
+    assert larger / worst == pytest.approx(8.0, rel=0.2), "the error is of the sampling, and vanishes with it"
+
+
+def test_v_theta_falls_with_ideal_sensing():
+    # (A.7), (A.8): with parametric uncertainty only, V_theta never rises; epsilon terms and friction are off.
+    theta = np.array([20.0, 5.0, 2.0])
+    p = xu2001_setup.arc_parameters(sample_rate=100_000.0, coulomb=0.0, use_alpha_1s3=False)
+    gamma = np.array(p.adaptation)
+    values = []
+    for _t, (_x, _v), controller in stepwise(p, theta, 0.3):
+        tilde = controller.estimates - theta
+        v_2 = 0.5 * p.weight_1 * controller.z_1**2 + 0.5 * p.weight_2 * controller.z_2**2
+        values.append(v_2 + 0.5 * tilde @ (tilde / gamma))
+    values = np.array(values[1:])
+    assert values[-1] < 0.97 * values[0]
+    rises = np.maximum(np.diff(values), 0.0).sum()
+    assert rises < 0.02 * (values[0] - values[-1]), "only the sampling makes it rise"
+
+
+def test_the_error_vanishes_with_parametric_uncertainty_only():
+    theta = np.array([12.0, 4.0, 5.0])
+    p = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0)
+    z = np.array([controller.z_1 for _, _, controller in stepwise(p, theta, 6.0)])
+    fixed = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0, adaptation=[0.0] * 3)
+    unadapted = np.array([controller.z_1 for _, _, controller in stepwise(fixed, theta, 6.0)])
+    last = slice(-40_000, None)
+    assert np.abs(z[last]).max() < 0.05 * np.abs(unadapted[last]).max()
+
+
+def estimation_bound(p, size):
+    """(15): the largest |x_2 - x_2 hat| that a disturbance |d~| <= size can make, the integral of |exp(A_0 t) e_2|."""
+    a0 = np.array([[-p.observer_gain_1, 1.0], [-p.observer_gain_2, 0.0]])
+    times = np.linspace(0.0, 0.2, 20_001)
+    response = np.array([(expm(a0 * t) @ [0.0, 1.0])[1] for t in times[::20]])
+    return size * np.trapezoid(np.abs(response), times[::20])
+
+
+def test_the_estimation_bound():
+    theta = np.array([20.0, 5.0, 0.0])
+    p = xu2001_setup.arc_parameters(sample_rate=20_000.0, coulomb=0.0, theta=list(theta), adaptation=[0.0] * 3)
+    size = 5.0
+    bound = estimation_bound(p, size)
+    errors = [
+        abs(c.velocity_state(list(theta)) - v - theta[1] * x)
+        for _, (x, v), c in stepwise(p, theta, 0.4, lambda t: size * np.sign(np.sin(2 * np.pi * 30 * t)))
+    ]
+    assert max(errors) < bound + 3e-3
+    assert max(errors) > 0.3 * bound, "the bound is of the right size"
+
+
+def test_the_deterministic_robust_law_keeps_the_error_bound():
+    # Remark 3: with adaptation off and the robust terms of (33), (35), (46) on, V_2 stays under (51).
+    theta = np.array([20.0, 5.0, 1.0])
+    p = xu2001_setup.arc_parameters(
+        sample_rate=1e6,
+        coulomb=0.0,
+        theta=[25.0, 6.0, 0.0],
+        theta_min=[15.0, 4.0, -2.0],
+        theta_max=[30.0, 8.0, 2.0],
+        adaptation=[0.0] * 3,
+        gain_1=60.0,
+        gain_2=80.0,
+        epsilon_11=1e-2,
+        epsilon_12=1e-2,
+        epsilon_21=1.0,
+        epsilon_22=1.0,
+        use_alpha_1s2=True,
+        use_alpha_1s3=True,
+        use_u_s2=True,
+        use_u_s3=True,
+    )
+    size = 2.0
+    delta = estimation_bound(p, size)
+    rate = 2 * min(p.gain_1, p.gain_2)
+    epsilon = p.weight_1 * p.epsilon_11 + p.weight_2 * p.epsilon_21
+    epsilon += (p.weight_1 * p.epsilon_12 + p.weight_2 * p.epsilon_22) * delta**2
+    start, worst = None, 0.0
+    for t, _, c in stepwise(p, theta, 0.1, lambda t: size * np.sign(np.sin(2 * np.pi * 40 * t))):
+        v_2 = 0.5 * p.weight_1 * c.z_1**2 + 0.5 * p.weight_2 * c.z_2**2
+        start = v_2 if start is None else start
+        bound = np.exp(-rate * t) * start + epsilon / rate * (1 - np.exp(-rate * t))
+        if t > 1e-4:
+            worst = max(worst, v_2 / bound)
+        np.testing.assert_array_equal(c.estimates, p.theta)
+    assert 0.0 < worst < 1.0
+
+
+def test_a_0_is_stable_and_has_a_lyapunov_matrix():
+    a0 = np.array([[-400.0, 1.0], [-4e4, 0.0]])
+    np.testing.assert_allclose(np.linalg.eigvals(a0), [-200, -200], atol=1e-3)
+    assert np.linalg.eigvalsh(solve_continuous_lyapunov(a0.T, -np.eye(2))).min() > 0  # (11)
+
+
+def test_the_filtered_sine_is_the_generator():
+    motion = xu2001_setup.reference()
+    t = np.linspace(0.0, 3.0, 301)
+    position, velocity, acceleration = motion.sample(t)
+    closed = 0.05 * np.sin(4 * t) - 0.2 * t * np.exp(-50 * t)  # beta_1^2 = 4 beta_2
+    np.testing.assert_allclose(position, closed, atol=1e-15)
+    assert velocity[0] == pytest.approx(0.0, abs=1e-15)
+    assert acceleration[0] == pytest.approx(20.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("beta_1", "beta_2"), [(100.0, 2500.0), (30.0, 2500.0), (300.0, 2500.0), (100.0, 2500.001)])
+def test_the_filtered_sine_solves_its_equation(beta_1, beta_2):
+    fields = {"center": 0.1, "amplitude": 0.03, "frequency": 1.3, "beta_1": beta_1, "beta_2": beta_2}
+    motion = cogging.FilteredSine(cogging.FilteredSineParameters(**fields))
+    omega = 2 * np.pi * 1.3
+
+    def rate(t, x):
+        r, v, a = 0.1 + 0.03 * np.sin(omega * t), 0.03 * omega * np.cos(omega * t), -0.03 * omega**2 * np.sin(omega * t)
+        return [x[1], a + beta_1 * (v - x[1]) + beta_2 * (r - x[0])]
+
+    t = np.linspace(0, 1, 41)
+    exact = solve_ivp(rate, (0, 1), [0.1, 0.0], t_eval=t, rtol=1e-11, atol=1e-13)
+    position, velocity, acceleration = motion.sample(t)
+    np.testing.assert_allclose(position, exact.y[0], atol=1e-9)
+    np.testing.assert_allclose(velocity, exact.y[1], atol=1e-7)
+    np.testing.assert_allclose(acceleration, [rate(a, x)[1] for a, x in zip(t, exact.y.T, strict=True)], atol=1e-5)
+
+
+RULES = [
+    ({"theta_min": [0.0, 2.4, -50.0]}, r"theta_min: must be finite and above 0, got 0"),
+    ({"theta_min": [60.0, 2.4, -50.0]}, r"theta_min, theta_max: needs minimum <= maximum, both finite, got \[60, 50\]"),
+    ({"theta": [100.0, 10.0, 0.0]}, r"theta: must lie within theta_min and theta_max, got 100"),
+    ({"gain_1": -1.0}, r"gain_1: must be finite and above 0, got -1"),
+    ({"gain_2": 0.0}, r"gain_2: must be finite and above 0, got 0"),
+    ({"adaptation": [-1.0, 0.0, 0.0]}, r"adaptation: must be finite and at least 0, got -1"),
+    ({"observer_gain_1": 0.0}, r"observer_gain_1: must be above 0, or A_0 is not stable, got 0"),
+    ({"observer_gain_2": -4.0}, r"observer_gain_2: must be above 0, or A_0 is not stable, got -4"),
+    ({"epsilon_21": 0.0}, r"epsilon_21: must be finite and above 0, got 0"),
+    ({"sample_rate": 90.0, "filter_steps": "euler"}, r"sample_rate: is too low for Euler steps of the observer's"),
+    ({"filter_steps": "tustin"}, r'filter_steps: must be "exact" or "euler", got tustin'),
+    ({"weight_2": float("nan")}, r"weight_2: must be finite and above 0, got nan"),
+    ({"robust_factor": -1.0}, r"robust_factor: must be finite and at least 0, got -1"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), RULES)
+def test_rules(change, message):
+    with pytest.raises(ValueError, match=message):
+        xu2001_setup.arc_parameters(**change)
+
+
+def test_the_limit_of_euler_steps():
+    # Both filter poles at -200: Euler is stable up to a step of 0.01 s.
+    xu2001_setup.arc_parameters(sample_rate=100.5, filter_steps="euler")
+    with pytest.raises(ValueError, match="too low"):
+        xu2001_setup.arc_parameters(sample_rate=99.5, filter_steps="euler")
+
+
+def test_divergence_is_reported_with_time_and_state():
+    machine = xu2001_setup.plant(xu2001_setup.shipped_unknowns(), "1")
+    controller = cogging.OutputFeedbackArc(xu2001_setup.arc_parameters(**dict.fromkeys(ROBUST_TERMS, True)))
+    with pytest.raises(cogging.DivergedError, match=r"diverged at [0-9.]+ s: position .* m, velocity .* m/s"):
+        cogging.closed_loop(machine, controller, xu2001_setup.reference(), duration=1.0)

@@ -1,0 +1,343 @@
+"""The predicted tracking error: how often it is right, what moves it, and what is refused."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.cli.main import main
+from cogging.design import error_prediction
+from cogging.design.drawn_machines import covariance_root, draw, drawn_machines
+from cogging.design.error_prediction import predict_error
+from cogging.model.intervals import SIGMAS_95, Intervals
+
+SAMPLE_RATE = 1000.0
+WIDTHS = {"axis.mass": 0.02, "axis.viscous": 0.06, "axis.coulomb": 0.05, "cogging.sine[0][0]": 0.03}
+REFERENCE = {"type": "sine", "center": 0.25, "amplitude": 0.02, "frequency": 4.0, "duration": 0.75}
+
+
+def machine(width=1.0, **changes):
+    """An axis whose intervals are `width` times WIDTHS on either side, under a PID that knows its mass only roughly."""
+    basis = cogging.SplineHarmonics(pitch=0.03, harmonics=[1])
+    fields = {
+        "axis": cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=2e-3, travel=[0.0, 0.5]),
+        "cogging": cogging.CoggingModel(basis, [[0.1]], [[0.05]]),
+        "encoder": cogging.EncoderParameters(resolution=1e-6),
+        "noise": cogging.NoiseParameters(force=0.005, bandwidth=50.0),
+        "controller": cogging.PidParameters(sample_rate=SAMPLE_RATE, kp=2400.0, ki=4e4, kd=36.0, mass=0.1),
+        "controller_type": "pid",
+    }
+    fields |= changes
+    made = cogging.Model(**fields)
+    values = Intervals(made)
+    ends = {path: (values.value(path) - width * w, values.value(path) + width * w) for path, w in WIDTHS.items()}
+    return made.replace(intervals=made.intervals or ends)
+
+
+def held_out_rms(count, seed):
+    """The rms error of machines drawn here, by numpy alone, as `simulate` runs them."""
+    rng = np.random.default_rng(seed)
+    found = []
+    while len(found) < count:
+        mass, viscous, coulomb, sine = (
+            rng.normal(value, width / 1.96)
+            for value, width in zip((0.12, 0.166, 0.15, 0.1), WIDTHS.values(), strict=True)
+        )
+        if min(mass, viscous, coulomb) < 0.0:
+            continue
+        base = machine()
+        truth = base.replace(
+            axis=base.axis.replace(mass=mass, viscous=viscous, coulomb=coulomb),
+            cogging=cogging.CoggingModel(base.cogging.basis, [[sine]], [[0.05]]),
+        )
+        log = cogging.simulate(truth, REFERENCE, seed=int(rng.integers(2**40)))
+        found.append(np.sqrt(np.mean(log.error[log.time >= 0.5 - 1e-9] ** 2)))
+    return np.array(found)
+
+
+def test_intervals_hold_the_errors_of_machines_drawn_elsewhere():
+    """In 40 predictions of 40 machines against 400 others: 95 % within, where chance alone leaves +- 2.2 %."""
+    truths = held_out_rms(400, seed=11)
+    inside = []
+    for seed in range(40):
+        low, high = predict_error(machine(), REFERENCE, ["own"], seed=seed)["own"].rms.interval
+        inside.append(np.mean((truths >= low) & (truths <= high)))
+    share = np.mean(inside)
+    print(f"{share:.3f} of the machines within the interval")
+    # sigma: sqrt(0.95 0.05 / 400) of the machines and sqrt(0.95 0.05 / 42 / 40) of the predictions.
+    assert abs(share - 0.95) < 3 * math.hypot(0.0109, 0.0053)
+
+
+def test_the_median_is_in_the_middle_of_machines_drawn_elsewhere():
+    truths = held_out_rms(200, seed=12)
+    median = predict_error(machine(), REFERENCE, ["own"], samples=200)["own"].rms.median
+    assert abs(np.mean(truths < median) - 0.5) < 3 * math.sqrt(2 * 0.25 / 200)
+
+
+def test_wider_intervals_of_the_model_widen_those_of_the_error():
+    spans = []
+    for width in (0.05, 0.3, 1.0, 2.0):
+        found = predict_error(machine(width), REFERENCE, ["own"], samples=60)["own"]
+        spans.append([np.ptp(found.rms.interval), np.ptp(found.max.interval)])
+    assert np.all(np.diff(spans, axis=0) > 0.0)
+    assert spans[-1][0] > 5 * spans[0][0]
+
+
+def test_an_exact_model_without_noise_has_one_error():
+    exact = machine(0.0, noise=cogging.NoiseParameters())
+    found = predict_error(exact, REFERENCE, ["own"], samples=3)["own"]
+    log = cogging.simulate(exact, REFERENCE)
+    last = log.error[log.time >= 0.5 - 1e-9]
+    assert found.rms.interval == (found.rms.median, found.rms.median)
+    assert found.rms.median == pytest.approx(np.sqrt(np.mean(last**2)), rel=1e-12)
+    assert found.max.median == np.abs(last).max()
+    assert found.max_whole.median == np.abs(log.error).max()
+
+
+def test_seeds_threads_and_samples():
+    def values(**arguments):
+        return predict_error(machine(), REFERENCE, ["own", "pid"], **{"samples": 8, **arguments})["pid"].rms.values
+
+    first = values()
+    np.testing.assert_array_equal(first, values(threads=3))
+    np.testing.assert_array_equal(first, values(threads=1))
+    np.testing.assert_array_equal(first, values(samples=12)[:8])
+    assert not np.any(first == values(seed=1))
+
+
+def test_all_controllers_of_the_library_are_predicted():
+    pytest.importorskip("cvxpy")
+    found = predict_error(machine(), REFERENCE, samples=5, bandwidth=200.0)
+    assert [entry.name for entry in found.controllers] == ["own", *error_prediction.DESIGNED]
+    errors = {entry.name: entry.rms.median for entry in found.controllers}
+    assert max(errors.values()) < 1e-3
+    assert errors["dcarc"] < errors["own"], "with a cogging model and the right mass"
+    assert all(entry.diverged == 0.0 for entry in found.controllers)
+    assert found.window == pytest.approx((0.5, 0.75))
+
+
+def test_without_the_design_extra_the_observer_is_left_out(monkeypatch):
+    def missing(problem):
+        raise ImportError("cvxpy is not installed: pip install 'cogging[design]'")
+
+    monkeypatch.setattr(error_prediction, "design_observer", missing)
+    found = predict_error(machine(), REFERENCE, samples=2)
+    assert "observer_based left out: cvxpy is not installed: pip install 'cogging[design]'" in found.notes
+    assert [entry.name for entry in found.controllers] == ["own", *error_prediction.DESIGNED[:-1]]
+    with pytest.raises(ValueError, match=r"^observer_based: cvxpy is not installed"):
+        predict_error(machine(), REFERENCE, ["observer_based"], samples=2)
+
+
+def test_without_bounds_the_own_controller_is_predicted_and_the_rest_left_out():
+    unknown = machine().replace(intervals={"axis.mass": (0.1, 0.14)})
+    found = predict_error(unknown, REFERENCE, samples=3)
+    assert [entry.name for entry in found.controllers] == ["own"]
+    assert any(note.startswith("controllers from the bounds left out: axis.viscous: needs") for note in found.notes)
+    assert any("axis.viscous" in note and "taken as exact" in note for note in found.notes)
+    with pytest.raises(ValueError, match=r"own left out: controller: must be given .*; controllers from the bounds"):
+        predict_error(unknown.replace(controller=None, controller_type=None), REFERENCE, samples=3)
+
+
+def test_given_controllers():
+    made = cogging.Pid(machine().controller.replace(mass=0.12))
+    found = predict_error(machine(), REFERENCE, {"mine": made, "theirs": machine().make_controller()}, samples=4)
+    assert found["mine"].rms.median < found["theirs"].rms.median
+    with pytest.raises(KeyError):
+        found["own"]
+
+
+def test_diverged_runs_are_infinite():
+    """A derivative gain that a sampled mass bears only if it is heavy: some machines diverge, and are counted."""
+    edge = machine(
+        controller=cogging.PidParameters(sample_rate=SAMPLE_RATE, kp=2400.0, kd=240.0),
+        intervals={"axis.mass": (0.08, 0.16)},
+    )
+    found = predict_error(edge, REFERENCE, ["own"], samples=60)["own"]
+    assert 0.1 < found.diverged < 0.9
+    assert np.mean(np.isinf(found.rms.values)) == found.diverged
+    assert found.rms.interval[1] == math.inf
+    assert math.isfinite(found.rms.interval[0])
+    entry = predict_error(edge, REFERENCE, ["own"], samples=60).to_dict()["controllers"][0]
+    assert entry["rms"]["interval"][1] is None
+    json.dumps(entry, allow_nan=False)
+
+
+# What is drawn --------------------------------------------------------------------------------------------------------
+
+
+def test_draws_hold_their_intervals():
+    normals = np.random.default_rng(3).standard_normal(20_000)
+    values = np.array([draw(1.0, (0.9, 1.4), z) for z in normals])
+    assert np.median(values) == pytest.approx(1.0, abs=5e-3)
+    assert np.mean((values >= 0.9) & (values <= 1.4)) == pytest.approx(0.95, abs=0.005)
+    assert draw(1.0, (0.9, 1.4), SIGMAS_95) == pytest.approx(1.4)
+    assert draw(1.0, (0.9, 1.4), -SIGMAS_95) == pytest.approx(0.9)
+
+
+def test_drawn_machines_are_valid_and_move_only_what_has_an_interval():
+    wide = machine(intervals={"axis.coulomb": (-0.3, 0.6), "axis.viscous": (0.166, 0.166)})
+    machines = [made for made, _ in drawn_machines(Intervals(wide), 200, 0)]
+    coulomb = np.array([made.axis.coulomb for made in machines])
+    assert coulomb.min() >= 0.0
+    assert coulomb.std() > 0.1
+    assert {made.axis.viscous for made in machines} == {0.166}
+    assert {made.axis.mass for made in machines} == {0.12}
+    seeds = [seed for _, seed in drawn_machines(Intervals(wide), 200, 0)]
+    assert len(set(seeds)) == 200
+
+
+def test_covariance_is_drawn():
+    paths = ["axis.mass", "axis.viscous"]
+    wanted = np.array([[1e-6, 0.9e-5], [0.9e-5, 1e-4]])
+    drawn = [m for m, _ in drawn_machines(Intervals(machine()), 4000, 0, (paths, wanted))]
+    found = np.cov([[m.axis.mass for m in drawn], [m.axis.viscous for m in drawn]])
+    np.testing.assert_allclose(found, wanted, rtol=0.08)
+    assert np.std([m.axis.coulomb for m in drawn]) == pytest.approx(0.05 / 1.96, rel=0.05), "by its interval"
+
+
+def test_what_trades_against_each_other_spreads_the_error_less():
+    """Viscous and Coulomb friction known by their sum only, against both alone and against both wrong alike."""
+    paths = ["axis.viscous", "axis.coulomb"]
+    sigma = np.array([0.03, 0.03 * 0.4])  # at the 0.4 m/s that the motion mostly has both push alike
+    alone = np.diag(sigma**2)
+    trade = alone - 0.98 * (np.outer(sigma, sigma) - alone)
+    spans = [
+        np.ptp(predict_error(machine(), REFERENCE, ["own"], covariance=(paths, matrix), samples=60)["own"].rms.interval)
+        for matrix in (alone + 0.98 * (np.outer(sigma, sigma) - alone), alone, trade)
+    ]
+    assert spans[0] > spans[1] > spans[2]
+
+
+def test_covariance_root():
+    known = ("a", "b", "c")
+    _, root = covariance_root((["c", "a"], [[4.0, 0.0], [0.0, 0.0]]), known)
+    np.testing.assert_allclose(root @ root.T, [[4.0, 0.0], [0.0, 0.0]], atol=1e-12)
+    for paths, matrix, message in (
+        (["d"], [[1.0]], "'d' must be a parameter"),
+        (["a", "a"], np.eye(2), "each path must be given once"),
+        (["a"], np.eye(2), r"must be finite, \(1, 1\), got \(2, 2\)"),
+        (["a"], [[math.nan]], "must be finite"),
+        (["a", "b"], [[1.0, 0.5], [0.0, 1.0]], "must be symmetric"),
+        (["a", "b"], [[1.0, 2.0], [2.0, 1.0]], "no negative eigenvalue, got -1"),
+    ):
+        with pytest.raises(ValueError, match=f"^covariance: .*{message}"):
+            covariance_root((paths, matrix), known)
+
+
+def test_quantiles_of_few_samples():
+    """Order statistic share (n + 1): between two values of 39 the next lies with 38 / 40; fewer cannot say so."""
+    values = np.random.default_rng(0).permutation(np.arange(39.0))
+    assert error_prediction._quantile(values, 0.025) == pytest.approx(0.0)
+    assert error_prediction._quantile(values, 0.975) == pytest.approx(38.0)
+    assert error_prediction._quantile(values, 0.5) == 19.0
+    assert error_prediction._quantile(np.array([3.0, 1.0]), 0.025) == 1.0
+    assert error_prediction._quantile(np.array([1.0, math.inf, math.inf]), 0.5) == math.inf
+    assert error_prediction._quantile(np.array([1.0, 2.0, math.inf]), 0.6) == math.inf
+    assert predict_error(machine(), REFERENCE, ["own"], samples=9).coverage == pytest.approx(0.8)
+
+
+WINDOWS = {
+    "three there and back": (cogging.PointToPointParameters(distance=0.1, dwell=0.1, repeats=3), 0.0, "last"),
+    "one there and back": (cogging.PointToPointParameters(distance=0.1, dwell=0.1), 0.0, "whole"),
+    "longer than the motion": (cogging.PointToPointParameters(distance=0.1, repeats=2), 50.0, "last"),
+}
+
+
+@pytest.mark.parametrize("name", WINDOWS)
+def test_window_is_the_last_period_or_the_whole_run(name):
+    parameters, duration, kind = WINDOWS[name]
+    motion = cogging.PointToPoint(parameters)
+    end = duration or motion.end
+    start = motion.end - motion.period if kind == "last" else 0.0
+    assert error_prediction._window(motion, end) == pytest.approx((start, end))
+
+
+# What is refused ------------------------------------------------------------------------------------------------------
+
+REFUSED = {
+    "samples": ({"samples": 1}, r"samples: must be a whole number of at least 2, got 1"),
+    "samples not whole": ({"samples": 2.5}, r"samples: must be a whole number of at least 2, got 2\.5"),
+    "seed": ({"seed": -1}, r"seed: must be a whole number of at least 0, got -1"),
+    "threads": ({"threads": True}, r"threads: must be a whole number of at least 0, got True"),
+    "duration": ({"duration": -1.0}, r"duration: must be finite and at least 0, got -1\.0"),
+    "no end": ({"reference": cogging.Sine(cogging.SineParameters())}, r"duration: must be given for a motion without"),
+    "name": ({"controllers": ["pdi"]}, r"controllers: each must be one of own, pid, .*, got 'pdi'"),
+    "names twice": ({"controllers": ["pid", "pid"]}, r"controllers: must be a list of different names"),
+    "one text": ({"controllers": "pid"}, r"controllers: must be a list of different names, got 'pid'"),
+    "none": ({"controllers": []}, r"controllers: must be a list of different names"),
+    "none given": ({"controllers": {}}, r"controllers: must be at least one, got none"),
+    "bandwidth": ({"controllers": ["pid"], "bandwidth": 0.0}, r"pid: bandwidth: must be finite and above 0, got 0\.0"),
+    "default": ({"default": {"axle": (0, 1)}}, r"default\['axle'\]: must be a parameter"),
+    "covariance": ({"covariance": (["axis.mass"], [[-1.0]])}, r"covariance: must have no negative eigenvalue"),
+    "infinite": (
+        {"model": machine(intervals={"axis.mass": (0.1, math.inf)})},
+        r"axis\.mass: the logs do not determine it, its interval is \[0\.1, inf\]; measure it with a log with larger",
+    ),
+    "never valid": (
+        {"covariance": (["axis.mass", "cogging.sine[0][0]"], [[1e-4, 0], [0, 1e-4]]), "model": "barely"},
+        r"bounds: 1000 draws gave no valid machine; the last: viscous: must be finite and at least 0",
+    ),
+    "leaves the travel": ({"reference": REFERENCE | {"center": 5.0}}, r"reference: "),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refuses(case, monkeypatch):
+    arguments, message = REFUSED[case]
+    arguments = dict(arguments)
+    if arguments.get("model") == "barely":  # every draw of the friction is negative
+        monkeypatch.setattr("cogging.design.drawn_machines.draw", lambda value, interval, normal: -1.0)
+        arguments["model"] = machine()
+    call = {"model": machine(), "reference": REFERENCE, "samples": 2, **arguments}
+    with pytest.raises(ValueError, match=f"^{message}"):
+        predict_error(call.pop("model"), call.pop("reference"), call.pop("controllers", ["own"]), **call)
+
+
+# The command ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    machine().write(tmp_path / "model.toml")
+    lines = [f"{key} = {json.dumps(value)}" for key, value in REFERENCE.items()]
+    (tmp_path / "ref.toml").write_text("\n".join(lines))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_predict_prints_and_writes(folder, capsys):
+    call = ["predict", "model.toml", "--reference", "ref.toml", "--samples", "3", "--seed", "5", "--json", "out.json"]
+    assert main(call) == 0
+    shown = capsys.readouterr().out
+    assert "rms and max from 0.5 to 0.75 s" in shown
+    assert "dcarc" in shown
+    assert "out.json written" in shown
+    written = json.loads((folder / "out.json").read_text())
+    direct = predict_error("model.toml", "ref.toml", samples=3, seed=5)
+    assert written == json.loads(json.dumps(direct.to_dict()))
+    assert written["samples"] == 3
+    assert written["coverage"] == 0.5
+    assert written["controllers"][0]["controller"] == "own"
+    low, high = written["controllers"][0]["rms"]["interval"]
+    assert low <= written["controllers"][0]["rms"]["median"] <= high
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (["model.toml", "--reference", "ref.toml", "--samples", "1"], "--samples: must be at least 2, got 1"),
+        (["model.toml", "--reference", "ref.toml", "--seed", "-1"], "--seed: must be at least 0, got -1"),
+        (["none.toml", "--reference", "ref.toml"], "none.toml: cannot be read"),
+        (["model.toml", "--reference", "none.toml"], "none.toml: cannot be read"),
+        (["infinite.toml", "--reference", "ref.toml"], "infinite.toml with ref.toml: axis.mass: the logs do not"),
+    ],
+)
+def test_predict_refuses_in_one_line(folder, capsys, call, message):
+    machine(intervals={"axis.mass": (-math.inf, math.inf)}).write(folder / "infinite.toml")
+    assert main(["predict", *call, "--json", "out.json"]) == 2
+    shown = capsys.readouterr()
+    assert message in shown.err
+    assert shown.err.count("\n") == 1
+    assert not (folder / "out.json").exists()

@@ -1,0 +1,162 @@
+"""Missing effects of machines that other people measured; what is not met is asserted as it is, and said."""
+
+import os
+
+import numpy as np
+import pytest
+
+import cogging
+from tests.fixtures import emps, laas
+
+pytestmark = pytest.mark.data
+
+
+def needs(folder):
+    if not folder.is_dir() and not os.environ.get("CI"):
+        pytest.skip(f"the measured data are not at {folder}")
+
+
+@pytest.fixture(scope="module")
+def logs():
+    needs(emps.FOLDER)
+    return emps.read("DATA_EMPS"), emps.read("DATA_EMPS_PULSES")
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["cascade", "no controller"])
+def axis(request, logs):
+    result = cogging.diagnose(logs[0], emps.published(request.param), confirm=logs[1])
+    print("\n" + result.text())
+    return result
+
+
+def names(result):
+    return {effect.name for effect in result.effects}
+
+
+def test_the_friction_of_the_screw_differs_with_direction(axis):
+    assert "viscous_asymmetry" in names(axis)
+    difference = next(e for e in axis.effects if e.name == "viscous_asymmetry").parameters["difference"]
+    assert difference.value == pytest.approx(-75.0, abs=12.0)  # 166 against 240 N s/m, the data's README
+    assert difference.ci95[0] < difference.value < difference.ci95[1] < 0.0
+
+
+def test_the_old_offset_was_hiding_it(axis):
+    force = next(e for e in axis.model.effects if e.NAME == "constant_force").force
+    assert abs(force) < 0.25 * 3.16
+    assert any("constant_force" in note and "hid" in note for note in axis.notes)
+
+
+def test_the_screw_shows_its_turns(axis):
+    found = [e for e in axis.effects if e.name in ("cogging_harmonic", "force_constant_ripple")]
+    assert found
+    periods = [term["period"].value for e in found for term in (e.parameters, *e.further)]
+    assert min(abs(period - emps.SCREW) for period in periods) < 5e-6
+    assert "cogging_harmonic" in {found[0].name, *found[0].alternatives}
+
+
+def test_what_is_not_there_is_not_named(axis):
+    assert not names(axis) & {"cable_spring", "stribeck_friction"}
+
+
+def test_the_gap_shrinks_on_other_motion(axis):
+    assert axis.gap.confirm_after < 0.85 * axis.gap.confirm_before
+
+
+def test_the_floor_of_four_laps(logs):
+    """What differs from lap to lap no model of position and speed can explain: a floor that needs no model."""
+    log = logs[0]
+    laps = emps.laps(log)
+    length = min(lap.stop - lap.start for lap in laps)
+    command = np.stack([log.command[lap.start : lap.start + length] for lap in laps])
+    spread = np.sqrt(np.mean(command.var(axis=0, ddof=1)))
+    print(f"\n{len(laps)} laps of {length} rows; the command differs between them by {spread:.3f} N rms")
+    assert len(laps) >= 3
+    assert 0.1 < spread < 2.0
+
+
+# A direct-drive motor -------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def motor():
+    needs(laas.FOLDER)
+    scan, rows = laas.read("stopped_data"), laas.read("speed_test1")
+    log = cogging.Log(time=rows.time, position=rows.position, command=rows.current)
+    axis = laas.axis_from_acceleration(laas.read("acc_current"))
+    model = cogging.Model(
+        axis=cogging.AxisParameters(
+            mass=axis["mass"].value, viscous=axis["viscous"].value, coulomb=axis["coulomb"].value, coulomb_width=0.0
+        ),
+        uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2},
+    )
+    result = cogging.diagnose(log, model)
+    print("\n" + result.text())
+    return result, cogging.fit_map(scan.position, scan.current, pitch=laas.TURN)
+
+
+def test_the_detent_of_the_motor_is_named(motor):
+    result, scan = motor
+    found = next(e for e in result.effects if e.name == "cogging_harmonic")
+    terms = {round(laas.TURN / term["period"].value, 2): term for term in (found.parameters, *found.further)}
+    term = terms[72.0]
+    place = scan.cogging.basis.harmonics.index(72)
+    static = complex(scan.cogging.sine[place, 0], scan.cogging.cosine[place, 0])
+    moving = complex(term["sine"].value, term["cosine"].value)
+    turned = np.degrees(np.angle(moving / static))
+    print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
+    # A missed figure, held as it is: the amplitude comes out larger than at rest (seen: 1.37 times).
+    assert 0.5 < abs(moving) / abs(static) < 1.6
+    # The current is logged 0.2 to 0.6 ms after it acted (laas.current_lateness): 8 degrees a 0.4 ms at 5 rad/s, more
+    # in the fast strokes of the ripple. Seen: -3.7 degrees, the same where the last digits of the log are changed.
+    assert abs(turned) < 8.0
+
+
+def test_the_delay_of_its_loop_is_named(motor):
+    result, _ = motor
+    delay = next(e for e in result.effects if e.name == "command_delay").parameters["delay"]
+    print(f"\ndelay {1e3 * delay.value:.2f} ms, 95 % {1e3 * delay.ci95[0]:.2f} to {1e3 * delay.ci95[1]:.2f}")
+    # Its authors say 2 ms from speed to current, which is the controller's; no other source says what lies between
+    # current and motion, and laas.current_lateness has the opposite sign: named, and not to be trusted in size.
+    assert 0.5e-3 < delay.value < 2e-3  # seen: 1.34 ms, 1.08 to 1.60
+
+
+# Hidden by hand in the axis -------------------------------------------------------------------------------------------
+
+
+def test_a_coulomb_level_taken_away(logs):
+    model = emps.published()
+    result = cogging.diagnose(logs[0], model.replace(axis=model.axis.replace(coulomb=0.0)), confirm=logs[1])
+    print("\n" + result.text())
+    coulomb = result.model.axis.coulomb
+    assert coulomb == pytest.approx(20.4, rel=0.06)  # seen: 21.3
+
+
+@pytest.fixture(scope="module")
+def replay(logs):
+    """The published model on the axis' own reference with a spring and a tone, noise and the encoder's quantum."""
+    log = logs[0]
+    model = emps.published()
+    truth = model.replace(
+        axis=model.axis.replace(coulomb_width=1e-4),
+        effects=(
+            *model.effects,
+            cogging.effects.CableSpring(stiffness=40.0, center=0.12),
+            cogging.effects.DisturbanceTone(frequency=11.0, sine=2.0),
+        ),
+        encoder=cogging.EncoderParameters(resolution=50e-9),
+        noise=cogging.NoiseParameters(force=1.0, bandwidth=50.0),
+    )
+    velocity = np.gradient(log.reference, log.time)
+    motion = cogging.Sampled(time=log.time, position=log.reference, velocity=velocity)
+    return cogging.simulate(truth, motion, duration=float(log.time[-1]), seed=5)
+
+
+def test_a_spring_and_a_tone_in_its_replay(replay):
+    result = cogging.diagnose(replay, emps.published())
+    print("\n" + result.text())
+    found = {name: e for e in result.effects for name in (e.name, *e.alternatives)}
+    # Without a second log, a spring and the slow end of an end effect stay alternatives of each other.
+    assert {"cable_spring", "disturbance_tone"} <= set(found) <= {"cable_spring", "end_effect", "disturbance_tone"}
+    if found["cable_spring"].name == "cable_spring":
+        assert found["cable_spring"].parameters["stiffness"].value == pytest.approx(40.0, rel=0.1)
+    assert found["disturbance_tone"].parameters["frequency"].value == pytest.approx(11.0, abs=0.01)

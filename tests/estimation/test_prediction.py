@@ -1,0 +1,336 @@
+"""One-step prediction, inverse force, whitening and added commands, each against an independent computation."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import solve_toeplitz
+from scipy.optimize import brentq
+from scipy.signal import lfilter
+
+import cogging
+from cogging import EFFECTS, AxisParameters, Model
+from cogging._core import Predictor, autoregression, whiten
+from cogging.estimation.residuals import Innovations, settling
+
+BANDWIDTH = 25.0
+
+
+@pytest.fixture
+def columns():
+    """A log's time (irregular), position and command, (400,), that no model made."""
+    random = np.random.default_rng(3)
+    time = np.cumsum(random.uniform(0.4e-3, 1.6e-3, 400))
+    position = 0.1 * np.sin(9.0 * time) + 1e-4 * random.normal(size=400)
+    return time, position, 4.0 * np.sin(30.0 * time + 1.0) + random.normal(size=400)
+
+
+def observer(time, position, advance, initial_velocity=0.0, gap=np.inf):
+    """Innovations (m) of an observer around `advance`(k, x, v).
+
+    With even steps both its poles stand at exp(-2 pi bandwidth h); a constant force shows alike whatever the steps.
+    """
+    steps = np.diff(time)
+    h = sorted(steps)[len(steps) // 2]
+    pole = np.exp(-2 * np.pi * BANDWIDTH * h)
+    c = ((1 - pole) / h) ** 2
+    d = (1 - pole**2) / h - 0.5 * c * h
+    x, v = position[0], initial_velocity
+    innovations, velocities = [0.0], [v]
+    for k in range(len(time) - 1):
+        h = time[k + 1] - time[k]
+        x, v = advance(k, x, v)
+        innovation = position[k + 1] - x
+        if h > gap:
+            x, v = position[k + 1], (position[k + 1] - position[k]) / h
+            innovation = 0.0
+        else:
+            after = steps[min(k + 1, len(steps) - 1)]
+            x, v = x + (d * after + 0.5 * c * after**2) * innovation, v + c * h * innovation
+        innovations.append(innovation)
+        velocities.append(v)
+    return np.array(innovations), np.array(velocities)
+
+
+def test_linear_plant_against_its_exact_solution(columns):
+    time, position, command = columns
+    mass, viscous = 0.7, 3.0
+
+    def advance(k, x, v):
+        h, final = time[k + 1] - time[k], command[k] / viscous
+        decay = np.exp(-viscous / mass * h)
+        return x + final * h + (v - final) * (1 - decay) * mass / viscous, final + (v - final) * decay
+
+    expected, velocity = observer(time, position, advance, initial_velocity=0.4)
+    predictor = Predictor(time, position, command, bandwidth=BANDWIDTH, initial_velocity=0.4, steps_per_sample=4)
+    plant = Model(axis=AxisParameters(mass=mass, viscous=viscous, coulomb=0.0)).plant()
+    found = predictor.predict(plant)
+    assert found.innovation == pytest.approx(expected, abs=1e-13)
+    assert found.velocity == pytest.approx(velocity, abs=1e-10)
+    assert predictor.innovations([plant, plant])[1] == pytest.approx(expected, abs=1e-13)
+
+
+def test_a_constant_force_shows_alike_in_rows_that_jitter():
+    """Else what is slow would show at high frequencies, where encoders are quiet."""
+    random = np.random.default_rng(4)
+    time = np.cumsum(1e-3 * (1.0 + 0.3 * random.uniform(-1.0, 1.0, 3000)))
+    force, mass = 0.2, 0.7
+    position = 0.5 * force / mass * (time - time[0]) ** 2
+    plant = Model(axis=AxisParameters(mass=mass)).plant()
+    found = Predictor(time, position, np.zeros(3000), bandwidth=BANDWIDTH).predict(plant).innovation[500:]
+    pole = np.exp(-2 * np.pi * BANDWIDTH * np.median(np.diff(time)))
+    assert found == pytest.approx(force / mass * (np.median(np.diff(time)) / (1 - pole)) ** 2, rel=1e-8)
+
+
+def test_rows_about_a_turn_between_two_samples_do_not_count():
+    """The speed of a fast turn passes from one side of rest to the other within one step."""
+    time = 1e-3 * np.arange(2000)
+    position = 0.01 * np.sin(2 * np.pi * 4.0 * time + 0.3)
+    model = Model(axis=AxisParameters(mass=0.7))
+    command = 0.7 * np.gradient(np.gradient(position, time), time)
+    source = Innovations(cogging.Log(time, position, command), model)
+    velocity = source.velocity
+    turns = np.flatnonzero(velocity[1:] * velocity[:-1] < 0.0) + 1
+    assert len(turns) > 10
+    assert (np.abs(velocity[turns]) > source.rest).any()
+    for turn in turns:
+        assert not source.counts[turn : turn + round(source.settle / 1e-3)].any()
+    assert source.counts.any()
+
+
+@pytest.mark.parametrize(("acceleration", "quick"), [(20.0, True), (4.0, True), (0.5, False)])
+def test_after_a_quick_start_rows_count_sooner(acceleration, quick):
+    """Of 2 rest / a as much must be forgotten as six time constants leave of what acted for one; by a root of scipy."""
+    rest, bandwidth, h = 1e-3, 50.0, 1e-4
+    time = h * np.arange(2000)
+    velocity = acceleration * np.maximum(time - 0.05, 0.0)
+    constant = 1.0 / (2.0 * np.pi * bandwidth)
+    waits = settling(velocity < rest, time, velocity, rest, bandwidth)
+    acted = 2.0 * rest / acceleration / constant
+    if quick:
+        left = 7.0 * np.exp(-6.0) / acted
+        expected = brentq(lambda s: (1.0 + s) * np.exp(-s) - left, 0.0, 6.0) if left < 1.0 else 0.0
+        assert waits[-1] == pytest.approx(constant * max(expected, 1.0), rel=0.02)
+    else:
+        assert waits[-1] == pytest.approx(6.0 * constant, rel=1e-9)
+    assert (np.diff(waits[velocity >= rest]) == 0.0).all()
+
+
+@pytest.mark.parametrize("rest", [1e-3, 0.0])
+def test_an_axis_that_stays_where_it_is_waits_to_the_end(rest):
+    time = 1e-3 * np.arange(100)
+    waits = settling(np.ones(100, dtype=bool), time, np.zeros(100), rest, 50.0)
+    assert np.isfinite(waits).all()
+    assert (waits >= 1.0 / (2.0 * np.pi * 50.0) * (1.0 - 1e-9)).all()
+
+
+def test_quick_starts_only_add_rows(columns):
+    time, position, command = columns
+    model = Model(axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.01))
+    log = cogging.Log(time, position, command)
+    usual, quick = (Innovations(log, model, quick_starts=flag).counts for flag in (False, True))
+    assert (quick >= usual).all()
+    assert quick.sum() > usual.sum()
+
+
+def test_smooth_friction_spring_and_drag_against_scipy(columns):
+    time, position, command = (column[:80] for column in columns)
+    model = Model(
+        axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.2),
+        effects=(EFFECTS["cable_spring"](stiffness=40.0, center=0.02), EFFECTS["quadratic_drag"](coefficient=5.0)),
+    )
+
+    def advance(k, x, v):
+        def slope(_, y):
+            force = command[k] - 3.0 * y[1] - 2 / np.pi * np.arctan(y[1] / 0.2) - 40.0 * (y[0] - 0.02)
+            return [y[1], (force - 5.0 * y[1] * abs(y[1])) / 0.7]
+
+        return solve_ivp(slope, (time[k], time[k + 1]), [x, v], rtol=1e-10, atol=1e-13).y[:, -1]
+
+    expected, _ = observer(time, position, advance)
+    predictor = Predictor(time, position, command, bandwidth=BANDWIDTH, steps_per_sample=8)
+    assert predictor.innovations([model.plant()])[0] == pytest.approx(expected, abs=2e-11)
+
+
+def test_delay_with_irregular_time_stamps(columns):
+    time, position, command = columns
+    delay, mass = 2.3e-3, 0.7
+
+    def acting(start, end):
+        """Pieces (length, command) of what acts over an interval; before the first row, the first command."""
+        edges = np.unique(np.concatenate([[start, end], (time + delay)[(time + delay > start) & (time + delay < end)]]))
+        for a, b in itertools.pairwise(edges):
+            yield b - a, command[max(np.searchsorted(time + delay, 0.5 * (a + b)) - 1, 0)]
+
+    def advance(k, x, v):
+        for length, u in acting(time[k], time[k + 1]):
+            x, v = x + v * length + 0.5 * u / mass * length**2, v + u / mass * length
+        return x, v
+
+    expected, _ = observer(time, position, advance)
+    model = Model(
+        axis=AxisParameters(mass=mass, viscous=0.0, coulomb=0.0), effects=(EFFECTS["command_delay"](delay=delay),)
+    )
+    predictor = Predictor(time, position, command, bandwidth=BANDWIDTH)
+    assert predictor.innovations([model.plant()])[0] == pytest.approx(expected, abs=1e-12)
+    mean = [sum(h * u for h, u in acting(a, b)) / (b - a) for a, b in itertools.pairwise(time)]
+    force = predictor.net_force([model.plant()], np.zeros(400), np.zeros(400))[0]
+    assert force[:-1] == pytest.approx(mean, abs=1e-6)  # two times closer than 1 ns are one
+
+
+def test_starts_anew_after_a_gap(columns):
+    time, position, command = (column.copy() for column in columns)
+    time[200:] += 0.3
+
+    def advance(k, x, v):
+        h = time[k + 1] - time[k]
+        return x + v * h + 0.5 * command[k] / 0.7 * h**2, v + command[k] / 0.7 * h
+
+    expected, _ = observer(time, position, advance, gap=0.1)
+    predictor = Predictor(time, position, command, bandwidth=BANDWIDTH, gap=0.1)
+    plant = Model(axis=AxisParameters(mass=0.7, viscous=0.0, coulomb=0.0)).plant()
+    assert predictor.innovations([plant])[0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_what_falsifies_the_reading_is_foreseen():
+    axis = AxisParameters(mass=0.7, viscous=3.0, coulomb=0.0)
+    false = EFFECTS["encoder_periodic_error"](period=0.03, sine=2e-5)
+    controller = cogging.PidParameters(sample_rate=1000.0, kp=2000.0, kd=40.0)
+    truth = Model(axis=axis, effects=(false,), controller=controller, controller_type="pid")
+    time = np.arange(2001) / 1000.0
+    log = cogging.simulate(truth, cogging.Sampled(time, 0.1 * np.sin(6.0 * time), None, None), duration=2.0)
+    predictor = Predictor(log.time, log.position, log.command, bandwidth=BANDWIDTH)
+    seen, unseen = predictor.innovations([truth.plant(), Model(axis=axis).plant()])
+    assert np.abs(seen[200:]).max() < 1e-3 * np.abs(unseen[200:]).max()
+
+
+def test_net_force_is_that_of_the_law(columns):
+    time, position, command = columns
+    velocity = 0.5 * np.cos(9.0 * time)
+    model = Model(
+        axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.0),
+        effects=(EFFECTS["command_saturation"](limit=3.0), EFFECTS["constant_force"](force=0.4)),
+    )
+    force = Predictor(time, position, command).net_force([model.plant()], position, velocity)[0]
+    expected = np.clip(command, -3.0, 3.0) + 0.4 - 3.0 * velocity - np.sign(velocity)
+    assert force[:-1] == pytest.approx(expected[:-1], abs=1e-12)
+    assert force[-1] == force[-2]
+
+
+def test_propagate_is_the_derivative_of_the_innovations(columns):
+    time, position, command = columns
+    axis = AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.2)
+    spring = EFFECTS["cable_spring"](stiffness=40.0)
+    predictor = Predictor(time, position, command, bandwidth=BANDWIDTH, initial_velocity=0.9, steps_per_sample=4)
+
+    def innovations(force, read=position):
+        model = Model(axis=axis, effects=(spring, EFFECTS["constant_force"](force=force)))
+        other = Predictor(time, read, command, bandwidth=BANDWIDTH, initial_velocity=0.9, steps_per_sample=4)
+        return other.innovations([model.plant()])[0]
+
+    along = predictor.predict(Model(axis=axis, effects=(spring,)).plant())
+    one = predictor.propagate(along, 0.7, np.ones((1, 400)))[0]
+    difference = (innovations(1e-3) - innovations(-1e-3)) / 2e-3
+    assert one == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
+    error = 1e-6 * np.sin(200.0 * time)
+    read = predictor.propagate(along, 0.7, np.zeros((1, 400)), error[None, :])[0]
+    difference = innovations(0.0, position - error) - innovations(0.0)
+    assert read == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
+
+
+def test_columns_that_do_not_fit_are_named(columns):
+    time, position, command = columns
+    with pytest.raises(ValueError, match="command: must be as long as time"):
+        Predictor(time, position, command[:-1])
+    with pytest.raises(ValueError, match="time"):
+        Predictor(time[::-1].copy(), position, command)
+    with pytest.raises(ValueError, match="bandwidth"):
+        Predictor(time, position, command, bandwidth=0.0)
+    with pytest.raises(ValueError, match="steps_per_sample"):
+        Predictor(time, position, command, steps_per_sample=0)
+    plant = Model(axis=AxisParameters(mass=1.0)).plant()
+    with pytest.raises(ValueError, match="middle_position"):
+        Predictor(time, position, command).net_force([plant], position[:-1], position)
+    unstable = Model(axis=AxisParameters(mass=1.0), effects=(EFFECTS["cable_spring"](stiffness=-1e9),)).plant()
+    with pytest.raises(cogging.DivergedError, match="diverged"):
+        Predictor(time, position, command).innovations([unstable])
+
+
+# Whitening ------------------------------------------------------------------------------------------------------------
+
+
+def coloured(rows=5000):
+    return lfilter([1.0], [1.0, -1.5, 0.7], np.random.default_rng(0).normal(size=rows))
+
+
+def test_autoregression_solves_the_equations_of_yule_and_walker():
+    row = coloured()
+    covariance = np.array([row[lag:] @ row[: len(row) - lag] for lag in range(7)])
+    first = covariance.copy()
+    first[0] *= 1.0 + 1e-9
+    expected = solve_toeplitz(first[:6], covariance[1:])
+    assert autoregression(row, np.ones(len(row)), order=6) == pytest.approx(expected, abs=1e-9)
+    assert autoregression(row, np.ones(len(row)), order=2) == pytest.approx([1.5, -0.7], abs=0.03)
+
+
+def test_autoregression_leaves_out_rows_that_do_not_count():
+    row, counts = coloured(), np.ones(5000)
+    row[1000:1100] = 1e6
+    counts[1000:1100] = 0.0
+    assert autoregression(row, counts, order=2) == pytest.approx([1.5, -0.7], abs=0.03)
+
+
+def test_whiten_is_the_filter_of_scipy_and_leaves_white_noise():
+    rows = np.array([coloured(), coloured()[::-1]])
+    a = [1.5, -0.7]
+    white = whiten(rows, a)
+    assert white == pytest.approx(lfilter([1.0, -1.5, 0.7], [1.0], rows, axis=1), abs=1e-12)
+    assert np.std(white[0]) == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("order", [1, 4, 7, 12, 48])
+@pytest.mark.parametrize("length", [50, 1024, 1030, 3333])
+def test_whiten_is_the_filter_of_scipy_at_any_order_and_length(order, length):
+    random = np.random.default_rng([order, length])
+    rows, a = random.normal(size=(2, length)), random.normal(size=order)
+    assert whiten(rows, a) == pytest.approx(lfilter([1.0, *-a], [1.0], rows, axis=1), abs=1e-11)
+
+
+def test_whitening_names_what_is_wrong():
+    with pytest.raises(ValueError, match="order"):
+        autoregression(np.ones(10), np.ones(10), order=5)
+    with pytest.raises(ValueError, match="counts"):
+        autoregression(np.ones(100), np.ones(99), order=2)
+    with pytest.raises(ValueError, match="residual"):
+        autoregression(np.ones(100), np.zeros(100), order=2)
+    with pytest.raises(ValueError, match="rows"):
+        whiten(np.ones(10), [0.5])
+
+
+# Added commands -------------------------------------------------------------------------------------------------------
+
+
+def test_an_added_command_is_a_force_that_the_controller_does_not_know():
+    axis = AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0)
+    controller = cogging.PidParameters(sample_rate=1000.0, kp=2000.0, ki=2e4, kd=40.0)
+    model = Model(axis=axis, controller=controller, controller_type="pid")
+    time = np.arange(1001) / 1000.0
+    reference = cogging.Sampled(time, 0.1 * np.sin(6.0 * time), None, None)
+    constant = cogging.simulate(model.replace(effects=(EFFECTS["constant_force"](force=0.5),)), reference, duration=1.0)
+    added = cogging.simulate(model, reference, duration=1.0, added_command=np.full(1001, 0.5))
+    assert added.position == pytest.approx(constant.position, abs=1e-14)
+    assert added.command - 0.5 == pytest.approx(constant.command, abs=1e-9)  # its integral runs on
+    with pytest.raises(ValueError, match="added_command"):
+        cogging.simulate(model, reference, duration=1.0, added_command=np.zeros(5))
+
+
+def test_an_added_command_is_limited_with_the_controllers():
+    controller = cogging.PidParameters(sample_rate=1000.0, kp=2000.0, kd=40.0, command_limit=2.0)
+    model = Model(axis=AxisParameters(mass=0.7), controller=controller, controller_type="pid")
+    log = cogging.simulate(
+        model,
+        {"type": "sine", "center": 0.0, "amplitude": 0.05, "frequency": 1.0, "duration": 1.0},
+        added_command=np.full(1001, 5.0),
+    )
+    assert np.abs(log.command).max() == 2.0

@@ -1,0 +1,452 @@
+"""Malformed logs: each is answered in one line and status 2, and nothing is written.
+
+`python -m pytest tests/logs/test_malformed.py -s -k answered` prints the files and the answers.
+"""
+
+import os
+import re
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import cogging
+from cogging.cli.main import main
+from cogging.files import InputError
+from cogging.logs.readers import apart
+from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
+
+HEAD = "time,position,command\n"
+
+
+def csv_bytes(columns=COLUMNS):
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return (",".join(columns) + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows)).encode()
+
+
+def without(name):
+    return {key: value for key, value in COLUMNS.items() if key != name}
+
+
+def changed(name, values):
+    return {**COLUMNS, name: values}
+
+
+def png():
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 0, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(b"\0\0")) + chunk(b"IEND", b"")
+
+
+def with_bad(row, value, column="position"):
+    values = COLUMNS[column].copy()
+    values[row] = value
+    return changed(column, values)
+
+
+#: File name, content (bytes, or made from the folder), further arguments, and what the answer must say.
+CASES = {
+    "missing column": (
+        "a.csv",
+        b"time,position,torque\n0,1,2\n",
+        [],
+        "column command: .* which has time, position, torque",
+    ),
+    "mapped to a missing column": (
+        "a.csv",
+        csv_bytes(),
+        ["--columns", "command=vir"],
+        "column vir: must be in the header",
+    ),
+    "column given twice": ("a.csv", b"time,position,command,command\n0,1,2,3\n", [], "command: must stand once"),
+    "text in a number": ("a.csv", HEAD.encode() + b"0,1,2\n1,abc,2\n", [], "line 3: position: .* got 'abc'"),
+    "an empty field": ("a.csv", HEAD.encode() + b"0,1,2\n1,,2\n", [], "line 3: position: .* got ''"),
+    "two points in a number": ("a.csv", HEAD.encode() + b"0,1.2.3,2\n", [], "line 2: position: .* got '1.2.3'"),
+    "decimal commas": (
+        "a.csv",
+        HEAD.encode() + b"0,1,1,5,2,5\n",
+        [],
+        "line 2: must have 3 columns as the header, got 6",
+    ),
+    "decimal commas, semicolons": ("a.csv", b"time;position;command\n0;1,5;2\n", [], "line 2: position: .* got '1,5'"),
+    "hexadecimal": ("a.csv", HEAD.encode() + b"0,0x1F,2\n", [], "line 2: position: .* got '0x1F'"),
+    "too large a number": ("a.csv", HEAD.encode() + b"0,1e999,2\n", [], "line 2: position: .* finite"),
+    "NaN": ("a.csv", HEAD.encode() + b"0,1,2\n1,2,nan\n", [], "line 3: command: must be a finite number, got 'nan'"),
+    "infinite": ("a.csv", HEAD.encode() + b"0,1,2\n1,-inf,0\n", [], "line 3: position: .* got '-inf'"),
+    "half a line": ("a.csv", HEAD.encode() + b"0,1,2\n1,2", [], "line 3: command: must be there, got 2 columns"),
+    "half a line behind what is wanted": (
+        "a.csv",
+        b"time,position,command,extra,more\n0,1,2,3,4\n1,2,3,4",
+        [],
+        "line 3: must have 5 columns as the header, got 4",
+    ),
+    "repeated time": (
+        "a.csv",
+        HEAD.encode() + b"0,1,2\n0,1,2\n",
+        [],
+        "row 1: time: must be strictly increasing, got 0",
+    ),
+    "time runs back": ("a.csv", HEAD.encode() + b"0,1,2\n2,1,2\n1,1,2\n", [], "row 2: time: .* got 1 after 2"),
+    "nearly repeated time": (
+        "a.csv",
+        HEAD.encode() + b"0,1,2\n1.00000001,1,2\n1.0,1,2\n",
+        [],
+        "row 2: time: .* got 1.0 after 1.00000001",
+    ),
+    "empty": ("a.csv", b"", [], "column time: must be in the header, which has none"),
+    "only a header": ("a.csv", HEAD.encode(), [], "rows: must be at least 1, got 0"),
+    "one row": ("a.csv", HEAD.encode() + b"0,1,2\n", [], "rows: must be at least 2, got 1"),
+    "rows beyond the end": ("a.csv", csv_bytes(), ["--rows", "500:600"], "rows: must be at least 1, got 0"),
+    "no header": ("a.csv", b"0,1,2\n1,2,3\n", [], "column time: must be in the header, which has 0, 1, 2"),
+    "UTF-16": ("a.csv", HEAD.encode("utf-16"), [], "must be UTF-8 text"),
+    "binary": ("a.csv", bytes(range(256)) * 4, [], "must be UTF-8 text"),
+    "zeros": ("a.csv", bytes(5000), [], "must be UTF-8 text, got a zero"),
+    "old line ends": ("a.csv", csv_bytes().replace(b"\n", b"\r"), [], "must end with LF or CR LF"),
+    "picture": ("a.csv", png(), [], "must be a log .* got a PNG picture"),
+    "zip archive": ("a.csv", b"PK\x03\x04" + bytes(40), [], "must be a log .* got a ZIP archive"),
+    "gzip": ("a.csv", b"\x1f\x8b\x08" + bytes(40), [], "must be a log .* got a gzip"),
+    "directory": ("a.csv", None, [], "must be a file, got a directory"),
+    "missing file": ("b.csv", ..., [], "cannot be read: No such file"),
+    "millimetres": (
+        "a.csv",
+        b"time,position [mm],command\n0,1,2\n1,2,3\n",
+        [],
+        r"unit 'mm'; give --scale position=0.001",
+    ),
+    "milliseconds": ("a.csv", b"time (ms),position,command\n0,1,2\n1,2,3\n", [], r"unit 'ms'; give --scale time=0.001"),
+    "percent of what": (
+        "a.csv",
+        b"time;position;command\ns;m;%\n0;1;2\n1;2;3\n",
+        [],
+        r"command: must be in V, A, N, got .*%",
+    ),
+    "degrees": (
+        "a.csv",
+        b"time,position [deg],command\n0,1,2\n1,2,3\n",
+        [],
+        r"unit 'deg'; give --scale position=FACTOR",
+    ),
+    "scale of zero": (
+        "a.csv",
+        csv_bytes(),
+        ["--scale", "position=0"],
+        "scale: position: must be a finite number and not 0",
+    ),
+    "scale of what is not there": ("a.csv", csv_bytes(), ["--scale", "speed=2"], "scale: speed: must be one of"),
+    "scaled beyond all numbers": (
+        "a.csv",
+        csv_bytes(changed("command", 100.0 + TIME)),
+        ["--scale", "command=1e308"],
+        "command: must stay finite when scaled",
+    ),
+    "MATLAB: not one": ("a.mat", b"hello", [], "must be a MATLAB file as its name says, got b'hello'"),
+    "MATLAB: empty": ("a.mat", b"", [], "must be a MATLAB file .* got an empty file"),
+    "MATLAB: missing column": (
+        "a.mat",
+        mat_bytes(without("command")),
+        [],
+        "command: must be in the file, which has .*position",
+    ),
+    "MATLAB: cut": ("a.mat", mat_bytes()[:3000], [], "must be a whole MATLAB file"),
+    "MATLAB: cut, compressed": ("a.mat", mat_bytes(compress=True)[:-300], [], "must be a whole MATLAB file"),
+    "MATLAB: struct": ("a.mat", mat_bytes({"log": COLUMNS}), [], "column time: .* which has log.time, log.position"),
+    "MATLAB: struct as a column": (
+        "a.mat",
+        mat_bytes(changed("command", np.array([[(1.0,)], [(2.0,)]], dtype=[("x", "O")]))),
+        [],
+        "command: must be real numbers, got a struct of x",
+    ),
+    "MATLAB: text": ("a.mat", mat_bytes(changed("command", "hello")), [], "command: must be real numbers, got text"),
+    "MATLAB: cells": (
+        "a.mat",
+        mat_bytes(changed("command", np.array([1.0, "a"], dtype=object))),
+        [],
+        "command: must be real numbers, got objects",
+    ),
+    "MATLAB: complex": ("a.mat", mat_bytes(changed("command", TIME + 1j)), [], "command: must be real .* got complex"),
+    "MATLAB: lengths": (
+        "a.mat",
+        mat_bytes(changed("command", TIME[:100])),
+        [],
+        r"must be as long as time \(200\), got 100",
+    ),
+    "MATLAB: matrix": (
+        "a.mat",
+        mat_bytes(changed("command", np.ones((200, 3)))),
+        [],
+        "must be one column, got an array of 200 x 3",
+    ),
+    "MATLAB: NaN": ("a.mat", mat_bytes(with_bad(7, np.nan)), [], "row 7: position: must be a finite number, got nan"),
+    "MATLAB: NaN, rows counted in the file": (
+        "a.mat",
+        mat_bytes(with_bad(7, np.nan)),
+        ["--rows", "5:50"],
+        "row 7: position: must be a finite number",
+    ),
+    "MATLAB 7.3: cut": ("a.mat", hdf5_bytes()[:4000], [], r"must be a whole MATLAB 7.3 \(HDF5\) file"),
+    "MATLAB 7.3: struct": (
+        "a.mat",
+        hdf5_bytes({f"log/{name}": column for name, column in COLUMNS.items()}),
+        [],
+        "column time: .* which has log.command",
+    ),
+    "MATLAB 7.3: text": (
+        "a.mat",
+        hdf5_bytes(changed("command", np.arange(200, dtype=np.uint16)), [("command", "char")]),
+        [],
+        "command: must be real numbers, got char",
+    ),
+    "MATLAB 7.3: complex": (
+        "a.mat",
+        hdf5_bytes(changed("command", TIME + 1j)),
+        [],
+        "command: must be real numbers, got complex",
+    ),
+    "MDF: not one": ("a.mf4", b"hello", [], "must be a ASAM MDF file as its name says"),
+    "MDF: cut": ("a.mf4", lambda folder: mdf_bytes(folder)[:2000], [], "must be a whole ASAM MDF file"),
+    "MDF: missing column": (
+        "a.mf4",
+        lambda folder: mdf_bytes(folder, without("command")),
+        [],
+        "column command: must be in the file",
+    ),
+    "MDF: millimetres": (
+        "a.mf4",
+        lambda folder: mdf_bytes(folder, unit="mm"),
+        [],
+        "unit 'mm'; give --scale position=0.001",
+    ),
+    "MDF: two time bases": ("a.mf4", lambda folder: mdf_bytes(folder, groups=3), [], "must stand in one channel group"),
+    "Parquet: not one": ("a.parquet", b"hello", [], "must be a Parquet file as its name says"),
+    "Parquet: cut": ("a.parquet", parquet_bytes()[:1500], [], "must be a whole Parquet file"),
+    "Parquet: text": (
+        "a.parquet",
+        parquet_bytes(changed("command", ["a"] * 200)),
+        [],
+        "command: must be real numbers, got string",
+    ),
+    "Parquet: null": (
+        "a.parquet",
+        parquet_bytes(changed("command", [None, *[1.0] * 199])),
+        [],
+        "row 0: command: must be a finite number, got null",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeypatch, request):
+    name, content, arguments, message = CASES[case]
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / name
+    if content is None:
+        path.mkdir()
+    elif content is not ...:
+        path.write_bytes(content(tmp_path) if callable(content) else content)
+    before = sorted(tmp_path.rglob("*"))
+    status = main(["audit", name, "--json", "out.json", *arguments])
+    said = capsys.readouterr()
+    if request.config.getoption("capture") == "no":
+        with capsys.disabled():
+            print(f"\n{case:40} {said.err.rstrip()}")
+    assert status == 2
+    assert said.err.count("\n") == 1
+    assert said.err.startswith("cogging: ")
+    assert re.search(message, said.err), said.err
+    assert "Traceback" not in said.err
+    assert sorted(tmp_path.rglob("*")) == before, "nothing is written"
+
+
+def test_a_file_that_may_not_be_read(tmp_path, capsys):
+    path = tmp_path / "a.csv"
+    path.write_bytes(csv_bytes())
+    path.chmod(0)
+    if os.access(path, os.R_OK):
+        pytest.skip("this user may read every file")
+    assert main(["audit", str(path)]) == 2
+    assert "cannot be read: Permission denied" in capsys.readouterr().err
+
+
+def test_a_pipe_does_not_block(tmp_path):
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no pipes on this system")
+    os.mkfifo(tmp_path / "a.csv")
+    with pytest.raises(InputError, match="must be a file, got a device or pipe"):
+        cogging.read_log(tmp_path / "a.csv")
+
+
+def test_metadata_that_are_broken(tmp_path):
+    (tmp_path / "a.csv").write_bytes(csv_bytes())
+    (tmp_path / "a.csv.toml").write_text("seed = \n")
+    with pytest.raises(InputError, match=r"a\.csv\.toml: must be TOML"):
+        cogging.read_log(tmp_path / "a.csv")
+
+
+MODEL = """
+[axis]
+mass = 0.12
+travel = [0.0, 0.51]
+[controller]
+type = "pid"
+sample_rate = 1000
+kp = 1000.0
+"""
+
+
+UNITS = {
+    "position in mm": (
+        changed("position", 25e3 * COLUMNS["position"]),
+        "spans .* m but the model's travel is 0.51 m: give --scale position=0.001 if it is in mm",
+    ),
+    "time in ms": (
+        changed("time", 1e3 * TIME),
+        "rows 1 s apart but .* 1000 Hz: give --scale time=0.001 if it is in ms",
+    ),
+    "reference in mm": (
+        changed("reference", 1e3 * COLUMNS["reference"]),
+        "reference: spans .* but the position .*: give --scale reference=0.001",
+    ),
+    "elsewhere": (changed("position", 5.0 + COLUMNS["position"]), "far outside the model's travel"),
+}
+
+
+@pytest.mark.parametrize(("columns", "message"), UNITS.values(), ids=UNITS)
+def test_units_that_cannot_be_the_models(columns, message, tmp_path, capsys):
+    (tmp_path / "a.csv").write_bytes(csv_bytes(columns))
+    (tmp_path / "model.toml").write_text(MODEL)
+    assert main(["audit", str(tmp_path / "a.csv"), "--model", str(tmp_path / "model.toml")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert re.search(message, error), error
+
+
+# --- mutated files ----------------------------------------------------------------------------------------------------
+
+EDITS = st.lists(
+    st.tuples(
+        st.sampled_from(["flip", "cut", "delete", "insert", "fill"]),
+        st.one_of(st.integers(0, 2047), st.integers(-2048, -1), st.integers(0, 1 << 20)),
+        st.integers(1, 64),
+        st.binary(min_size=1, max_size=16),
+    ),
+    min_size=1,
+    max_size=4,
+)
+
+
+def mutate(content, edits):
+    content = bytearray(content)
+    for kind, at, length, data in edits:
+        if not content:
+            break
+        place = at % len(content)
+        if kind == "flip":
+            content[place] ^= 1 << (length % 8)
+        elif kind == "cut":
+            del content[place:]
+        elif kind == "delete":
+            del content[place : place + length]
+        elif kind == "insert":
+            content[place:place] = data
+        else:
+            content[place : place + len(data)] = data
+    return bytes(content)
+
+
+def read_or_refuse(path):
+    """A mutated log is read, as a whole log, or refused in one line."""
+    log, answer = None, None
+    try:
+        log = cogging.read_log(path)
+    except InputError as error:
+        answer = str(error)
+    if log is None:
+        assert answer.count("\n") == 0
+        assert str(path) in answer
+        return
+    for column in log.columns().values():
+        assert column.shape == log.time.shape
+        assert np.isfinite(column).all()
+    assert (np.diff(log.time) > 0).all()
+
+
+FIXTURE = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+
+
+@settings(derandomize=True, deadline=None, max_examples=400, suppress_health_check=FIXTURE)
+@given(edits=EDITS)
+def test_mutated_text(edits, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_bytes(mutate(csv_bytes(), edits))
+    read_or_refuse(path)
+
+
+@settings(derandomize=True, deadline=None, max_examples=200, suppress_health_check=FIXTURE)
+@given(content=st.one_of(st.binary(max_size=300), st.text(alphabet='time,poscmand;"\t\r\n 0.1eE+-#[]', max_size=200)))
+def test_anything_as_text(content, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_bytes(content if isinstance(content, bytes) else (HEAD + content).encode())
+    read_or_refuse(path)
+
+
+@pytest.fixture(scope="module")
+def originals(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("originals")
+    return {
+        "a.mat": mat_bytes(),
+        "compressed.mat": mat_bytes(compress=True),
+        "hdf5.mat": hdf5_bytes(),
+        "a.mf4": mdf_bytes(folder),
+        "a.parquet": parquet_bytes(),
+    }
+
+
+@pytest.mark.parametrize("name", ["a.mat", "compressed.mat", "hdf5.mat", "a.mf4", "a.parquet"])
+@settings(derandomize=True, deadline=None, max_examples=12, suppress_health_check=FIXTURE)
+@given(edits=EDITS)
+def test_mutated_binary(name, edits, originals, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(mutate(originals[name], edits))
+    read_or_refuse(path)
+
+
+@pytest.mark.parametrize("name", ["a.mat", "compressed.mat", "hdf5.mat", "a.mf4", "a.parquet"])
+def test_what_is_mutated_can_be_read(name, originals, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(originals[name])
+    log = cogging.read_log(path)
+    np.testing.assert_array_equal(log.position, COLUMNS["position"])
+    np.testing.assert_array_equal(log.reference, COLUMNS["reference"])
+    np.testing.assert_allclose(log.time, TIME, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "message"),
+    [
+        ("import os; os.abort()", "ends its reader (signal 6)"),
+        ("import time; time.sleep(60)", "is not read within 2 s"),
+        ("bytearray(1 << 46)", "asks for more memory than there is"),
+        ("raise RuntimeError('two\\nlines')", "got RuntimeError: two lines"),
+        ("raise OSError(28, 'No space left')", "cannot be read: no room for temporary files: No space left"),
+        (
+            "raise ModuleNotFoundError('no', name='scipy')",
+            "needs scipy to read a MATLAB file: pip install 'cogging[matlab]'",
+        ),
+    ],
+)
+def test_a_reader_that_fails_in_any_way(behaviour, message, originals, tmp_path, monkeypatch):
+    path = tmp_path / "a.mat"
+    path.write_bytes(originals["a.mat"])
+    reader = f"('MATLAB file', 'matlab', lambda request: exec({behaviour!r}))"
+    start = f"import cogging.logs.readers.apart as apart; apart.FORMATS['matlab'] = {reader}; "
+    monkeypatch.setattr(apart, "SECONDS", 2.0)
+    monkeypatch.setattr(apart, "START", apart.START.replace("from cogging", f"{start}from cogging", 1))
+    with pytest.raises(InputError) as caught:
+        cogging.read_log(path)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,166 @@
+"""The numbers of a model by path, and the sizes against which they are judged."""
+
+import numpy as np
+import pytest
+
+from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
+from cogging.identification.determinability import size_of
+from cogging.model.difference_steps import central, one_sided
+from cogging.model.parameters import Parameter, Scales, effect_at, effect_paths, paths_in, role_of, with_values
+
+SCALES = Scales(force=2.0, position=0.5, velocity=0.4, acceleration=5.0, time=20.0, sample_time=2e-4)
+
+
+@pytest.fixture
+def model():
+    basis = SplineHarmonics(pitch=0.05, harmonics=[1, 2], control_points=3)
+    return Model(
+        axis=AxisParameters(mass=1.5, viscous=2.0, coulomb=0.7, coulomb_width=1e-3),
+        cogging=CoggingModel(basis, np.arange(6.0).reshape(2, 3), -np.arange(6.0).reshape(2, 3)),
+        effects=(
+            EFFECTS["constant_force"](force=0.3),
+            EFFECTS["cogging_harmonic"](period=0.024, sine=0.1),
+            EFFECTS["position_dependent_friction"](nodes=[0.0, 0.2], levels=[0.1, -0.1]),
+            EFFECTS["cogging_harmonic"](period=0.016, cosine=0.2),
+            EFFECTS["command_saturation"](),
+            EFFECTS["end_effect"](force=0.1, decay_length=0.01, travel=[0.0, 0.5]),
+        ),
+        uncertainty={"mass": 0.03},
+    )
+
+
+def test_every_number_has_a_path_that_with_values_follows(model):
+    known = parameters_of(model)
+    assert known["axis.mass"] == Parameter("axis.mass", 1.5, "V/(m/s^2)", 0.03)
+    assert known["axis.coulomb"].uncertainty is None
+    assert known["cogging.cosine[1][2]"].value == -5.0
+    assert known["effects.cogging_harmonic[1].period"].value == 0.016
+    assert known["effects.position_dependent_friction.levels[1]"].unit == "V"
+    for path in known:
+        moved = parameters_of(with_values(model, {path: 0.123}))
+        assert moved[path].value == 0.123
+        assert {p: v for p, v in moved.items() if p != path} == {p: v for p, v in known.items() if p != path}
+
+
+def test_several_values_change_together_and_the_model_itself_does_not(model):
+    values = {
+        "axis.mass": 2.0,
+        "cogging.sine[0][0]": 9.0,
+        "cogging.sine[1][1]": 8.0,
+        "effects.constant_force.force": 7.0,
+    }
+    moved = parameters_of(with_values(model, values))
+    assert {path: moved[path].value for path in values} == values
+    assert parameters_of(model)["axis.mass"].value == 1.5
+    assert with_values(model, {}) is model
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("axis.weight", 1.0, "axis.weight: must be a parameter of the model"),
+        ("effects.cable_spring.stiffness", 1.0, "effects.cable_spring.stiffness: must be a parameter"),
+        ("effects.cogging_harmonic.period", 1.0, "must be a parameter"),  # there are two
+        ("cogging.sine", 1.0, "cogging.sine: must be a parameter"),
+        ("effects.position_dependent_friction.levels[x]", 1.0, "must be a parameter"),
+        ("axis.mass", -1.0, "mass"),
+        ("effects.cogging_harmonic[0].period", 0.0, "period"),
+    ],
+)
+def test_a_wrong_path_or_value_is_named(model, path, value, message):
+    with pytest.raises(ValueError, match=message):
+        with_values(model, {path: value})
+
+
+def test_effects_that_stand_once_need_no_number(model):
+    assert [path for path, _ in effect_paths(model.effects)] == [
+        "effects.constant_force",
+        "effects.cogging_harmonic[0]",
+        "effects.position_dependent_friction",
+        "effects.cogging_harmonic[1]",
+        "effects.command_saturation",
+        "effects.end_effect",
+    ]
+
+
+def test_roles(model):
+    roles = {path: role_of(model, path) for path in parameters_of(model)}
+    assert roles["axis.mass"] == roles["cogging.sine[0][0]"] == roles["effects.constant_force.force"] == "amplitude"
+    assert roles["axis.coulomb_width"] == roles["effects.cogging_harmonic[1].period"] == "shape"
+    assert roles["effects.position_dependent_friction.levels[0]"] == "amplitude"
+    assert roles["effects.end_effect.travel[0]"] == "setting"
+
+
+def test_sizes(model):
+    known = parameters_of(model)
+    sizes = {path: size_of(model, parameter, SCALES) for path, parameter in known.items()}
+    assert sizes["axis.mass"] == 1.5  # itself
+    assert sizes["effects.constant_force.force"] == 2.0  # what would do as much as the command
+    assert sizes["effects.cogging_harmonic[0].period"] == 0.024
+    assert sizes["effects.position_dependent_friction.levels[0]"] == 0.7  # the Coulomb level
+
+
+@pytest.mark.parametrize("unit", ["V", "V/m", "V/(m/s)", "V/(m/s)^2", "V/(m/s^2)", "m", "m/s", "s", "Hz", "1"])
+def test_a_step_is_small_and_above_zero_whatever_the_unit(unit):
+    for value in (0.0, 0.01 * SCALES.of(unit), -SCALES.of(unit)):
+        step = SCALES.step(Parameter("effects.x.y", value, unit))
+        assert 0.0 < step <= 1e-2 * max(abs(value), SCALES.of(unit))
+
+
+def test_the_effect_at_a_path(model):
+    assert effect_at(model, "effects.constant_force.force") is model.effects[0]
+    assert effect_at(model, "effects.cogging_harmonic[1].period") is model.effects[3]
+    assert effect_at(model, "effects.position_dependent_friction.levels[1]") is model.effects[2]
+    for path in ("effects.cable_spring.stiffness", "effects.constant_force.stiffness", "axis.mass"):
+        with pytest.raises(ValueError, match=f"{path}: must be a parameter of an effect"):
+            effect_at(model, path)
+
+
+def test_largest_scales_are_the_largest_and_the_shortest_sample_time():
+    other = Scales(force=1.0, position=0.7, velocity=0.1, acceleration=9.0, time=5.0, sample_time=1e-4)
+    assert Scales.largest(iter([SCALES, other])) == Scales(2.0, 0.7, 0.4, 9.0, 20.0, 1e-4)
+
+
+def test_a_step_of_a_fit_stays_where_the_parameter_may_be():
+    assert Parameter("axis.mass", 2.0, "V/(m/s^2)").clipped(-1.0) == pytest.approx(0.2)
+    assert Parameter("axis.coulomb_width", 1e-3, "m/s").clipped(0.0) == pytest.approx(1e-4)
+    assert Parameter("axis.coulomb", 2.0, "V").clipped(-1.0) == 0.0
+    assert Parameter("axis.coulomb", 2.0, "V").clipped(0.1) == 0.1
+    assert Parameter("effects.constant_force.force", 2.0, "V").clipped(-1.0) == -1.0
+
+
+def test_difference_steps_stay_within_the_rules_of_the_fields(model):
+    coulomb = parameters_of(model)["axis.coulomb"]
+    both = central(model, coulomb, 0.1)
+    assert (both.above.axis.coulomb, both.below.axis.coulomb) == pytest.approx((0.8, 0.6))
+    assert both.span == pytest.approx(0.2)
+    up = central(model, coulomb, 0.9)  # down would be below zero
+    assert (up.above.axis.coulomb, up.below, up.span) == (pytest.approx(1.6), model, pytest.approx(0.9))
+    assert one_sided(model, coulomb, 0.1).span == 0.1
+    travel = parameters_of(model)["effects.end_effect.travel[0]"]  # below travel[1]
+    up = with_values(model, {"effects.end_effect.travel[1]": travel.value + 0.01})
+    down = one_sided(up, travel, 0.02)
+    assert down.span == -0.02
+    assert effect_at(down.above, travel.path).travel[0] == pytest.approx(travel.value - 0.02)
+    assert central(up, travel, 0.02).span == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("step", [central, one_sided])
+def test_a_parameter_that_no_step_may_move_is_named(model, step):
+    with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
+        step(model, parameters_of(model)["axis.mass"], np.nan)
+
+
+def test_a_path_of_an_effect_that_was_alone_is_that_of_the_first():
+    """A second of its name joins, and the first is still found."""
+    step = EFFECTS["disturbance_step"](force=0.1, start=1.0, stop=2.0)
+    spring = EFFECTS["cable_spring"](stiffness=0.3)
+    axis = AxisParameters(mass=1.0)
+    alone = Model(axis=axis, effects=(step, spring))
+    joined = alone.replace(effects=(step, spring, step.replace(force=0.7)))
+    paths = list(parameters_of(alone))
+    assert paths_in(alone, paths) == paths
+    values = parameters_of(joined)
+    assert [values[path].value for path in paths_in(joined, paths)] == [
+        parameter.value for parameter in parameters_of(alone).values()
+    ]

@@ -1,0 +1,177 @@
+"""Plants that are fast beside their sample time: the simulator takes as many steps as it needs, or says that it cannot.
+
+A second plant (scipy_plant.py), written from the formulas and integrated by scipy at tight tolerances, says what is
+right. Both are driven by given commands, so that nothing takes an error back.
+"""
+
+import numpy as np
+import pytest
+
+import cogging
+from tests.fixtures.random_plants import Driven, draw
+from tests.fixtures.scipy_plant import ScipyPlant
+
+TWO_PI = 2 * np.pi
+SHARE = 1e-6  # of the motion: what may be wrong
+STIFFEST = 1e5  # of friction's rate times the sample time: below it no plant is refused
+
+
+def error_of(driven, **options):
+    """The largest error of the position, as a share of the motion."""
+    simulated = driven.simulated(**options)
+    expected = driven.expected()
+    wrong = np.abs(simulated - expected)[:, 0].max()
+    return wrong / np.ptp(expected[:, 0]) if wrong > 0.0 else 0.0  # some stick for all of the run
+
+
+def check(seeds, fastest):
+    """Errors of the machines that run, by seed; those refused must be stiff, and are told their rate."""
+    errors, refused, unsolved = {}, 0, 0
+    for seed in seeds:
+        driven = draw(seed, fastest)
+        try:
+            errors[seed] = error_of(driven)
+        except ValueError as error:
+            text = str(error)
+            if text == "f(a) and f(b) must have different signs":  # scipy's search for a stop
+                unsolved += 1
+                continue
+            refused += 1
+            assert text.startswith(("axis: must change slowly enough", "stiffness, frequency: must need at most")), text
+            assert driven.stiffness > STIFFEST, (seed, text)
+    assert unsolved <= len(seeds) // 100
+    wrong = {seed: error for seed, error in errors.items() if not error <= SHARE}
+    return errors, refused, wrong
+
+
+def test_every_effect_that_acts_on_the_motion_is_drawn():
+    drawn = {name for seed in range(400) for name, _ in draw(seed, 100.0).plant.effects}
+    assert drawn | {"encoder_periodic_error", "encoder_scale_error"} == set(cogging.EFFECTS)
+
+
+def test_random_plants_are_those_of_scipy():
+    errors, refused, wrong = check(range(60), fastest=100.0)
+    assert not wrong
+    assert refused == 0
+    assert len(errors) == 60
+
+
+@pytest.mark.study
+def test_five_hundred_plants_up_to_stiff_are_those_of_scipy_or_refused():
+    """pytest tests/plant/test_fast_plants.py -m study -s (20 minutes); prints what docs/evidence.md shows."""
+    errors, refused, wrong = check(range(1000, 1500), fastest=3000.0)
+    values = np.array(list(errors.values()))
+    shown = ", ".join(f"{q:.0%} {np.quantile(values, q):.1e}" for q in (0.5, 0.9, 0.99, 1.0))
+    print(f"\n{len(errors)} plants, error over motion: {shown}; {refused} refused, {len(wrong)} above {SHARE}")
+    assert not wrong
+    assert refused < 25
+
+
+# What was found wrong, one by one: one step a sample throughout ---------------------------------------------
+
+
+@pytest.mark.parametrize("multiple", [0.4, 0.5, 0.999, 1.0, 1.5, 2.0, 7.0])
+def test_a_tone_at_any_multiple_of_the_sample_rate(multiple):
+    """A tone at the sample rate acted as a constant force."""
+    rate, mass, viscous = 1000.0, 0.2, 4.0
+    f = multiple * rate
+    tone = {"frequency": f, "sine": 0.7, "cosine": 0.9}
+    driven = Driven(rate, np.zeros(200), 0.0, 0.0, ScipyPlant(mass, viscous, effects=[("disturbance_tone", tone)]))
+    t, w, decay = driven.time, TWO_PI * f, viscous / mass
+    # v' = -decay v + Re((cosine - i sine) exp(i w t)) / mass, from rest, in closed form.
+    gain = (tone["cosine"] - 1j * tone["sine"]) / mass / (1j * w + decay)
+    x = (gain * ((np.exp(1j * w * t) - 1) / (1j * w) + (np.exp(-decay * t) - 1) / decay)).real
+    assert np.abs(driven.simulated()[:, 0] - x).max() < SHARE * np.ptp(x)
+
+
+@pytest.mark.parametrize("coulomb", [0.0, 0.3])
+@pytest.mark.parametrize("stiff", [2.5, 2.9, 5.0, 30.0, 1e3, 3e4])
+def test_viscous_friction_however_fast(stiff, coulomb):
+    """Above 2.8 a run diverged falsely, or came to rest without a word where the axis sticks."""
+    rate, viscous = 1000.0, 2.0
+    commands = 1.5 * np.sign(np.sin(np.arange(60) / 6.5))
+    plant = ScipyPlant(viscous / rate / stiff, viscous, coulomb)
+    driven = Driven(rate, commands, 0.0, 0.0, plant)
+    x, v = driven.simulated().T
+    # Each sample by the closed form: v goes to its limit with the rate viscous / mass; what turns in it, turns at once.
+    if coulomb == 0.0:
+        decay, expected, speed = viscous / plant.mass, [0.0], 0.0
+        for u in commands[:-1]:
+            limit = u / viscous
+            expected.append(expected[-1] + limit / rate + (speed - limit) * -np.expm1(-decay / rate) / decay)
+            speed = limit + (speed - limit) * np.exp(-decay / rate)
+        assert np.abs(x - expected).max() < SHARE * np.ptp(expected)
+    else:
+        expected = driven.expected()[:, 0]
+        assert np.abs(x - expected).max() < SHARE * np.ptp(expected)
+    assert np.abs(v[-1]) == pytest.approx((1.5 - coulomb) / viscous, rel=1e-6)
+
+
+@pytest.mark.parametrize("period", [2e-6, 20e-6, 200e-6, 2e-3])
+def test_a_short_period_at_speed(period):
+    """20 um at 0.3 m/s, 5 kHz: 18 % wrong. The energy of the harmonic bounds the speed: no force adds up."""
+    plant = ScipyPlant(0.2, effects=[("cogging_harmonic", {"period": period, "sine": 0.6, "cosine": -0.8})])
+    driven = Driven(5000.0, np.zeros(100), 0.0, 0.3, plant)
+    assert error_of(driven) < SHARE
+    x, v = driven.simulated().T
+    w = TWO_PI / period
+    energy = 0.1 * v**2 + (-0.6 * np.cos(w * x) - 0.8 * np.sin(w * x)) / w
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("mass", [1e-4, 1e-6, 1e-8])
+def test_a_mass_that_is_nearly_none(mass):
+    """1e-8 erred by 0.13 m: the axis follows u / viscous, and nothing else."""
+    rate, viscous = 5000.0, 0.166
+    commands = 0.2 * np.sin(TWO_PI * 5 * np.arange(1000) / rate)
+    x, v = Driven(rate, commands, 0.0, 0.0, ScipyPlant(mass, viscous)).simulated().T
+    lag = mass / viscous
+    expected = np.concatenate([[0.0], np.cumsum(commands[:-1]) / viscous / rate]) - lag * v
+    assert np.abs(x - expected).max() < SHARE * np.ptp(expected)
+
+
+def test_what_cannot_be_followed_is_refused_with_its_rate():
+    driven = Driven(1000.0, np.ones(5), 0.0, 0.0, ScipyPlant(1e-12, 1.0))
+    with pytest.raises(ValueError, match=r"^axis: must change slowly enough to be integrated in 1e5 steps .* 1/s$"):
+        driven.simulated()
+
+
+@pytest.mark.parametrize("coulomb_width", [0.0, 1e-3])
+def test_a_run_that_diverges_is_no_rest(coulomb_width):
+    """An unstable loop, with sticking too, ends as diverged: it never comes to rest at a number that is none."""
+    axis = cogging.AxisParameters(mass=0.1, viscous=0.2, coulomb=0.1, coulomb_width=coulomb_width, travel=[-1.0, 1.0])
+    lag = cogging.effects.ActuatorLag(time_constant=2e-3)
+    controller = cogging.Pid(cogging.PidParameters(sample_rate=1000.0, kp=1e6, kd=1e3))
+    reference = cogging.Sine(cogging.SineParameters(amplitude=0.1, frequency=2.0))
+    with pytest.raises(cogging.DivergedError, match=r"^the run diverged at 0\.\d+ s"):
+        cogging.closed_loop(cogging.Plant(axis, effects=[lag]), controller, reference, duration=1.0)
+
+
+@pytest.mark.parametrize("steps", [2, 3, 10])
+def test_more_steps_give_no_other_result(steps):
+    """What a user asks for is the least: the result does not hang on it."""
+    for seed in range(10):
+        driven = draw(seed, 20.0)
+        one, more = driven.simulated()[:, 0], driven.simulated(steps_per_sample=steps)[:, 0]
+        assert np.abs(one - more).max() < SHARE * np.ptp(one)
+
+
+@pytest.mark.parametrize(
+    "neutral",
+    [
+        cogging.effects.ForceConstantDrift(change=0.0, time_constant=1e-300),
+        cogging.effects.CoggingHarmonic(period=1e-200),
+        cogging.effects.DisturbanceTone(frequency=1e200),
+        cogging.effects.EndEffect(decay_length=1e-200, travel=[-1.0, 1.0]),
+    ],
+    ids=lambda effect: effect.NAME,
+)
+def test_an_effect_of_no_size_is_never_too_fast(neutral):
+    """However quickly what is not there would change."""
+    axis = cogging.AxisParameters(mass=0.2, viscous=1.0)
+    controller, reference = cogging.Pid(cogging.PidParameters(kp=50.0)), cogging.Sine(cogging.SineParameters())
+    runs = [
+        cogging.closed_loop(cogging.Plant(axis, effects=effects), controller, reference, duration=0.05)
+        for effects in ([neutral], [])
+    ]
+    np.testing.assert_array_equal(runs[0]["true_position"], runs[1]["true_position"])

@@ -1,0 +1,931 @@
+"""The plant against force balances by hand, an independent integrator, and closed forms of stick and slip."""
+
+import math
+import pickle
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+import cogging
+from tests.fixtures.plants_by_hand import EXAMPLES, TWO_PI, driven, effect, exact_axis, example, free, pid, sine, wave
+
+
+def atan_sign(v, width):
+    """S(v) = (2/pi) atan(v / width), eq. 2 in the smooth form of the contract."""
+    return 2 / np.pi * np.arctan(v / width)
+
+
+# As many as can stand in one plant: an axis has one load.
+TOGETHER = sorted(set(EXAMPLES) - {"backlash"})
+
+
+def law(*names):
+    """The laws of several effects as one: forces, levels, gains, errors and delays add, shapes follow each other."""
+    parts = [EXAMPLES[name][1] for name in names]
+
+    def added(key):
+        laws = [part[key] for part in parts if key in part]
+        return lambda *where: sum(one(*where) for one in laws)
+
+    def shape(u):
+        for part in parts:
+            u = part["shape"](u) if "shape" in part else u
+        return u
+
+    one = {key: value for part in parts for key, value in part.items() if key in ("bristle", "coupling")}
+    return one | {
+        **{key: added(key) for key in ("force", "level", "gain", "reading_error")},
+        "shape": shape,
+        "delay": sum(p.get("delay", 0.0) for p in parts),
+        "lag": sum(p.get("lag", 0.0) for p in parts),
+        "breaks": [b for p in parts for b in p.get("breaks", [])],
+    }
+
+
+def replay(log, axis, effects, cogging_force):
+    """True position and velocity at the samples from the logged commands, by Dormand-Prince 8(5,3) in pieces.
+
+    A piece ends where a command arrives (its sample plus the delay) or a law jumps. The state is x, v, output of the
+    amplifier, bristle, load less motor and its rate.
+    """
+    t, x0, v0 = log["time"], log["true_position"][0], log["true_velocity"][0]
+    u = effects["shape"](log["command"])
+    arrival = t + effects["delay"]
+    edges = np.concatenate([t, arrival, effects["breaks"]])
+    edges = np.unique(np.round(edges[(edges >= t[0]) & (edges <= t[-1])], 12))
+    tau = effects["lag"]
+    pull, ratio = effects.get("coupling", (lambda q, r: 0.0, 0.0))
+
+    def rhs(time, state, command):
+        x, v, f, z, q, r = state
+        level = max(axis.coulomb + effects["level"](x, v), 0.0)
+        friction, bristle_rate = level * atan_sign(v, axis.coulomb_width), 0.0
+        if "bristle" in effects:
+            stiffness, damping = effects["bristle"]
+            bristle_rate = v - stiffness * abs(v) * z / level
+            friction = stiffness * z + damping * bristle_rate
+        drive = (f if tau > 0 else command) * (1 + effects["gain"](x, time))
+        total = drive - axis.viscous * v - friction - cogging_force(x) + effects["force"](x, v, time) + pull(q, r)
+        acceleration = total / (axis.mass * (1 - ratio))
+        relative = -pull(q, r) / (axis.mass * ratio) - acceleration if ratio else 0.0
+        return [v, acceleration, (command - f) / tau if tau > 0 else 0.0, bristle_rate, r, relative]
+
+    state = np.array([x0, v0, 0.0, 0.0, 0.0, 0.0])
+    states = [state[:2]]
+    for start, stop in pairwise(edges):
+        index = np.searchsorted(arrival, 0.5 * (start + stop), side="right") - 1
+        command = u[index] if index >= 0 else 0.0
+        inside = np.nextafter(stop, start)  # a law that jumps at the edge is not felt in this piece
+        solved = solve_ivp(rhs, (start, inside), state, "DOP853", args=(command,), rtol=1e-11, atol=1e-13)
+        assert solved.success
+        state = solved.y[:, -1]
+        if np.abs(t - stop).min() < 1e-9:
+            states.append(state[:2])
+    return np.array(states).T
+
+
+# Force balance ---------------------------------------------------------------------------------------------
+
+
+def test_every_effect_has_an_example_here():
+    assert set(EXAMPLES) == set(cogging.EFFECTS)
+    for name, kind in cogging.EFFECTS.items():
+        assert name == kind.NAME
+        assert set(EXAMPLES[name][0]) == set(kind.FIELDS)
+        for field, value in EXAMPLES[name][0].items():
+            assert getattr(kind(), field) != value, "an example has to differ from the default"
+
+
+def test_acceleration_is_eq_10():
+    rng = np.random.default_rng(1)
+    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2, 3], order=3, control_points=13)
+    for _ in range(200):
+        axis = cogging.AxisParameters(
+            mass=rng.uniform(0.05, 2),
+            viscous=rng.uniform(0, 1),
+            coulomb=rng.uniform(0, 1),
+            coulomb_width=10 ** rng.uniform(-4, -1),
+        )
+        model = cogging.CoggingModel(basis, *rng.normal(size=(2, 3, 13)))
+        x, v, u = rng.uniform(0, 0.5), rng.normal(), rng.normal()
+        friction = axis.viscous * v + axis.coulomb * atan_sign(v, axis.coulomb_width)
+        shapes = basis.regressor(np.array([x]))[0]
+        expected = (u - friction - shapes @ model.coefficients) / axis.mass
+        got = cogging.Plant(axis, cogging=model).acceleration(position=x, velocity=v, command=u)
+        assert got == pytest.approx(expected, rel=1e-12, abs=1e-12)
+        bare = cogging.Plant(axis).acceleration(position=x, velocity=v, command=u)
+        assert bare == pytest.approx((u - friction) / axis.mass, rel=1e-13, abs=1e-13)
+
+
+def test_width_zero_is_the_sign():
+    plant = cogging.Plant(cogging.AxisParameters(mass=2.0, coulomb=0.5))
+    for v, expected in ((0.3, -0.25), (-1e-300, 0.25), (0.0, 0.0)):
+        assert plant.acceleration(position=0.0, velocity=v, command=0.0) == expected
+
+
+# What an effect answers, by what it is called in EXAMPLES: hook and method.
+ANSWERS = {
+    "force": ("force", "force_at"),
+    "level": ("friction_level", "friction_level_at"),
+    "gain": ("command_gain", "gain_at"),
+    "shape": ("shape_command", "shape_at"),
+    "reading_error": ("reading", "reading_at"),
+    "delay": ("command_delay", None),
+    "lag": ("lag", None),
+    "bristle": ("state", None),
+    "coupling": ("state", None),
+}
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+def test_each_law_is_its_formula(name):
+    """Each law alone, on scalars and arrays, and what forces, levels and gains do in the force balance."""
+    one, by_hand = example(name), EXAMPLES[name][1]
+    assert {ANSWERS[key][0] for key in by_hand if key in ANSWERS} == set(one.HOOKS)
+    for key, (_, method) in ANSWERS.items():
+        assert method is None or hasattr(one, method) == (key in by_hand)
+    axis = cogging.AxisParameters(mass=0.4, viscous=0.2, coulomb=0.3, coulomb_width=0.01)
+    plant, bare = cogging.Plant(axis, effects=[one]), cogging.Plant(axis)
+    rng = np.random.default_rng(2)
+    x, u, t = rng.uniform(-0.1, 0.5, 200), rng.normal(size=200), rng.uniform(0, 0.4, 200)
+    v = np.append(rng.normal(size=199) * 10 ** rng.uniform(-4, 0, 199), 0.0)
+
+    def answers(method, expected, **where):
+        got = getattr(one, method)(**where)
+        np.testing.assert_allclose(got, expected, rtol=1e-12, atol=1e-13)
+        first = getattr(one, method)(**{key: values[0] for key, values in where.items()})
+        assert isinstance(first, float)
+        assert first == got[0]
+
+    if "shape" in by_hand:
+        answers("shape_at", by_hand["shape"](u), command=u)
+    if "reading_error" in by_hand:
+        answers("reading_at", x + by_hand["reading_error"](x), position=x)
+    added = np.zeros(200)
+    if "force" in by_hand:
+        added = by_hand["force"](x, v, t) * np.ones(200)
+        answers("force_at", added, position=x, velocity=v, time=t)
+    if "level" in by_hand:
+        level = by_hand["level"](x, v)
+        answers("friction_level_at", level, position=x, velocity=v, time=t)
+        added = -level * atan_sign(v, 0.01)
+    if "gain" in by_hand:
+        added = by_hand["gain"](x, t) * 0.7
+        answers("gain_at", by_hand["gain"](x, t), position=x, time=t)
+    for i in range(200):
+        where = {"position": x[i], "velocity": v[i], "time": t[i]}
+        difference = plant.acceleration(**where, command=0.7) - bare.acceleration(**where, command=0.7)
+        assert difference == pytest.approx(added[i] / 0.4, rel=1e-11, abs=1e-12)
+
+
+def test_forces_of_several_effects_add():
+    axis = cogging.AxisParameters(mass=0.4, coulomb=0.3, coulomb_width=0.01)
+    together = cogging.Plant(axis, effects=[example(name) for name in TOGETHER])
+    where = {"position": 0.013, "velocity": -0.021, "time": 0.15, "command": 0.4}
+    bare = cogging.Plant(axis).acceleration(**where)
+    parts = [cogging.Plant(axis, effects=[example(name)]).acceleration(**where) - bare for name in TOGETHER]
+    got = together.acceleration(**where)
+    assert got - bare == pytest.approx(sum(parts), rel=1e-12)
+    twice = cogging.Plant(axis, effects=[example("cable_spring")] * 2).acceleration(**where)
+    assert twice - bare == pytest.approx(2 * parts[TOGETHER.index("cable_spring")], rel=1e-12)
+
+
+# Whole runs against the independent integrator -------------------------------------------------------------
+
+SMOOTH = cogging.AxisParameters(mass=0.3, viscous=0.8, coulomb=0.2, coulomb_width=0.05)
+PERIODIC = cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2]), [[0.3], [-0.1]], [[0.1], [0.2]])
+
+
+def periodic_by_hand(x):
+    w = TWO_PI / 0.05
+    return 0.3 * np.sin(w * x) + 0.1 * np.cos(w * x) - 0.1 * np.sin(2 * w * x) + 0.2 * np.cos(2 * w * x)
+
+
+def tracking_run(effects, sample_rate=200.0, duration=0.4, steps=32, axis=SMOOTH):
+    plant = cogging.Plant(axis, cogging=PERIODIC, effects=effects)
+    controller = pid(sample_rate, kp=120.0, ki=300.0, kd=4.0, mass=0.3)
+    reference = sine(center=0.05, amplitude=0.03, frequency=4.0)
+    return cogging.closed_loop(plant, controller, reference, duration=duration, steps_per_sample=steps)
+
+
+def assert_replayed(log, *names, tolerance=1e-9):
+    x, v = replay(log, SMOOTH, law(*names), periodic_by_hand)
+    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=tolerance * 100)
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+def test_a_run_with_each_effect_is_the_independent_integration(name):
+    log = tracking_run([example(name)], steps=512)
+    assert_replayed(log, name)
+    shown = law(name)["reading_error"](log["true_position"])
+    np.testing.assert_allclose(log["position"], log["true_position"] + shown, rtol=0, atol=1e-15)
+    without = tracking_run([], steps=512)
+    assert np.abs(log["true_position"] - without["true_position"]).max() > 1e-6  # it does something
+
+
+def test_a_run_without_effects_and_one_with_all_of_them():
+    assert_replayed(tracking_run([], steps=512))
+    assert_replayed(tracking_run([example(name) for name in TOGETHER], steps=512), *TOGETHER)
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+@pytest.mark.parametrize(
+    "axis",
+    [SMOOTH, SMOOTH.replace(coulomb_width=0.0), SMOOTH.replace(coulomb_width=0.0, coulomb=0.0)],
+    ids=["smooth", "exact", "frictionless"],
+)
+def test_an_effect_with_neutral_parameters_vanishes(name, axis):
+    """A whole run, bit for bit; 1e-12 where a friction law cuts the steps of a frictionless axis."""
+    neutral = tracking_run([cogging.EFFECTS[name]()], axis=axis)
+    without = tracking_run([], axis=axis)
+    for column in without:
+        if axis.coulomb == 0.0 and hasattr(cogging.EFFECTS[name], "friction_level_at"):
+            scale = np.abs(without[column]).max()
+            np.testing.assert_allclose(neutral[column], without[column], rtol=0, atol=1e-12 * scale)
+        else:
+            np.testing.assert_array_equal(neutral[column], without[column])
+
+
+# Integration -----------------------------------------------------------------------------------------------
+
+
+def test_runge_kutta_is_of_fourth_order():
+    """On a plant whose forces have four derivatives: smooth friction, order-6 splines, spring, tone, lag."""
+    rng = np.random.default_rng(3)
+    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2], order=6, origin=-0.1, control_points=12)
+    model = cogging.CoggingModel(basis, *(0.2 * rng.normal(size=(2, 2, 12))))
+    effects = [example(n) for n in ("cable_spring", "disturbance_tone", "actuator_lag", "cogging_harmonic")]
+    plant = cogging.Plant(SMOOTH, cogging=model, effects=effects)
+    reference = sine(center=0.1, amplitude=0.04, frequency=3.0)
+    controller = pid(200.0, kp=60.0, ki=100.0, kd=3.0)
+
+    def positions(steps):
+        options = {"duration": 0.6, "steps_per_sample": steps}
+        return cogging.closed_loop(plant, controller, reference, **options)["true_position"]
+
+    finest = positions(512)
+    errors = np.array([np.std(positions(n) - finest) for n in (16, 32, 64)])
+    slopes = np.log2(errors[:-1] / errors[1:])
+    assert errors[-1] > 1e-14  # above rounding
+    np.testing.assert_allclose(slopes, 4.0, rtol=0, atol=0.15)
+    # Where so few would not be accurate it takes more by itself.
+    few = np.array([np.std(positions(n) - finest) for n in (1, 2, 4, 8)])
+    assert (few < 1e-8 * np.ptp(finest)).all()
+    assert few.max() < 1.1 * few.min()
+
+
+def test_the_closed_loop_is_the_independent_one_step_by_step():
+    """Controller called from Python each sample, the axis integrated by scipy under the held command."""
+    controller = pid(200.0, kp=120.0, ki=300.0, kd=4.0, mass=0.3)
+    reference = sine(center=0.05, amplitude=0.03, frequency=4.0)
+    log = tracking_run([], duration=0.3, steps=64)
+    t = np.arange(61) / 200.0
+    np.testing.assert_array_equal(log["time"], t)
+    wanted = reference.sample(t)
+    for column, values in zip(("reference", "reference_velocity", "reference_acceleration"), wanted, strict=True):
+        np.testing.assert_array_equal(log[column], values)
+
+    def rhs(_, s, u):
+        friction = SMOOTH.viscous * s[1] + SMOOTH.coulomb * atan_sign(s[1], SMOOTH.coulomb_width)
+        return [s[1], (u - friction - periodic_by_hand(s[0])) / SMOOTH.mass]
+
+    state = np.array([wanted[0][0], 0.0])
+    for k in range(61):
+        x_r, v_r, a_r = (column[k] for column in wanted)
+        u = controller.command(reference=x_r, reference_velocity=v_r, reference_acceleration=a_r, reading=state[0])
+        controller.update(u)
+        assert log["true_position"][k] == pytest.approx(state[0], abs=1e-10)
+        assert log["true_velocity"][k] == pytest.approx(state[1], abs=1e-8)
+        assert log["command"][k] == pytest.approx(u, abs=1e-6)
+        state = solve_ivp(rhs, (0, 1 / 200.0), state, "DOP853", args=(u,), rtol=1e-12, atol=1e-14).y[:, -1]
+
+
+# Amplifier -------------------------------------------------------------------------------------------------
+
+
+def linear_axis(commands, sample_time, mass, viscous, delay=0.0, time_constant=0.0):
+    """States (x, v, f) at the samples by matrix exponentials: M v' = f - B v, tau f' = u(t - delay) - f."""
+    if time_constant > 0:
+        A = np.array([[0, 1, 0], [0, -viscous / mass, 1 / mass], [0, 0, -1 / time_constant]])
+        b = np.array([0, 0, 1 / time_constant])
+    else:  # f = u is no state
+        A = np.array([[0, 1, 0], [0, -viscous / mass, 0], [0, 0, 0]], dtype=float)
+        b = np.array([0, 1 / mass, 0])
+    whole, part = divmod(delay / sample_time, 1.0)
+    held = np.concatenate([np.zeros(int(whole) + 1), commands])
+
+    def move(state, u, duration):
+        block = np.zeros((4, 4))
+        block[:3, :3], block[:3, 3] = A, b * u
+        return (expm(block * duration) @ np.append(state, 1.0))[:3]
+
+    states = [np.zeros(3)]
+    for k in range(len(commands) - 1):
+        state = move(states[-1], held[k], part * sample_time)  # the command before
+        states.append(move(state, held[k + 1], (1 - part) * sample_time))
+    return np.array(states)
+
+
+@pytest.mark.parametrize("samples", [0.0, 0.25, 0.999, 1.0, 1.7, 3.0, 12.4375])
+@pytest.mark.parametrize("time_constant", [0.0, 0.0004, 0.02])
+def test_delay_and_lag_are_exact(samples, time_constant):
+    rate = 1000.0
+    commands = np.random.default_rng(4).normal(size=40)
+    effects = [
+        effect("command_delay", delay=samples / rate),
+        effect("actuator_lag", time_constant=time_constant),
+    ]
+    plant = cogging.Plant(cogging.AxisParameters(mass=0.2, viscous=0.7), effects=effects)
+    log = driven(plant, commands, rate, steps_per_sample=64)
+    expected = linear_axis(commands, 1 / rate, 0.2, 0.7, samples / rate, time_constant)
+    # The current loop itself is exact; Runge-Kutta integrates its exponential as Simpson's rule does.
+    decay = 1 / (64 * rate * time_constant) if time_constant else 0.0
+    tolerance = (1e-11 + decay**4 / 2880) * np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(log["true_position"], expected[:, 0], rtol=0, atol=tolerance[0])
+    np.testing.assert_allclose(log["true_velocity"], expected[:, 1], rtol=0, atol=tolerance[1])
+
+
+@pytest.mark.parametrize("samples", [0.03, 0.2, 0.7, 2.0])
+def test_a_current_loop_faster_than_the_sample_is_followed(samples):
+    """One step a sample answers as 64 do: the impulse of the lag is the command times its time constant."""
+    rate = 1000.0
+    commands = np.random.default_rng(14).normal(size=60)
+    effects = [effect("actuator_lag", time_constant=samples / rate)]
+    plant = cogging.Plant(cogging.AxisParameters(mass=0.2, viscous=0.7), effects=effects)
+    expected = linear_axis(commands, 1 / rate, 0.2, 0.7, 0.0, samples / rate)
+    without = linear_axis(commands, 1 / rate, 0.2, 0.7, 0.0, 0.0)
+    size = np.abs(expected - without).max(axis=0)
+    log = driven(plant, commands, rate, steps_per_sample=1)
+    np.testing.assert_allclose(log["true_position"], expected[:, 0], rtol=0, atol=3e-3 * size[0])
+    np.testing.assert_allclose(log["true_velocity"], expected[:, 1], rtol=0, atol=3e-3 * size[1])
+
+
+def test_delays_add_and_the_order_of_effects_is_free():
+    commands = np.random.default_rng(5).normal(size=60)
+    axis = cogging.AxisParameters(mass=0.2, viscous=0.7)
+
+    def delay(seconds):
+        return effect("command_delay", delay=seconds)
+
+    def run(*effects):
+        return driven(cogging.Plant(axis, effects=list(effects)), commands, 1000.0)["true_position"]
+
+    np.testing.assert_allclose(run(delay(0.0013), delay(0.0021)), run(delay(0.0034)), rtol=0, atol=1e-15)
+
+    lag, cut = effect("actuator_lag", time_constant=0.003), effect("command_saturation", limit=0.8)
+    forward = run(delay(0.0013), lag, cut)
+    np.testing.assert_array_equal(run(cut, lag, delay(0.0013)), forward)
+    np.testing.assert_array_equal(run(lag, cut, delay(0.0013)), forward)
+
+
+def test_saturation_cuts_what_acts_and_not_what_is_logged():
+    commands = 3 * np.random.default_rng(6).normal(size=50)
+    axis = cogging.AxisParameters(mass=0.2, viscous=0.7)
+    cut = driven(cogging.Plant(axis, effects=[effect("command_saturation", limit=1.25)]), commands, 1000.0)
+    assert np.abs(cut["command"]).max() > 3.0
+    same = driven(cogging.Plant(axis), np.clip(commands, -1.25, 1.25), 1000.0)
+    np.testing.assert_array_equal(cut["true_position"], same["true_position"])
+
+
+def test_two_current_loops_are_refused():
+    lag = effect("actuator_lag", time_constant=0.001)
+    with pytest.raises(ValueError, match=r"^actuator_lag: may stand once among the effects"):
+        cogging.Plant(cogging.AxisParameters(), effects=[lag, lag])
+
+
+@pytest.mark.parametrize("width", [0.0, 0.05])
+def test_the_gain_acts_on_the_amplifiers_output_alone(width):
+    """1 + 0.25 everywhere: what passes delay and saturation is larger, force noise and friction are as before."""
+    commands = 3 * np.random.default_rng(16).normal(size=200)
+    noise = cogging.NoiseParameters(force=0.3)
+    axis = cogging.AxisParameters(mass=0.2, viscous=0.7, coulomb=0.4, coulomb_width=width)
+    ripple, cut = effect("force_constant_ripple", cosine=0.25, period=1e9), effect("command_saturation", limit=1.25)
+    lag = [effect("actuator_lag", time_constant=0.003), effect("command_delay", delay=0.0013)]
+    gained = driven(cogging.Plant(axis, effects=[ripple, cut, *lag], noise=noise), commands, 1000.0, seed=3)
+    larger = np.clip(commands, -1.25, 1.25) * 1.25
+    same = driven(cogging.Plant(axis, effects=lag, noise=noise), larger, 1000.0, seed=3)
+    # Of one motion: the two may take different steps, each accurate to some 1e-9 of it.
+    agreed = 1e-7 * np.ptp(same["true_position"])
+    np.testing.assert_allclose(gained["true_position"], same["true_position"], rtol=0, atol=agreed)
+    assert np.ptp(same["true_position"]) > 1e-4
+    warm = effect("force_constant_drift", change=0.15, time_constant=1e-9)
+    part = effect("force_constant_ripple", cosine=0.10, period=1e9)
+    added = driven(cogging.Plant(axis, effects=[part, warm, cut, *lag], noise=noise), commands, 1000.0, seed=3)
+    np.testing.assert_allclose(added["true_position"], same["true_position"], rtol=0, atol=1e-8)
+
+
+# Disturbances ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+@pytest.mark.parametrize("rate", [10.0, 37.0, 1000.0])
+@pytest.mark.parametrize(
+    ("start", "stop"),
+    [(0.1234567, 0.7654321), (0.3, math.inf), (-1.0, 0.05), (0.0, 0.9999), (0.50001, 0.50002)],
+)
+def test_a_step_off_the_sample_grid_moves_a_free_mass_by_the_parabola(start, stop, rate, steps):
+    mass, force = 0.3, 1.7
+    step = effect("disturbance_step", force=force, start=start, stop=stop)
+    log = free(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[step]), 1.0, rate, steps_per_sample=steps)
+    on, off = max(start, 0.0), min(stop, 1e9)
+    t = log["time"]
+    pushed, since = np.clip(t - on, 0, off - on), np.clip(t - off, 0, None)
+    v = force / mass * pushed
+    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log["true_position"], 0.5 * v * pushed + v * since, rtol=0, atol=1e-12)
+
+
+def test_a_tone_on_a_free_mass_is_its_integral():
+    mass, w = 0.3, TWO_PI * 7.0
+    tone = effect("disturbance_tone", frequency=7.0, sine=0.5, cosine=-0.2)
+    log = free(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[tone]), 1.0, 1000.0, steps_per_sample=8)
+    t = log["time"]
+    v = (0.5 * (1 - np.cos(w * t)) - 0.2 * np.sin(w * t)) / (mass * w)
+    x = (0.5 * (t - np.sin(w * t) / w) - 0.2 * (1 - np.cos(w * t)) / w) / (mass * w)
+    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=1e-12)
+
+
+# Exact Coulomb friction ------------------------------------------------------------------------------------
+
+
+@given(
+    coulomb=st.floats(0.05, 3.0),
+    x0=st.floats(-0.2, 0.2),
+    commands=st.lists(st.floats(-0.999, 0.999), min_size=3, max_size=40),
+    stiffness=st.floats(0, 1),
+)
+@settings(deadline=None, derandomize=True, max_examples=100)
+def test_it_sticks_as_long_as_the_force_stays_below_the_level(coulomb, x0, commands, stiffness):
+    """Command, spring and cogging together below Fc: not one bit of the position moves."""
+    spring = effect("cable_spring", stiffness=stiffness)
+    at_rest = -stiffness * x0 - PERIODIC.force(x0)
+    plant = cogging.Plant(exact_axis(coulomb=coulomb), cogging=PERIODIC, effects=[spring])
+    log = driven(plant, np.array(commands) * coulomb - at_rest, 500.0, x0=x0)
+    assert (log["true_position"] == x0).all()
+    assert (log["true_velocity"] == 0.0).all()
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize(
+    ("effects", "levels"),
+    [
+        ([], {1: 0.8, -1: 0.8}),
+        ([effect("coulomb_asymmetry", difference=0.3)], {1: 0.95, -1: 0.65}),
+        ([effect("stribeck_friction", static_excess=0.4, velocity=0.02)], {1: 1.2, -1: 1.2}),
+        (
+            [effect("coulomb_asymmetry", difference=-0.2), effect("stribeck_friction", static_excess=0.1)],
+            {1: 0.8, -1: 1.0},
+        ),
+        ([effect("constant_force", force=0.25)], {1: 0.55, -1: 1.05}),
+    ],
+    ids=["plain", "asymmetry", "stribeck", "both", "offset"],
+)
+def test_it_breaks_away_at_the_level(effects, levels, direction):
+    level = levels[direction]
+    ramp = direction * np.linspace(0, 2, 2001)  # 1 mV a sample
+    log = driven(cogging.Plant(exact_axis(), effects=effects), ramp, 1000.0)
+    moving = log["true_velocity"] != 0.0
+    first = np.argmax(moving)
+    assert (log["true_position"][:first] == 0.0).all()
+    assert moving[first:].all()
+    assert np.sign(log["true_velocity"][first]) == direction
+    # The command of sample first - 1 was the first above the level.
+    assert abs(ramp[first - 2]) <= level * (1 + 1e-12)
+    assert abs(ramp[first - 1]) >= level * (1 - 1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7])
+@pytest.mark.parametrize("rate", [20.0, 333.0, 5000.0])
+@pytest.mark.parametrize("viscous", [0.0, 0.9])
+def test_a_free_mass_stops_at_the_analytic_time_and_place(rate, steps, viscous):
+    """M v' = -B v - Fc: t = M / B ln(1 + B v0 / Fc), x = M / B (v0 - Fc t / M), or their limits."""
+    m, fc = 0.5, 0.8
+    for v0 in (0.7, -0.31):
+        log = free(cogging.Plant(exact_axis(viscous=viscous)), 1.0, rate, v0=v0, steps_per_sample=steps)
+        speed = abs(v0)
+        if viscous:
+            stop = m / viscous * np.log(1 + viscous * speed / fc)
+            place = m / viscous * (speed - fc * stop / m)
+        else:
+            stop, place = m * speed / fc, 0.5 * m * speed**2 / fc
+        t, rests = log["time"], log["true_velocity"] == 0.0
+        np.testing.assert_array_equal(rests, t >= stop)  # at rest from the stop on and not before
+        still = log["true_position"][rests]
+        assert (still == still[0]).all()
+        # RK4 with B h / M: its own error is far below 1e-9 but at 20 Hz.
+        coarse = (viscous / m / rate / steps) ** 5 * speed
+        assert still[0] == pytest.approx(np.sign(v0) * place, abs=1e-12 + coarse)
+
+
+def test_where_it_stops_does_not_depend_on_the_step():
+    """Through a cogging field and a spring: places of rest at 100 Hz to 20 kHz agree to 1e-9 m."""
+    plant = cogging.Plant(exact_axis(viscous=0.4), cogging=PERIODIC, effects=[example("cable_spring")])
+    places = [
+        free(plant, 3.0, rate, x0=0.01, v0=0.9, steps_per_sample=steps)["true_position"][-1]
+        for rate, steps in ((100.0, 40), (1000.0, 4), (2500.0, 3), (20000.0, 1))
+    ]
+    assert np.ptp(places) < 1e-9
+    assert abs(places[0] - 0.01) > 0.01
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_spring_and_friction_ring_down_as_in_the_textbook(seed):
+    """Half cycles about +-Fc/k: each turning point is 2 Fc / k closer, the last within Fc / k."""
+    rng = np.random.default_rng(seed)
+    m, fc, k = rng.uniform(0.1, 2), rng.uniform(0.05, 0.5), rng.uniform(20, 200)
+    x0 = rng.choice([-1, 1]) * rng.uniform(0.3, 20) * fc / k
+    plant = cogging.Plant(cogging.AxisParameters(mass=m, coulomb=fc), effects=[effect("cable_spring", stiffness=k)])
+    half_cycle = np.pi * np.sqrt(m / k)
+    rate = 400 / half_cycle
+    log = free(plant, 13 * half_cycle, rate, x0=x0)
+    turns = [x0]
+    while abs(turns[-1]) > fc / k:
+        turns.append(-np.sign(turns[-1]) * (abs(turns[-1]) - 2 * fc / k))
+    turning_times = half_cycle * np.arange(len(turns))
+    v, x = log["true_velocity"], log["true_position"]
+    assert x[-1] == pytest.approx(turns[-1], abs=1e-9)
+    rests = log["time"] >= turning_times[-1] + 2e-9
+    assert (v[rests] == 0.0).all()  # and never moves again
+    assert (x[rests] == x[-1]).all()
+    sliding = v[(log["time"] > 0) & ~rests]
+    reversals = np.count_nonzero(np.diff(np.sign(sliding[sliding != 0.0])))
+    assert reversals == max(len(turns) - 2, 0)
+    # And in between: x(t) = centre + (turn - centre) cos(w (t - turn time)).
+    t = log["time"][~rests]
+    index = np.minimum((t / half_cycle).astype(int), len(turns) - 2) if len(turns) > 1 else []
+    if len(turns) > 1:
+        turn = np.array(turns)[index]
+        centre = np.sign(turn) * fc / k
+        expected = centre + (turn - centre) * np.cos(np.pi * (t / half_cycle - index))
+        np.testing.assert_allclose(x[~rests], expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_energy_never_grows_without_a_drive(seed):
+    rng = np.random.default_rng(100 + seed)
+    k = rng.uniform(5, 50)
+    effects = [
+        effect("cable_spring", stiffness=k, center=0.02),
+        effect("stribeck_friction", static_excess=rng.uniform(0, 0.2), velocity=0.05, exponent=1.0),
+        effect("coulomb_asymmetry", difference=rng.uniform(-0.1, 0.1)),
+    ][: 1 + seed % 3]
+    axis = cogging.AxisParameters(mass=rng.uniform(0.2, 1), coulomb=rng.uniform(0.06, 0.3))
+    plant = cogging.Plant(axis, effects=effects)
+    log = free(plant, 4.0, 2000.0, x0=rng.uniform(-0.3, 0.3), v0=rng.uniform(-2, 2))
+    energy = 0.5 * axis.mass * log["true_velocity"] ** 2 + 0.5 * k * (log["true_position"] - 0.02) ** 2
+    assert np.diff(energy).max() <= 1e-14 * energy[0]
+    assert (np.diff(energy)[log["true_velocity"][1:] != 0.0] < 0.0).all()  # friction takes from all that moves
+
+
+def test_breaking_away_within_a_sample_through_a_current_loop():
+    """f = U (1 - exp(-t / tau)) reaches Fc at -tau ln(1 - Fc / U), whatever the step; then M v' = f - Fc."""
+    m, fc, U, tau = 0.5, 0.8, 1.3, 0.013
+    plant = cogging.Plant(exact_axis(), effects=[effect("actuator_lag", time_constant=tau)])
+    away = -tau * np.log(1 - fc / U)
+    for rate, steps in ((100.0, 64), (1000.0, 16), (7000.0, 2)):
+        log = driven(plant, np.full(int(0.1 * rate) + 1, U), rate, steps_per_sample=steps)
+        t = log["time"]
+        since = np.clip(t - away, 0, None)
+        fall = np.exp(-away / tau) * tau * (1 - np.exp(-since / tau))
+        v = ((U - fc) * since - U * fall) / m
+        x = (0.5 * (U - fc) * since**2 - U * tau * (np.exp(-away / tau) * since - fall)) / m
+        np.testing.assert_array_equal(log["true_velocity"] > 0.0, t > away)
+        np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=1e-10)
+
+
+def test_a_disturbance_step_breaks_it_away_in_mid_sample():
+    step = effect("disturbance_step", force=1.0, start=0.0317, stop=0.0729)
+    for rate in (13.0, 100.0, 3000.0):
+        log = free(cogging.Plant(exact_axis(), effects=[step]), 0.5, rate)
+        pushed = 0.0729 - 0.0317
+        v_peak = (1.0 - 0.8) / 0.5 * pushed
+        stop = 0.0729 + 0.5 * v_peak / 0.8
+        place = 0.5 * v_peak * pushed + 0.25 * v_peak**2 / 0.8
+        np.testing.assert_array_equal(log["true_velocity"] > 0.0, (log["time"] > 0.0317) & (log["time"] < stop))
+        assert log["true_position"][-1] == pytest.approx(place, abs=1e-13)
+
+
+@pytest.mark.parametrize("ki", [0.0, 20000.0])
+def test_no_chatter_at_rest_under_a_controller(ki):
+    """The velocity never alternates from sample to sample; without integral action each rest is a rest."""
+    plant = cogging.Plant(
+        exact_axis(viscous=0.3),
+        effects=[effect("stribeck_friction", static_excess=0.4, velocity=0.005)],
+        encoder=cogging.EncoderParameters(resolution=1e-6),
+    )
+    motion = {"distance": 0.05, "velocity": 0.2, "acceleration": 3.0, "dwell": 1.0, "repeats": 2}
+    reference = cogging.PointToPoint(cogging.PointToPointParameters(**motion))
+    log = cogging.closed_loop(plant, pid(2000.0, kp=3000.0, ki=ki, kd=60.0), reference)
+    direction = np.sign(log["true_velocity"])
+    alternates = (direction[2:] * direction[1:-1] < 0) & (direction[1:-1] * direction[:-2] < 0)
+    assert not alternates.any()
+    assert (direction == 0.0).mean() > 0.1
+    if ki == 0.0:
+        into_the_rest = log["time"] % (reference.period / 2) - reference.move_time
+        late = (into_the_rest > 0.1) & (into_the_rest < 0.99)
+        assert late.mean() > 0.5
+        assert (direction[late] == 0.0).all()
+
+
+def test_the_smooth_form_tends_to_the_exact_one():
+    commands = 1.5 * np.sin(TWO_PI * 2 * np.arange(1001) / 1000.0)
+
+    def positions(width, steps):
+        plant = cogging.Plant(exact_axis(viscous=0.3, coulomb_width=width))
+        return driven(plant, commands, 1000.0, steps_per_sample=steps)["true_position"]
+
+    exact = positions(0.0, 1)
+    widths = ((1e-2, 4), (1e-3, 8), (1e-4, 50), (1e-5, 400))
+    errors = np.array([np.abs(positions(*width) - exact).max() for width in widths])
+    assert errors[-1] < 0.01 * np.ptp(exact)
+    assert (errors[1:] < 0.25 * errors[:-1]).all(), errors  # near in proportion to the width
+
+
+# Encoder and noise -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("resolution", [0.5e-6, 1e-3, 0.0])
+def test_the_reading_is_the_nearest_count(resolution):
+    encoder = cogging.EncoderParameters(resolution=resolution)
+    log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), 2.0, 3000.0, x0=-0.1, v0=0.1234567)
+    x, reading = log["true_position"], log["position"]
+    if resolution == 0.0:
+        np.testing.assert_array_equal(reading, x)
+        return
+    counts = x / resolution
+    clear = np.abs(counts - np.floor(counts) - 0.5) > 1e-9  # no tie
+    assert clear.mean() > 0.99
+    np.testing.assert_array_equal(reading[clear], resolution * np.floor(counts + 0.5)[clear])
+    assert np.abs(reading - x).max() <= 0.5 * resolution * (1 + 1e-9)
+
+
+def test_errors_of_the_encoder_come_before_noise_and_rounding():
+    errors = [example("encoder_periodic_error"), example("encoder_scale_error")]
+    encoder = cogging.EncoderParameters(resolution=1e-6, noise=2e-6)
+    plain, wrong = (
+        free(cogging.Plant(cogging.AxisParameters(), effects=e, encoder=encoder), 2.0, v0=0.1, seed=4)
+        for e in ([], errors)
+    )
+    x = wrong["true_position"]
+    np.testing.assert_array_equal(x, plain["true_position"])
+    counts = wrong["position"] / 1e-6
+    np.testing.assert_allclose(counts, np.round(counts), rtol=0, atol=1e-8)
+    error = wave(x, 0.004, 3e-5, -2e-5) + 0.004 * x
+    # The same noise in both: the readings differ by the error, each rounded.
+    assert np.abs(wrong["position"] - plain["position"] - error).max() <= 1e-6 * (1 + 1e-6)
+
+
+def white(resolution, noise, seed, samples=100_000):
+    encoder = cogging.EncoderParameters(resolution=resolution, noise=noise)
+    log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), samples / 1000.0, seed=seed)
+    return log["position"] - log["true_position"]
+
+
+def test_encoder_noise_is_white_and_normal():
+    noise = white(0.0, 3e-6, seed=11)
+    n = len(noise)
+    assert noise.mean() == pytest.approx(0.0, abs=4 * 3e-6 / np.sqrt(n))
+    assert noise.std() == pytest.approx(3e-6, rel=4 / np.sqrt(2 * n))
+    correlation = [np.dot(noise[k:], noise[:-k]) / np.dot(noise, noise) for k in range(1, 20)]
+    assert np.abs(correlation).max() < 4 / np.sqrt(n)
+    assert stats.kstest(noise / 3e-6, "norm").pvalue > 1e-3
+
+
+def test_noise_comes_before_the_rounding():
+    noise = white(1e-6, 3e-6, seed=12)
+    counts = noise / 1e-6  # the true position is 0
+    assert np.abs(counts - np.round(counts)).max() < 1e-9
+    # Sheppard: rounding adds a twelfth of a count squared.
+    assert counts.std() == pytest.approx(np.sqrt(9 + 1 / 12), rel=4 / np.sqrt(2 * len(counts)))
+
+
+def noise_forces(rms, bandwidth, rate, seed, samples=100_000):
+    """What pushes a free mass, from the steps of its velocity: the force is held over each sample."""
+    axis = cogging.AxisParameters(mass=0.5)
+    plant = cogging.Plant(axis, noise=cogging.NoiseParameters(force=rms, bandwidth=bandwidth))
+    log = free(plant, samples / rate, rate, seed=seed)
+    return np.diff(log["true_velocity"]) * rate * 0.5
+
+
+@pytest.mark.parametrize(("bandwidth", "rate"), [(50.0, 5000.0), (400.0, 2000.0), (5.0, 1000.0)])
+def test_force_noise_has_its_rms_and_its_correlation(bandwidth, rate):
+    rms = 0.03
+    force = noise_forces(rms, bandwidth, rate, seed=13)
+    n, decay = len(force), np.exp(-TWO_PI * bandwidth / rate)
+    independent = n * (1 - decay) / (1 + decay)  # samples that count for the mean
+    assert force.mean() == pytest.approx(0.0, abs=4 * rms / np.sqrt(independent))
+    # The variance of a squared first-order process decays as decay^2.
+    squares = n * (1 - decay**2) / (1 + decay**2)
+    assert np.mean(force**2) == pytest.approx(rms**2, rel=4 * np.sqrt(2 / squares))
+    # Its innovations are white, normal, and of rms sqrt(1 - decay^2): this fixes the whole process.
+    innovation = (force[1:] - decay * force[:-1]) / (rms * np.sqrt(1 - decay**2))
+    assert innovation.std() == pytest.approx(1.0, rel=4 / np.sqrt(2 * n))
+    lags = range(1, 20)
+    correlation = [np.mean(innovation[k:] * innovation[:-k]) for k in lags]
+    assert np.abs(correlation).max() < 4 / np.sqrt(n)
+    assert np.abs(np.mean(innovation * force[:-1])) / rms < 4 / np.sqrt(n)
+    assert stats.kstest(innovation, "norm").pvalue > 1e-3
+    # The correlation itself, at lags up to one time constant (Bartlett's bound is loose enough at 5 sigma).
+    for k in {1, max(1, round(-1 / np.log(decay)))}:
+        measured = np.mean(force[k:] * force[:-k]) / rms**2
+        assert measured == pytest.approx(decay**k, abs=5 * np.sqrt(2 / squares))
+
+
+def test_the_noise_starts_stationary():
+    """The first force of a run is as large as any: rms over seeds, not a start from zero."""
+    first = np.array([noise_forces(0.03, 5.0, 1000.0, seed, samples=3)[0] for seed in range(1000)])
+    assert first.std() == pytest.approx(0.03, rel=4 / np.sqrt(2 * 1000))
+    assert first.mean() == pytest.approx(0.0, abs=4 * 0.03 / np.sqrt(1000))
+
+
+def test_a_seed_gives_its_bits_and_another_seed_others():
+    axis = cogging.AxisParameters(mass=0.5)
+    plant = cogging.Plant(
+        axis,
+        encoder=cogging.EncoderParameters(noise=1e-6),
+        noise=cogging.NoiseParameters(force=0.1, bandwidth=100.0),
+    )
+    runs = [free(plant, 1.0, seed=seed) for seed in (7, 7, 8)]
+    for column in runs[0]:
+        np.testing.assert_array_equal(runs[0][column], runs[1][column])
+    errors = [r["position"] - r["true_position"] for r in runs]
+    assert (errors[0] != errors[2]).all()
+    forces = [np.diff(r["true_velocity"]) for r in runs]
+    assert abs(np.corrcoef(forces[0], forces[2])[0, 1]) < 0.2
+    # The two streams of one seed are not the same numbers.
+    assert abs(np.corrcoef(forces[0], errors[0][1:])[0, 1]) < 5 / np.sqrt(1000)
+    assert abs(np.corrcoef(forces[0], errors[0][:-1])[0, 1]) < 5 / np.sqrt(1000)
+
+
+def test_without_noise_the_seed_has_no_influence():
+    runs = [free(cogging.Plant(SMOOTH), 0.2, v0=1.0, seed=seed) for seed in (0, 12345678901234567890)]
+    for column in runs[0]:
+        np.testing.assert_array_equal(runs[0][column], runs[1][column])
+
+
+# Rules -----------------------------------------------------------------------------------------------------
+
+NOT_NEGATIVE = "must be finite and at least 0, got"
+POSITIVE = "must be finite and above 0, got"
+FINITE = "must be a finite number, got"
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "message"),
+    [
+        ("AxisParameters", {"mass": 0.0}, f"mass: {POSITIVE} 0"),
+        ("AxisParameters", {"mass": math.nan}, f"mass: {POSITIVE} nan"),
+        ("AxisParameters", {"viscous": -0.1}, f"viscous: {NOT_NEGATIVE} -0.1"),
+        ("AxisParameters", {"coulomb": math.inf}, f"coulomb: {NOT_NEGATIVE} inf"),
+        ("AxisParameters", {"coulomb_width": -1e-9}, f"coulomb_width: {NOT_NEGATIVE} -1e-09"),
+        ("AxisParameters", {"travel": [0.5, 0.0]}, "travel: needs lower end < upper end, got [0.5, 0]"),
+        ("AxisParameters", {"travel": [0.0, math.nan]}, "travel: needs lower end < upper end, got [0, nan]"),
+        ("EncoderParameters", {"resolution": -1e-6}, f"resolution: {NOT_NEGATIVE} -1e-06"),
+        ("EncoderParameters", {"noise": math.nan}, f"noise: {NOT_NEGATIVE} nan"),
+        ("NoiseParameters", {"force": -1.0}, f"force: {NOT_NEGATIVE} -1"),
+        ("NoiseParameters", {"bandwidth": 0.0}, f"bandwidth: {POSITIVE} 0"),
+        ("constant_force", {"force": math.nan}, f"force: {FINITE} nan"),
+        ("cable_spring", {"stiffness": math.inf}, f"stiffness: {FINITE} inf"),
+        ("cable_spring", {"center": math.nan}, f"center: {FINITE} nan"),
+        ("cogging_harmonic", {"period": 0.0}, f"period: {POSITIVE} 0"),
+        ("cogging_harmonic", {"sine": math.nan}, f"sine: {FINITE} nan"),
+        ("cogging_harmonic", {"cosine": math.inf}, f"cosine: {FINITE} inf"),
+        ("coulomb_asymmetry", {"difference": math.nan}, f"difference: {FINITE} nan"),
+        ("viscous_asymmetry", {"difference": math.nan}, f"difference: {FINITE} nan"),
+        ("stribeck_friction", {"static_excess": math.nan}, f"static_excess: {FINITE} nan"),
+        ("stribeck_friction", {"velocity": 0.0}, f"velocity: {POSITIVE} 0"),
+        ("stribeck_friction", {"exponent": -1.0}, f"exponent: {POSITIVE} -1"),
+        ("quadratic_drag", {"coefficient": math.nan}, f"coefficient: {FINITE} nan"),
+        ("command_delay", {"delay": -1e-3}, f"delay: {NOT_NEGATIVE} -0.001"),
+        ("actuator_lag", {"time_constant": math.inf}, f"time_constant: {NOT_NEGATIVE} inf"),
+        ("command_saturation", {"limit": 0.0}, "limit: must be above 0 (infinite = none), got 0"),
+        ("command_saturation", {"limit": math.nan}, "limit: must be above 0 (infinite = none), got nan"),
+        ("disturbance_step", {"force": math.nan}, f"force: {FINITE} nan"),
+        ("disturbance_step", {"start": math.inf}, f"start: {FINITE} inf"),
+        ("disturbance_step", {"start": 1.0, "stop": 1.0}, "stop: must be above start = 1, got 1"),
+        ("disturbance_step", {"stop": math.nan}, "stop: must be above start = 0, got nan"),
+        ("end_effect", {"force": math.inf}, f"force: {FINITE} inf"),
+        ("end_effect", {"decay_length": 0.0}, f"decay_length: {POSITIVE} 0"),
+        ("end_effect", {"travel": [0.5, 0.5]}, "travel: needs lower end < upper end, got [0.5, 0.5]"),
+        ("cogging_modulation", {"period": -0.1}, f"period: {POSITIVE} -0.1"),
+        ("cogging_modulation", {"sine": [math.inf], "cosine": [0.0]}, f"sine: {FINITE} inf"),
+        ("cogging_modulation", {"sine": [0.0], "cosine": [math.nan]}, f"cosine: {FINITE} nan"),
+        ("cogging_modulation", {"sine": [1, 2], "cosine": [1]}, "cosine: must have as many values as sine = 2, got 1"),
+        ("cogging_modulation", {"pitch": -0.1}, f"pitch: {NOT_NEGATIVE} -0.1"),
+        ("cogging_modulation", {"order": 0}, "order: must be from 1 to 16, got 0"),
+        ("cogging_modulation", {"order": 17}, "order: must be from 1 to 16, got 17"),
+        ("cogging_modulation", {"origin": math.inf}, f"origin: {FINITE} inf"),
+        (
+            "cogging_modulation",
+            {"pitch": 0.1, "sine": [1, 2], "cosine": [1, 2]},
+            "sine: more than one value must be at least the order = 3, got 2",
+        ),
+        ("presliding_friction", {"stiffness": 0.0}, "stiffness: must be above 0 (infinite = none), got 0"),
+        ("presliding_friction", {"damping": -1.0}, f"damping: {NOT_NEGATIVE} -1"),
+        ("position_dependent_friction", {"nodes": [0.0], "levels": [math.inf]}, f"levels: {FINITE} inf"),
+        (
+            "position_dependent_friction",
+            {"nodes": [0.0, 0.1, 0.1], "levels": [0, 0, 0]},
+            "nodes: must increase: above 0.1, got 0.1",
+        ),
+        (
+            "position_dependent_friction",
+            {"nodes": [0.0, 0.1], "levels": [0.0]},
+            "levels: must have as many values as nodes = 2, got 1",
+        ),
+        ("empirical_force", {"time_nodes": [math.nan], "time_forces": [0.0]}, f"time_nodes: {FINITE} nan"),
+        ("empirical_force", {"position_nodes": [0.0], "position_forces": [math.inf]}, f"position_forces: {FINITE} inf"),
+        (
+            "empirical_force",
+            {"velocity_nodes": [0.2, 0.1], "velocity_forces": [0.0, 0.0]},
+            "velocity_nodes: must increase: above 0.2, got 0.1",
+        ),
+        (
+            "empirical_force",
+            {"velocity_nodes": [0.1, 0.2]},
+            "velocity_forces: must have as many values as velocity_nodes = 2, got 0",
+        ),
+        ("force_constant_ripple", {"period": 0.0}, f"period: {POSITIVE} 0"),
+        ("force_constant_ripple", {"sine": math.inf}, f"sine: {FINITE} inf"),
+        ("force_constant_ripple", {"cosine": math.nan}, f"cosine: {FINITE} nan"),
+        ("force_constant_drift", {"change": math.inf}, f"change: {FINITE} inf"),
+        ("force_constant_drift", {"time_constant": 0.0}, f"time_constant: {POSITIVE} 0"),
+        ("command_dead_zone", {"width": -0.1}, f"width: {NOT_NEGATIVE} -0.1"),
+        ("encoder_periodic_error", {"period": 0.0}, f"period: {POSITIVE} 0"),
+        ("encoder_periodic_error", {"sine": math.inf}, f"sine: {FINITE} inf"),
+        ("encoder_periodic_error", {"cosine": math.nan}, f"cosine: {FINITE} nan"),
+        ("encoder_scale_error", {"scale": math.inf}, f"scale: {FINITE} inf"),
+        ("backlash", {"gap": -1e-6}, f"gap: {NOT_NEGATIVE} -1e-06"),
+        ("backlash", {"mass_ratio": 1.0}, "mass_ratio: must be at least 0 and below 1, got 1"),
+        ("backlash", {"contact_frequency": 0.0}, f"contact_frequency: {POSITIVE} 0"),
+        ("backlash", {"contact_damping_ratio": -1.0}, f"contact_damping_ratio: {NOT_NEGATIVE} -1"),
+        ("flexible_mode", {"frequency": 0.0}, "frequency: must be above 0 (infinite = rigid), got 0"),
+        ("flexible_mode", {"damping_ratio": -0.1}, f"damping_ratio: {NOT_NEGATIVE} -0.1"),
+        ("flexible_mode", {"mass_ratio": -0.1}, "mass_ratio: must be at least 0 and below 1, got -0.1"),
+        ("disturbance_tone", {"frequency": 0.0}, f"frequency: {POSITIVE} 0"),
+        ("disturbance_tone", {"sine": math.nan}, f"sine: {FINITE} nan"),
+        ("disturbance_tone", {"cosine": math.nan}, f"cosine: {FINITE} nan"),
+    ],
+)
+def test_rules(kind, change, message):
+    with pytest.raises(ValueError) as caught:  # noqa: PT011 the message is compared whole
+        (cogging.EFFECTS.get(kind) or getattr(cogging, kind))(**change)
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+def test_no_effect_takes_a_nan(name):
+    kind = cogging.EFFECTS[name]
+    for field in kind.FIELDS:
+        default = getattr(kind(), field)
+        if isinstance(default, int):  # no such thing as a whole NaN
+            with pytest.raises(TypeError):
+                kind(**{field: math.nan})
+        elif isinstance(default, list):
+            with pytest.raises(ValueError, match=f"^{field}: .*nan"):
+                kind(**{field: [0.0, math.nan]})
+        else:
+            with pytest.raises(ValueError, match=f"^{field}: .*, got nan$"):
+                kind(**{field: math.nan})
+
+
+@pytest.mark.parametrize("name", [*sorted(cogging.EFFECTS), "AxisParameters", "EncoderParameters"])
+def test_parameters_are_values(name):
+    if name in cogging.EFFECTS:
+        parameters = example(name)
+    elif name == "AxisParameters":
+        parameters = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, travel=[0.0, 0.51])
+    else:
+        parameters = cogging.EncoderParameters(resolution=0.5e-6, noise=1e-7)
+    kind = type(parameters)
+    assert pickle.loads(pickle.dumps(parameters)) == parameters
+    assert kind(**parameters.to_dict()) == parameters
+    assert parameters != kind()
+    assert eval(repr(parameters), {kind.__name__: kind, "inf": math.inf}) == parameters
+    for field, (_, meaning) in kind.FIELDS.items():
+        assert meaning
+        with pytest.raises(AttributeError):
+            setattr(parameters, field, 1.0)
+    with pytest.raises(TypeError):
+        kind(no_such_field=1.0)
+
+
+def test_a_plant_keeps_what_it_was_made_of():
+    effects = [example(name) for name in TOGETHER]
+    encoder = cogging.EncoderParameters(resolution=1e-6)
+    noise = cogging.NoiseParameters(force=0.1)
+    plant = cogging.Plant(SMOOTH, cogging=PERIODIC, effects=effects, encoder=encoder, noise=noise)
+    assert (plant.axis, plant.encoder, plant.noise) == (SMOOTH, encoder, noise)
+    assert plant.effects == effects
+    np.testing.assert_array_equal(plant.cogging.coefficients, PERIODIC.coefficients)
+    assert cogging.Plant(SMOOTH).cogging is None
+    assert cogging.Plant(SMOOTH).effects == []
