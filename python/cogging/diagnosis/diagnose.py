@@ -23,6 +23,8 @@ from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.search import LEFT_OVER, Added, Search, search
+from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
+from cogging.effects.effect import VOCABULARY
 from cogging.estimation.gauss_newton import NothingCounts
 from cogging.log_check.audit import check_against_model
 from cogging.log_check.controller import check_controller
@@ -48,6 +50,7 @@ def diagnose(
     names: Sequence[str] | None = None,
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
+    also: Sequence[Custom] = (),
     progress: Callable[[str], None] = lambda step: None,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
@@ -65,14 +68,20 @@ def diagnose(
         names, confirm_names: what the logs are called in messages; their files by default.
         empirical: add what no effect explains to the model as a force of any shape, where it does not make the gap on
             the confirm logs larger. It is no effect of the vocabulary, and the result's gap is that without it.
+        also: effects of your own (cogging.effects.Custom), tried beside the vocabulary: what stands of them bears
+            their names.
         progress: is told what is being done.
 
     Raises:
-        ValueError: a log or model that cannot be used, or a confirm log with rows of a given one.
+        ValueError: a log or model that cannot be used, `also` with two effects of one name, or a confirm log with rows
+            of a given one.
         InputError: a file that cannot be read.
     """
+    own = by_name(also)
     if not isinstance(model, Model):
-        model = Model.read(model)
+        model = Model.read(model, effects=list(own.values()))
+    refuse_two_of_one_name([*own.values(), *model.effects])
+    vocabulary = {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
     given, called = read_logs(logs, names)
     others, others_called = read_logs(confirm, confirm_names, "confirm log")
     if not given:
@@ -99,7 +108,7 @@ def diagnose(
             raise ValueError(f"{name}: command: must act on an axis that moves, got 0 V in every row")
     try:
         loops = replay and all(_obeys(log, model) for log in others)
-        found = search(given, model, others, progress, loops)
+        found = search(given, model, others, progress, loops, vocabulary=vocabulary)
     except NothingCounts as error:
         notes.append(str(error))
         return _nothing("insufficient_excitation", given, model, notes)
@@ -279,7 +288,7 @@ def _assemble(
         effects=tuple(effects),
         unlisted=rest,
         gap=gap,
-        separating_experiment=separating(alternatives, logs) if ambiguous else None,
+        separating_experiment=separating(alternatives, found.vocabulary, logs) if ambiguous else None,
         model=final,
         nominal=nominal,
         where=where,
@@ -297,6 +306,7 @@ def _assemble(
             "position": [log.position for log in logs],
             "velocity": [source.along.velocity for source in found.nominal_evidence.sources],
         },
+        vocabulary=found.vocabulary,
     )
 
 

@@ -11,6 +11,7 @@ from cogging.diagnosis.location import Location, locate_gap
 from cogging.diagnosis.report.page import html, overview
 from cogging.diagnosis.report.words import step_text, term_text
 from cogging.diagnosis.residual.shapes import Shape
+from cogging.effects.effect import VOCABULARY, Effect
 from cogging.files import finite, write_text
 from cogging.model.model import Model
 
@@ -124,6 +125,7 @@ class Diagnosis:
         notes: in words.
         series: for the figures, by name: `logs`, the `given` model, and of each log time, position, velocity (m/s),
             gap_before, gap_after (V) and counts (rows in motion).
+        vocabulary: the effects that were tried, as they are when they do nothing, by name.
     """
 
     verdict: str
@@ -139,6 +141,7 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
+    vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
 
     def __repr__(self) -> str:
         return f"Diagnosis(verdict={self.verdict!r}, effects={[effect.name for effect in self.effects]})"

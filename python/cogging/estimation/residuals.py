@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from cogging._core import (
     friction_slope_max,
 )
 from cogging.arrays import FloatArray, Mask
+from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
 from cogging.logs.log import Log
 from cogging.model.difference_steps import central, one_sided
 from cogging.model.model import Model
@@ -165,7 +166,7 @@ class Innovations:
         return self.rows_of_forces(along, force, plant.axis.mass)
 
     def rows_of_effects(
-        self, along: Prediction, plant: Plant, effects: Sequence[Any], units: Sequence[float]
+        self, along: Prediction, plant: Plant, effects: Sequence[Effect], units: Sequence[float]
     ) -> FloatArray:
         """What the residuals gain, to first order, when each effect joins a plant, V per unit of it, (p, n).
 
@@ -180,7 +181,7 @@ class Innovations:
         Raises:
             ValueError: an effect that is not addable.
         """
-        rows = np.asarray(self.predictor.added(along, plant, effects, units))
+        rows = np.asarray(self.predictor.added(along, plant, for_core(effects), units))
         rows *= self.scale
         return rows
 
@@ -280,7 +281,7 @@ def is_reading(model: Model, path: str) -> bool:
     if not path.startswith("effects."):
         return False
     effect = effect_at(model, path)
-    return "reading" in effect.HOOKS and "period" in effect.FIELDS
+    return "reading" in effect.HOOKS and kind_of(effect, Wave) is not None
 
 
 def quiet(model: Model) -> Model:
@@ -298,7 +299,7 @@ def reading_difference(model: Model, other: Model, position: FloatArray) -> Floa
     difference = np.zeros(len(position))
     for mine, its in zip(model.effects, other.effects, strict=True):
         if "reading" in mine.HOOKS:
-            difference += mine.reading_at(position) - its.reading_at(position)
+            difference += laws_of(mine).reading_at(position) - laws_of(its).reading_at(position)
     return difference
 
 

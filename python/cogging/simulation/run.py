@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
+from cogging.effects.custom import Custom
 from cogging.logs.log import Log
 from cogging.model.model import CONTROLLERS, Controller, Model
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
@@ -88,8 +89,12 @@ def simulate(
     return Log.of(columns, metadata)
 
 
-def repeat(log: Log) -> Log:
+def repeat(log: Log, *, effects: Sequence[Custom] = ()) -> Log:
     """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
+
+    Args:
+        log: that was simulated.
+        effects: of your own that its model names: a log holds the values of their parameters, not their laws.
 
     Raises:
         ValueError: the log was not simulated, or its controller was given as an object, which a log does not hold.
@@ -101,7 +106,7 @@ def repeat(log: Log) -> Log:
     if told.get("controller") == "given":
         raise ValueError("metadata: controller: must be the model's to repeat a log, got one given as an object")
     return simulate(
-        Model.from_dict(told["model"]),
+        Model.from_dict(told["model"], effects=effects),
         told["reference"],
         seed=told["seed"],
         steps_per_sample=told.get("steps_per_sample", 1),

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.intervals import long_enough, spells
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range, tables
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence, Test
 from cogging.diagnosis.evidence.log_p_value import log_survival
+from cogging.effects.effect import Effect
 
 STANDS_OUT = -3.0  # ln of the chance
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
@@ -55,7 +56,7 @@ class Finding:
         """Of the effect."""
         return self.candidate.name
 
-    def effect(self) -> object:
+    def effect(self) -> Effect:
         """The effect with its amplitudes."""
         return self.candidate.effect([float(a) for a in self.amplitudes] if self.candidate.amplitudes else [])
 
@@ -79,13 +80,13 @@ def judge(
     if candidate.amplitudes:
         sizes = quantities(evidence)
         for (field, _), value in zip(candidate.amplitudes, amplitudes, strict=True):
-            role = EFFECTS[candidate.name].ROLES[field]
+            role = candidate.law.ROLES[field]
             if not role["low"] <= value / sizes[role["quantity"]] <= role["high"]:
                 return None
     elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
         return None  # the finite size that was tried is not what the log shows
     # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
-    count = evidence.model.encoder.resolution if "reading" in EFFECTS[candidate.name].HOOKS else 0.0
+    count = evidence.model.encoder.resolution if "reading" in candidate.law.HOOKS else 0.0
     faint = len(amplitudes) > 1 and bool(np.linalg.norm(amplitudes) < COUNTS * count)
     return _finding(candidate, test, amplitudes, looked, faint)
 
@@ -93,7 +94,7 @@ def judge(
 def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, looked: float, faint: bool) -> Finding:
     shapes = sum(
         1
-        for field, role in EFFECTS[candidate.name].ROLES.items()
+        for field, role in candidate.law.ROLES.items()
         if role["role"] == "shape" and not isinstance(candidate.shape.get(field), list)
     )
     looking = float(np.log(max(looked, 1.0)))
@@ -148,32 +149,32 @@ def size_range(candidate: Candidate) -> tuple[float, float]:
 
     From there the search begins, with the effect as its shape says (see begun).
     """
-    roles = EFFECTS[candidate.name].ROLES
+    roles = candidate.law.ROLES
     proportional = any(roles[f]["role"] == "shape" and roles[f]["neutral"] == 0.0 for f in candidate.shape)
     return (0.02, 50.0) if proportional else (0.25, 2.5)
 
 
-def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
+def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
     """The best shape of each effect, best score first; beside it the best faint one, where there is one.
 
     Effects are tried on as many threads as there are cores (core, FFT and BLAS let others go on); what is found does
     not depend on how many.
     """
     best: dict[tuple[str, bool], Finding] = {}
-    wanted = list(EFFECTS if names is None else names)
+    wanted = list(laws)
     periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
     _ = evidence.scales, evidence.excess  # made here once, not by every thread
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         for waves in (True, False):  # the waves first: the others look at their periods too
-            tried = [name for name in wanted if is_wave(EFFECTS[name]) == waves]
-            for name, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
+            tried = [law for law in wanted if is_wave(law) == waves]
+            for law, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
                 for finding in found:
-                    kind = (name, finding.faint)
+                    kind = (law.NAME, finding.faint)
                     if kind not in best or finding.score > best[kind].score:
                         best[kind] = finding
-            for name in tried if waves else ():
-                wave = best.get((name, False))
-                if wave is not None and is_spatial_wave(EFFECTS[name]) and wave.log_chance < STANDS_OUT:
+            for law in tried if waves else ():
+                wave = best.get((law.NAME, False))
+                if wave is not None and is_spatial_wave(law) and wave.log_chance < STANDS_OUT:
                     periods[float(next(iter(wave.candidate.shape.values())))] = wave.looked
         faint = [finding for finding in best.values() if finding.faint]
         ranked = sorted((finding for finding in best.values() if not finding.faint), key=lambda f: -f.score)
@@ -189,15 +190,15 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
     return sorted([*sharpened, *faint], key=lambda f: -f.score)
 
 
-def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
-    if is_wave(EFFECTS[name]):
-        found, looked = peaks(evidence, name)
-        found += beside_known(evidence, name)
+def _of(evidence: Evidence, law: Effect, periods: Mapping[float, float]) -> list[Finding]:
+    if is_wave(law):
+        found, looked = peaks(evidence, law)
+        found += beside_known(evidence, law)
         first = sorted(judged(evidence, found, looked), key=lambda f: (f.faint, -f.score))
         return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), looked)
-    grid = list(candidates(evidence, name, list(periods)))
-    chosen = [one for one in grid if one.shape.get("period") in periods]  # by the waves, which looked at many
-    others, looked = spells(evidence, name, [one for one in grid if one.shape.get("period") not in periods])
+    grid = list(candidates(evidence, law, list(periods)))
+    chosen = [one for one in grid if one.period in periods]  # by the waves, which looked at many
+    others, looked = spells(evidence, law, [one for one in grid if one.period not in periods])
     looked = max(looked, float(len(grid)))
     results = judged(evidence, others, looked) + judged(evidence, chosen, looked + max(periods.values(), default=0.0))
     if not grid or grid[0].amplitudes:
@@ -208,7 +209,7 @@ def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[F
 
 def begun(finding: Finding) -> Candidate:
     """The candidate with its free size put into the first shape that starts from nothing, if one does."""
-    roles, shape = EFFECTS[finding.name].ROLES, finding.candidate.shape
+    roles, shape = finding.candidate.law.ROLES, finding.candidate.shape
     for field, value in shape.items():
         if roles[field]["role"] == "shape" and roles[field]["neutral"] == 0.0:
             return replace(finding.candidate, shape={**shape, field: value * float(finding.amplitudes[0])})
@@ -230,7 +231,7 @@ def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact:
     return [result for result in results if result is not None]
 
 
-def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
+def in_range(evidence: Evidence, role: Mapping[str, Any], value: float) -> bool:
     """Whether a shape stays where its effect says that it is to be looked for."""
     if role["quantity"] == "position":
         return True
@@ -242,11 +243,11 @@ def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
 
 def sharpen(evidence: Evidence, finding: Finding) -> Finding:
     """Move the shape to where it explains most: steps of each shape parameter that shrink."""
-    roles = EFFECTS[finding.name].ROLES
+    roles = finding.candidate.law.ROLES
     fields = [f for f, v in finding.candidate.shape.items() if roles[f]["role"] == "shape" and isinstance(v, float)]
     if not fields:
         return finding
-    wave = is_wave(EFFECTS[finding.name])
+    wave = is_wave(finding.candidate.law)
     exact = not finding.candidate.amplitudes
     ratio = 0.35
     for _ in range(ROUNDS[exact] + 4 * (len(fields) - 1)):
@@ -266,7 +267,7 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding:
                     moved = value + sign * 0.25 * ratio * sizes[role["quantity"]] * (role["high"] - role["low"])
                 if in_range(evidence, role, moved):
                     shape = {**finding.candidate.shape, field: moved}
-                    if long_enough(shape):
+                    if long_enough(finding.candidate.law, shape):
                         tried.append(replace(finding.candidate, shape=shape))
         better = [f for f in judged(evidence, tried, finding.looked, exact) if f.score > finding.score]
         if better:

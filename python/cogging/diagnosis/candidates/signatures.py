@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.effects.effect import Effect, SplineKnots, Travel, Wave, Window, for_core, kind_of, laws_of
 from cogging.estimation.residuals import LINEAR_HOOKS, Innovations, quiet_plant
 from cogging.model.model import Model
 
@@ -30,18 +30,31 @@ class Candidate:
     """An effect at one shape: columns for its amplitudes, or one for a small effect that has none.
 
     Attributes:
-        name: of the effect.
+        law: the effect, as it is when it does nothing.
         shape: values of the fields that are no amplitudes.
         amplitudes: (field, index or None) of each column; empty where the shape alone makes the effect.
         unit: amplitude by which the columns were made.
     """
 
-    name: str
+    law: Effect
     shape: dict[str, Any]
     amplitudes: tuple[tuple[str, int | None], ...]
     unit: tuple[float, ...]
 
-    def effect(self, amplitudes: Sequence[float] = ()) -> Any:
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.law.NAME
+
+    @property
+    def period(self) -> float | None:
+        """Of what comes and goes with a period along the travel, m."""
+        wave = kind_of(self.law, Wave)
+        if wave is None or self.law.ROLES[wave.shape]["quantity"] != "distance":
+            return None
+        return float(self.shape[wave.shape])
+
+    def effect(self, amplitudes: Sequence[float] = ()) -> Effect:
         """The effect with these amplitudes (as many as columns), or its shape alone."""
         fields: dict[str, Any] = dict(self.shape)
         for (field, index), value in zip(self.amplitudes, amplitudes, strict=True):
@@ -52,7 +65,7 @@ class Candidate:
         for field, index in self.amplitudes:  # lists that got no amplitude
             if index is not None and field not in fields:
                 fields[field] = [0.0] * self.length(field)
-        return EFFECTS[self.name](**fields)
+        return self.law.replace(**fields)
 
     def length(self, field: str) -> int:
         """Entries of a list of amplitudes."""
@@ -82,6 +95,7 @@ def quantities(evidence: Evidence) -> dict[str, float]:
         "relative": 1.0,
         "exponent": 1.0,
         "one": 1.0,
+        "absolute": 1.0,
     }
 
 
@@ -92,7 +106,7 @@ def place(evidence: Evidence) -> tuple[float, float]:
     return low, high
 
 
-def shape_range(evidence: Evidence, role: dict[str, Any]) -> tuple[float, float]:
+def shape_range(evidence: Evidence, role: Mapping[str, Any]) -> tuple[float, float]:
     """Between which values a shape is looked for: as its effect says, as far as these logs can show it.
 
     Nothing shorter than a count of the encoder is seen, nothing slower than what counts as rest; and friction that
@@ -110,8 +124,9 @@ def shape_range(evidence: Evidence, role: dict[str, Any]) -> tuple[float, float]
     return low, high
 
 
-def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: int) -> list[float]:
+def shape_values(evidence: Evidence, law: Effect, field: str, count: int) -> list[float]:
     """Where to look along one shape parameter."""
+    role = law.ROLES[field]
     low_end, high_end = place(evidence)
     low, high = shape_range(evidence, role)
     if role["quantity"] == "exponent":
@@ -122,7 +137,8 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
         return [SMALL]
     if role["quantity"] == "frequency":
         count = FREQUENCIES
-    if role["quantity"] == "time" and role["role"] == "shape" and field in ("start", "stop"):
+    window = kind_of(law, Window)
+    if window is not None and field in (window.start, window.stop):
         count = MOMENTS
     if role["quantity"] == "position":
         return [
@@ -138,35 +154,33 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
     return [float(v) for v in values]
 
 
-def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> Iterator[Candidate]:
+def candidates(evidence: Evidence, law: Effect, periods: Sequence[float] = ()) -> Iterator[Candidate]:
     """The grid of an effect that is no wave; `periods` (m): beside those of the known cogging, for what has one."""
-    effect = EFFECTS[name]
-    neutral = effect()
-    roles = effect.ROLES
+    roles = law.ROLES
     low, high = place(evidence)
     sizes = quantities(evidence)
     shapes: dict[str, list[Any]] = {}
-    scalar_shapes = [f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(neutral, f), list)]
+    scalar_shapes = [f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(law, f), list)]
     alone = [f for f in scalar_shapes if roles[f]["quantity"] not in ("one", "relative", "exponent")]
     count = POINTS.get(len(alone), 3)
     for field in scalar_shapes:
-        shapes[field] = shape_values(evidence, field, roles[field], count)
+        shapes[field] = shape_values(evidence, law, field, count)
     fixed: dict[str, Any] = {}
     for field, role in roles.items():  # a list of places: nodes along the travel
-        if role["role"] == "shape" and isinstance(getattr(neutral, field), list):
+        if role["role"] == "shape" and isinstance(getattr(law, field), list):
             fixed[field] = [float(v) for v in np.linspace(low, high, NODES)]
     amplitudes: list[tuple[str, int | None]] = []
     units: list[float] = []
-    listed = [f for f, r in roles.items() if r["role"] == "amplitude" and isinstance(getattr(neutral, f), list)]
-    if listed and {"pitch", "order", "origin"} <= set(roles):  # amplitudes on knots: few of them, over the travel
-        knots = NODES - 1
-        fixed |= {"pitch": (high - low) / (knots - 2), "order": 3, "origin": low}
-        if "period" in shapes:
+    listed = [f for f, r in roles.items() if r["role"] == "amplitude" and isinstance(getattr(law, f), list)]
+    knots, wave = kind_of(law, SplineKnots), kind_of(law, Wave)
+    if listed and knots is not None:  # amplitudes on knots: few of them, over the travel
+        length = NODES - 1
+        fixed |= {knots.pitch: (high - low) / (length - 2), knots.order: 3, knots.origin: low}
+        if wave is not None:
             # A wave with hardly a turn in the travel has no amplitude that changes along it.
-            shapes["period"] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
-            if not shapes["period"]:
+            shapes[wave.shape] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
+            if not shapes[wave.shape]:
                 return
-        length = knots
     elif listed and not fixed:  # amplitudes at places of the user's own choice: nothing to look for
         return
     else:
@@ -178,15 +192,16 @@ def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> 
         indexes: list[int | None] = list(range(length)) if field in listed else [None]
         amplitudes += [(field, index) for index in indexes]
         units += [step] * len(indexes)
-    if "travel" in roles:
-        fixed["travel"] = (
+    travel, window = kind_of(law, Travel), kind_of(law, Window)
+    if travel is not None:
+        fixed[travel.ends] = (
             list(evidence.model.axis.travel) if np.isfinite(evidence.model.axis.travel).all() else [low, high]
         )
     for values in itertools.product(*shapes.values()):
         shape = dict(zip(shapes, values, strict=True))
-        if {"start", "stop"} <= set(shape) and shape["start"] >= shape["stop"]:
+        if window is not None and shape[window.start] >= shape[window.stop]:
             continue
-        yield Candidate(name, {**fixed, **shape}, tuple(amplitudes), tuple(units))
+        yield Candidate(law, {**fixed, **shape}, tuple(amplitudes), tuple(units))
 
 
 def known_periods(model: Model) -> list[float]:
@@ -217,7 +232,7 @@ def _tables_of_log(
     plant = quiet_plant(model)
     linear, memory, readings = [], [], []
     for i, candidate in enumerate(wanted):
-        hooks = set(EFFECTS[candidate.name].HOOKS)
+        hooks = set(candidate.law.HOOKS)
         if "reading" in hooks and len(candidate.amplitudes) > 1:
             readings.append(i)
         elif hooks <= LINEAR_HOOKS:
@@ -236,7 +251,10 @@ def _tables_of_log(
             start += columns
     for i in readings:
         errors = np.array(
-            [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
+            [
+                (laws_of(effect).reading_at(along.position) - along.position) / unit
+                for effect, unit in _unit_effects(wanted[i])
+            ]
         )
         out[i] = source.rows_of_readings(along, errors, model.axis.mass)
     keys = {i: (number, wanted[i].name, *sorted(wanted[i].shape.items(), key=str)) for i in memory}
@@ -246,7 +264,7 @@ def _tables_of_log(
             out[i] = evidence.memory[keys[i]][0]
     memory = [i for i in memory if keys[i] not in evidence.memory]
     shown = {i: _unit_effects(wanted[i])[0] for i in memory}
-    added = [i for i in memory if source.predictor.is_addable(plant, shown[i][0])]
+    added = [i for i in memory if source.predictor.is_addable(plant, *for_core([shown[i][0]]))]
     if added:
         rows = source.rows_of_effects(along, plant, [shown[i][0] for i in added], [shown[i][1] for i in added])
         for k, i in enumerate(added):
@@ -261,7 +279,7 @@ def _tables_of_log(
     return out
 
 
-def _unit_effects(candidate: Candidate) -> list[tuple[Any, float]]:
+def _unit_effects(candidate: Candidate) -> list[tuple[Effect, float]]:
     if not candidate.amplitudes:
         return [(candidate.effect(), 1.0)]
     effects = []

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.report.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnosis.report.words import term_text
 from cogging.diagnosis.residual.events import JUMPS, MOMENTS, SPELLS
@@ -141,10 +140,10 @@ def plain(name: str) -> str:
     return name.replace("_", " ")
 
 
-def law(name: str) -> str:
-    """The formula of an effect as the core states it; of a change, what changed."""
-    if name in EFFECTS:
-        return str(EFFECTS[name].LAW)
+def law(result: Diagnosis, name: str) -> str:
+    """The formula of an effect as it states it; of a change, what changed."""
+    if name in result.vocabulary:
+        return result.vocabulary[name].LAW
     return f"{plain(name.removesuffix('_change'))} of the axis differs from what the model states"
 
 
@@ -163,20 +162,22 @@ def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
     return {
         "name": effect.name,
         "words": plain(effect.name),
-        "law": law(effect.name),
+        "law": law(result, effect.name),
         "confidence": effect.confidence,
         "deviations": float(np.sqrt(max(effect.statistic, 0.0))),
         "statistic": effect.statistic,
         "chance": chance_text(effect.log_chance),
         "reasons": reasons,
         "where": where_words(effect.where),
-        "alternatives": [{"name": name, "words": plain(name), "law": law(name)} for name in effect.alternatives],
-        "parameters": _fields(effect.name, [effect.parameters, *effect.further]),
+        "alternatives": [
+            {"name": name, "words": plain(name), "law": law(result, name)} for name in effect.alternatives
+        ],
+        "parameters": _fields(result, effect.name, [effect.parameters, *effect.further]),
     }
 
 
-def _fields(name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
-    meanings = EFFECTS[name].FIELDS if name in EFFECTS else {}
+def _fields(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
+    meanings = result.vocabulary[name].FIELDS if name in result.vocabulary else {}
     rows = []
     for i, term in enumerate(terms):
         for field, value in term.items():

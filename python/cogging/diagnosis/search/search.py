@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.diagnosis.candidates.intervals import is_spell
 from cogging.diagnosis.candidates.map_errors import freed, map_error
 from cogging.diagnosis.candidates.scan import Finding, cleaned, judged, profiled, scan
@@ -22,6 +22,7 @@ from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
 from cogging.diagnosis.search.confirmation import INFORMATIVE, Confirmation, confirmation, retuned
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
+from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -86,6 +87,7 @@ class Search:
         first_shapes, left: generic shapes, and events, of what is missing in the nominal and in the last model.
         unused: the last scan, of which nothing was added.
         confirm_evidence: the confirm logs under the last model, None without.
+        vocabulary: the effects that were tried, by name.
     """
 
     nominal: Estimate
@@ -99,6 +101,7 @@ class Search:
     left: list[Shape]
     unused: list[Finding]
     confirm_evidence: Evidence | None
+    vocabulary: Mapping[str, Effect]
 
 
 def search(
@@ -108,6 +111,7 @@ def search(
     progress: Callable[[str], None] = lambda step: None,
     replay: bool = False,
     free_map: bool = False,
+    vocabulary: Mapping[str, Effect] | None = None,
 ) -> Search:
     """Scan, add what stands, until nothing significant is left or as many as can be told were added.
 
@@ -117,8 +121,10 @@ def search(
         confirm: logs of other motion.
         progress: is told what is being done.
         replay: an effect must pay by the gap of the replayed loop, where that follows the logs.
+        vocabulary: the effects that are tried, as they are when they do nothing, by name; the list when None.
         free_map: errors of the cogging map are re-tuned; tried by itself where they explain as much as the best effect.
     """
+    vocabulary = VOCABULARY if vocabulary is None else vocabulary
     progress("re-tuning the model")
     nominal, evidence = fit_null(logs, model)
     if free_map:
@@ -145,7 +151,7 @@ def search(
     first_shapes: list[Shape] = []
     while True:
         progress(f"scanning, effect {len(added) + 1}")
-        findings, faint = told_apart(profiled(evidence, scan(evidence)))
+        findings, faint = told_apart(profiled(evidence, scan(evidence, vocabulary.values())))
         looked_at, left = evidence, shapes(evidence)
         first_shapes = first_shapes or with_events(evidence, left)
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
@@ -153,7 +159,9 @@ def search(
         if best is not None and best.log_chance < 0.6 * DETECTED:
             raw, evidence = evidence, cleaned(evidence, best)
             near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < POSSIBLE}
-            sharper, still_faint = told_apart(profiled(raw, scan(evidence, sorted(near))))
+            sharper, still_faint = told_apart(
+                profiled(raw, scan(evidence, [vocabulary[name] for name in sorted(near)]))
+            )
             findings = [*sharper, *(f for f in findings if f.name not in near)]
             faint = [*still_faint, *(f for f in faint if f.name not in near)]
         names = {one.finding.name for one in added}
@@ -162,10 +170,10 @@ def search(
         wrong_map = None if free_map else map_error(estimate, evidence)
         # Re-tuning comes first.
         if wrong_map is not None and wrong_map.rivals(max((f.score for f in findings), default=0.0), RIVAL):
-            return search(logs, model, confirm, progress, replay, free_map=True)
+            return search(logs, model, confirm, progress, replay, True, vocabulary)
         barred = {finding.name for finding, _ in refused}
         if len(names) == EFFECTS_MAX:  # further harmonics of what was found may still come
-            barred |= set(EFFECTS) - names
+            barred |= set(vocabulary) - names
         barred |= {name for name in names if sum(one.finding.name == name for one in added) == HARMONICS_MAX}
         step = None
         power = low_power(evidence)
@@ -234,6 +242,7 @@ def search(
         left,
         findings,
         confirm_evidence,
+        vocabulary,
     )
 
 
@@ -264,7 +273,7 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
 
 def needed(finding: Finding) -> float:
     """ln of the chance by which an effect must stand out where the confirm logs cannot show it."""
-    effect = EFFECTS[finding.name]
+    effect = finding.candidate.law
     return SLIPPERY if is_spell(effect) or "friction_level" in effect.HOOKS else UNSHOWN
 
 
@@ -358,13 +367,13 @@ def plainer(ranked: Sequence[Finding]) -> Finding:
         for other in ranked[1:]:
             if len(other.candidate.amplitudes) <= 2 and other.test.statistic > NEARLY * first.test.statistic:
                 return other
-    periods = [first.candidate.shape[f] for f in first.candidate.shape if f == "period"]
-    if not periods or is_wave(EFFECTS[first.name]) or len(first.candidate.amplitudes) <= 2:
+    period = first.candidate.period
+    if period is None or is_wave(first.candidate.law) or len(first.candidate.amplitudes) <= 2:
         return first
     for other in ranked[1:]:
-        if is_spatial_wave(EFFECTS[other.name]) and EFFECTS[other.name].HOOKS == EFFECTS[first.name].HOOKS:
-            (period,) = other.candidate.shape.values()
-            if abs(period / periods[0] - 1.0) < SAME and other.test.statistic > MOSTLY * first.test.statistic:
+        if is_spatial_wave(other.candidate.law) and other.candidate.law.HOOKS == first.candidate.law.HOOKS:
+            other_period = other.candidate.period or 0.0
+            if abs(other_period / period - 1.0) < SAME and other.test.statistic > MOSTLY * first.test.statistic:
                 return other
     return first
 

@@ -23,58 +23,7 @@ place, 0 the lower and 1 the upper end of the travel; `distance`: length of the 
 `Effect` is what all of them have in common; `Custom` makes one of your own.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any, Protocol, TypeVar
-
-from cogging._core import AxisParameters, CoggingModel
 from cogging._core.effects import *  # noqa: F403  (the list stands in the core alone)
-from cogging._core.effects import Knots, SplineKnots, Travel, Wave, Window
-from cogging.own_effect import Custom as Custom
-from cogging.own_parameter import Parameter as Parameter
-
-Kind = Wave | Window | Knots | SplineKnots | Travel
-K = TypeVar("K", Wave, Window, Knots, SplineKnots, Travel)
-
-
-class Effect(Protocol):
-    """What every effect of a plant has, built-in or `Custom`: values of its fields are attributes."""
-
-    @property
-    def NAME(self) -> str:  # noqa: N802
-        """Its name in model files."""
-
-    @property
-    def LAW(self) -> str:  # noqa: N802
-        """Its formula."""
-
-    @property
-    def HOOKS(self) -> tuple[str, ...]:  # noqa: N802
-        """What it acts on."""
-
-    @property
-    def FIELDS(self) -> Mapping[str, tuple[str, str]]:  # noqa: N802
-        """Unit and meaning of each field."""
-
-    @property
-    def ROLES(self) -> Mapping[str, Mapping[str, Any]]:  # noqa: N802
-        """What each field is to a search."""
-
-    @property
-    def KINDS(self) -> tuple[Kind, ...]:  # noqa: N802
-        """What fields are together."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """All fields by name."""
-
-    def replace(self, **changes: Any) -> Effect:
-        """A copy with the given fields changed."""
-
-    def resolved(self, axis: AxisParameters, cogging: CoggingModel | None = None) -> Effect:
-        """A copy whose fields that stand for those of the plant are filled in."""
-
-
-def kind_of(effect: Effect, kind: type[K]) -> K | None:
-    """The first of this kind among what an effect's parameters are together, or None."""
-    return next((one for one in effect.KINDS if isinstance(one, kind)), None)
+from cogging.effects.custom import Custom as Custom
+from cogging.effects.effect import Effect as Effect
+from cogging.effects.parameter import Parameter as Parameter

@@ -31,7 +31,7 @@ class Parameter:
         value: a number, or a list of numbers.
         unit: SI and the command unit, as "V/(m/s)"; "1" has none.
         meaning: in a few words.
-        role: "amplitude": the law is linear in it and vanishes at 0; "shape": it is not linear in it; "setting": chosen,
+        role: "amplitude": the law is linear in it and vanishes at 0; "shape": it is not; "setting": chosen,
             never searched for.
         low, high: where to search, in the parameter's own unit, or in multiples of `quantity` where that is given. An
             amplitude may leave them out: then its unit says what size is plausible.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import inspect
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,10 +16,11 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, AxisParameters, CoggingModel
 from cogging._core.effects import CompiledLaw, OwnLaws, PythonLaw
-from cogging.own_parameter import Parameter, role_of_parameter, valid_value
+from cogging.effects.parameter import Parameter, role_of_parameter, valid_value
 
-FloatArray = npt.NDArray[np.float64]
 Value = float | list[float]
+
+COMPILED: Any = ctypes.CFUNCTYPE(None).__base__  # of every ctypes function
 
 #: What each law may ask for, in this order, by the name of its argument.
 PLACES = ("position", "velocity", "time")
@@ -150,33 +153,33 @@ class Custom(OwnLaws):
                 )
 
     @property
-    def NAME(self) -> str:  # noqa: N802 (as the effects of the core call it)
+    def NAME(self) -> str:
         """Its name."""
         return self._definition.name
 
     @property
-    def LAW(self) -> str:  # noqa: N802
+    def LAW(self) -> str:
         """Its formula."""
         return self._definition.law
 
     @property
-    def HOOKS(self) -> tuple[str, ...]:  # noqa: N802
+    def HOOKS(self) -> tuple[str, ...]:
         """What it acts on (see cogging.effects)."""
         return tuple("reading" if hook == "reading_error" else hook for hook in self._definition.laws)
 
     @property
-    def FIELDS(self) -> dict[str, tuple[str, str]]:  # noqa: N802
+    def FIELDS(self) -> dict[str, tuple[str, str]]:
         """Unit and meaning of each parameter."""
         return {key: (one.unit, one.meaning) for key, one in self._definition.parameters.items()}
 
     @property
-    def ROLES(self) -> dict[str, dict[str, Any]]:  # noqa: N802
+    def ROLES(self) -> dict[str, dict[str, Any]]:
         """What each parameter is to a search (see cogging.effects)."""
         rubs = set(self._definition.laws) == {"friction_level"}
         return {key: role_of_parameter(one, rubs) for key, one in self._definition.parameters.items()}
 
     @property
-    def KINDS(self) -> tuple[Any, ...]:  # noqa: N802
+    def KINDS(self) -> tuple[Any, ...]:
         """What parameters are together (see cogging.effects)."""
         return self._definition.kinds
 
@@ -286,23 +289,17 @@ def _law(definition: Definition, hook: str, values: Mapping[str, Value]) -> Pyth
     if compiled is None:
         mine = {key: np.array(value) if isinstance(value, list) else value for key, value in values.items()}
         return PythonLaw(f"{definition.name}.{hook}", function, taken, {a: mine[a] for a in asked if a in mine})
-    import ctypes
-
     address = ctypes.cast(compiled, ctypes.c_void_p).value or 0
     return CompiledLaw(address, taken, [float(values[a]) for a in asked if a in values], function)  # type: ignore[arg-type]
 
 
 def compiled_function(function: Any) -> Any:
     """The ctypes function of a compiled one (numba's `cfunc`, or itself); None of a Python function."""
-    import ctypes
-
     inner = getattr(function, "ctypes", function)
-    return inner if isinstance(inner, ctypes._CFuncPtr) else None
+    return inner if isinstance(inner, COMPILED) else None
 
 
-def arguments_of(
-    label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]
-) -> tuple[str, ...]:
+def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
     """The names of what a law takes, places first.
 
     Raises:
@@ -310,8 +307,6 @@ def arguments_of(
     """
     if compiled_function(function) is not None:
         return _compiled_arguments(label, compiled_function(function), hook, parameters)
-    import inspect
-
     if not callable(function):
         raise ValueError(f"{label}: must be a function, got {function!r}")
     try:
@@ -332,11 +327,7 @@ def arguments_of(
     return tuple(name for name in known if name in named)
 
 
-def _compiled_arguments(
-    label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]
-) -> tuple[str, ...]:
-    import ctypes
-
+def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
     known = (*HOOKS[hook], *parameters)
     if any(type(one).__name__ == "CThunkObject" for one in (getattr(function, "_objects", None) or {}).values()):
         raise ValueError(f"{label}: must be compiled code; give a Python function itself, not a ctypes callback of it")
