@@ -24,6 +24,7 @@ from cogging.diagnosis.residual.events import JUMPS, SPELLS, events, with_events
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shapes import coordinates, shapes
 from cogging.diagnosis.search.search import search
+from cogging.effects.effect import VOCABULARY
 from cogging.identification.inverse_dynamics import fast_length
 from tests.fixtures.moving_axis import machine, pushed, record
 
@@ -113,7 +114,7 @@ def test_a_level_known_from_few_lines_bounds_what_a_column_is_worth(quiet_eviden
 def test_a_slow_effect_is_judged_against_the_noise_that_it_leaves():
     truth, nominal = machine([EFFECTS["cable_spring"](stiffness=1.5)]), machine()
     evidence = fit_null([record(truth, 11)], nominal)[1]
-    found = scan(evidence, ["cable_spring"])
+    found = scan(evidence, [VOCABULARY["cable_spring"]])
     (again,) = profiled(evidence, found)
     assert again.test.statistic > 1.5 * found[0].test.statistic  # seen: 2.7 times
 
@@ -121,8 +122,10 @@ def test_a_slow_effect_is_judged_against_the_noise_that_it_leaves():
 def test_a_spell_is_found_at_its_edges():
     step = EFFECTS["disturbance_step"](force=0.06, start=3.217, stop=4.391)
     evidence = fit_null([record(machine([step]), 13)], machine())[1]
-    (found,) = scan(evidence, ["disturbance_step"])
-    true = Candidate("disturbance_step", {"start": 3.217, "stop": 4.391}, found.candidate.amplitudes, (1e-3,))
+    (found,) = scan(evidence, [VOCABULARY["disturbance_step"]])
+    true = Candidate(
+        VOCABULARY["disturbance_step"], {"start": 3.217, "stop": 4.391}, found.candidate.amplitudes, (1e-3,)
+    )
     (there,) = judged(evidence, [true], 1.0)
     assert found.test.statistic > 0.98 * there.test.statistic > 10.0
 
@@ -251,15 +254,15 @@ def test_a_fast_tone_is_the_first_peak_however_few_bins_there_are(monkeypatch):
     truth = machine([EFFECTS["disturbance_tone"](frequency=103.0, sine=0.03)])
     evidence = fit_null([record(truth, 21)], machine())[1]
     monkeypatch.setattr(waves, "BINS", 256)
-    (first, *_), _ = waves.peaks(evidence, "disturbance_tone")
+    (first, *_), _ = waves.peaks(evidence, VOCABULARY["disturbance_tone"])
     assert first.shape["frequency"] == pytest.approx(103.0, abs=0.2)
 
 
 def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):
-    for name, effect in EFFECTS.items():
+    for name, effect in VOCABULARY.items():
         if is_wave(effect):
             continue
-        found = list(candidates(quiet_evidence, name))
+        found = list(candidates(quiet_evidence, effect))
         if any(field.endswith("_nodes") and role["role"] == "setting" for field, role in effect.ROLES.items()):
             assert not found  # its places are the user's choice: it is added where it is asked for
             continue
@@ -298,18 +301,18 @@ def test_friction_that_falls_with_time_is_a_drag_over_time():
 def test_a_wave_beside_a_known_period_is_looked_at_though_retuning_takes_most_of_it():
     hidden = EFFECTS["encoder_periodic_error"](period=0.0304, cosine=4e-6)
     evidence = fit_null([record(machine([hidden]), 5)], machine())[1]
-    spectral = [one.shape["period"] for one in waves.peaks(evidence, "encoder_periodic_error")[0]]
+    spectral = [one.shape["period"] for one in waves.peaks(evidence, VOCABULARY["encoder_periodic_error"])[0]]
     assert all(abs(period / hidden.period - 1.0) > 0.02 for period in spectral)
-    near = waves.beside_known(evidence, "encoder_periodic_error")
+    near = waves.beside_known(evidence, VOCABULARY["encoder_periodic_error"])
     turns = evidence.scales.position / np.array([one.shape["period"] for one in near])
     assert len(near) == 5
     np.testing.assert_allclose(turns - evidence.scales.position / 0.03, [-0.7, -0.35, 0.0, 0.35, 0.7], atol=1e-9)
-    assert waves.beside_known(evidence, "disturbance_tone") == []
+    assert waves.beside_known(evidence, VOCABULARY["disturbance_tone"]) == []
     # A force there is the known cogging itself, changing along the travel.
-    assert waves.beside_known(evidence, "cogging_harmonic") == []
-    forces = [one.shape["period"] for one in waves.peaks(evidence, "cogging_harmonic")[0]]
+    assert waves.beside_known(evidence, VOCABULARY["cogging_harmonic"]) == []
+    forces = [one.shape["period"] for one in waves.peaks(evidence, VOCABULARY["cogging_harmonic"])[0]]
     assert all(abs(1.0 / period - 1.0 / 0.03) * evidence.scales.position > 0.99 for period in forces)
-    best = scan(evidence)[0]
+    best = scan(evidence, VOCABULARY.values())[0]
     assert best.name == "encoder_periodic_error"
     assert best.candidate.shape["period"] == pytest.approx(hidden.period, rel=0.01)
     assert not best.faint
@@ -329,9 +332,11 @@ def test_tables_are_whitened_together_as_they_are_alone(quiet_evidence):
 
 
 def test_an_error_of_the_reading_repeats_in_the_travel(quiet_evidence):
-    found, _ = waves.peaks(quiet_evidence, "encoder_periodic_error")
+    found, _ = waves.peaks(quiet_evidence, VOCABULARY["encoder_periodic_error"])
     assert found
     assert all(1.5 * one.shape["period"] < 1.01 * quiet_evidence.scales.position for one in found)
     encoder = cogging.EncoderParameters(resolution=1e-4)
     coarse = replace(quiet_evidence, model=quiet_evidence.model.replace(encoder=encoder))
-    assert all(one.shape["period"] > 0.99 * 32e-4 for one in waves.peaks(coarse, "encoder_periodic_error")[0])
+    assert all(
+        one.shape["period"] > 0.99 * 32e-4 for one in waves.peaks(coarse, VOCABULARY["encoder_periodic_error"])[0]
+    )

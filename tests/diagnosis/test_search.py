@@ -34,6 +34,7 @@ from cogging.diagnosis.search.search import (
     told_apart,
     with_levels_of,
 )
+from cogging.effects.effect import VOCABULARY
 from cogging.estimation.gauss_newton import Estimate
 from tests.fixtures.moving_axis import machine, motion, record
 
@@ -67,17 +68,18 @@ def test_what_is_left_stands_by_both_motions(coordinate, mine, its, checked, tol
 
 
 def test_nothing_is_found_where_nothing_is_hidden(quiet_evidence):
-    assert all(finding.log_chance > -9.5 for finding in scan(quiet_evidence))
+    assert all(finding.log_chance > -9.5 for finding in scan(quiet_evidence, VOCABULARY.values()))
     assert all(shape.log_chance > -12.0 for shape in shapes(quiet_evidence))
 
 
 def test_a_scan_on_many_threads_finds_what_one_finds(quiet_evidence, monkeypatch):
     names = ["cable_spring", "command_delay", "flexible_mode", "force_constant_ripple", "coulomb_asymmetry"]
+    laws = [VOCABULARY[name] for name in names]
     found = []
     for threads in (1, 4):
         monkeypatch.setattr("os.cpu_count", lambda threads=threads: threads)
         quiet_evidence.memory.clear()
-        found.append([(f.candidate, f.score, list(f.amplitudes)) for f in scan(quiet_evidence, names)])
+        found.append([(f.candidate, f.score, list(f.amplitudes)) for f in scan(quiet_evidence, laws)])
     assert len(found[0]) > 1
     assert found[0] == found[1]
 
@@ -165,7 +167,7 @@ def test_what_other_motion_shows_is_a_chance_of_its_own():
 )
 def test_both_motions_together_may_show_what_neither_shows_alone(alone, foreseen, other_power, told):
     test = evidence_module.Test(12.0, 1, np.ones(1), np.ones(3), np.ones(1))
-    finding = Finding(Candidate("cable_spring", {}, (), ()), test, np.ones(1), 1.0, alone, 10.0)
+    finding = Finding(Candidate(VOCABULARY["cable_spring"], {}, (), ()), test, np.ones(1), 1.0, alone, 10.0)
     check = None if foreseen is None else Confirmation(foreseen, 1.0, foreseen)
     assert is_seen(finding, check, 1000.0, other_power) is told
 
@@ -203,7 +205,9 @@ def test_where_an_encoder_is_coarse_what_is_left_must_stand_out_twice_as_far():
 def test_what_rounding_explains_better_is_no_effect():
     def finding(name, score, explained, faint=False):
         test = evidence_module.Test(score, 2, np.ones(2), np.array(explained), np.ones(2))
-        return Finding(Candidate(name, {"period": 0.01}, (), ()), test, np.ones(2), 1.0, -30.0, score, faint)
+        return Finding(
+            Candidate(VOCABULARY[name], {"period": 0.01}, (), ()), test, np.ones(2), 1.0, -30.0, score, faint
+        )
 
     force = finding("cogging_harmonic", 50.0, [1.0, 2.0, 0.0])
     stronger = finding("encoder_periodic_error", 60.0, [1.0, 1.9, 0.1], faint=True)
@@ -245,11 +249,15 @@ def test_what_hangs_on_an_assumed_contact_has_no_interval():
 def test_few_amplitudes_that_explain_nearly_as_much_come_first():
     def finding(name, count, statistic):
         amplitudes = tuple(("sine", i) for i in range(count))
-        candidate = Candidate(name, {}, amplitudes, (1.0,) * count)
+        candidate = Candidate(VOCABULARY[name], {}, amplitudes, (1.0,) * count)
         test = evidence_module.Test(statistic, count, np.ones(count), np.ones(5), np.ones(count))
         return Finding(candidate, test, np.ones(count), 1.0, -20.0, statistic)
 
-    many, few, far = finding("cogging_modulation", 10, 100.0), finding("cable_spring", 1, 91.0), finding("x", 1, 89.0)
+    many, few, far = (
+        finding("cogging_modulation", 10, 100.0),
+        finding("cable_spring", 1, 91.0),
+        finding("constant_force", 1, 89.0),
+    )
     assert plainer([many, few]) is few
     assert plainer([many, far]) is many
     assert plainer([few, many]) is few
@@ -276,7 +284,7 @@ def test_a_loose_load_is_named_whatever_its_contact():
 
 def test_where_other_motion_cannot_show_it_friction_must_stand_out_further():
     def finding(name, **shape):
-        return Finding(Candidate(name, shape, (), ()), None, np.ones(1), 1.0, -30.0, 60.0)
+        return Finding(Candidate(VOCABULARY[name], shape, (), ()), None, np.ones(1), 1.0, -30.0, 60.0)
 
     spell = {"start": 1.0, "stop": 2.0}
     assert needed(finding("stribeck_friction", velocity=0.01)) < needed(finding("command_saturation", limit=10.0))
@@ -295,7 +303,9 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
     )  # fmt: skip
     logged = cogging.Log(columns["time"], columns["position"], columns["command"] - added)
     evidence = fit_null([logged], nominal)[1]
-    best = max(scan(evidence, ["force_constant_ripple", "cogging_harmonic"]), key=lambda one: one.score)
+    best = max(
+        scan(evidence, [VOCABULARY["force_constant_ripple"], VOCABULARY["cogging_harmonic"]]), key=lambda one: one.score
+    )
     found = {shape.coordinate.split(" every ")[0]: shape for shape in twins(evidence, best)}
     square = found.pop("square of the command")
     assert square.coordinate.endswith(" mm")
@@ -303,14 +313,14 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
     assert square.score > best.score + 6.0
     assert all(square.test.statistic > other.test.statistic for other in found.values())
     assert np.ptp(square.force) == pytest.approx(2.0 * 0.5, rel=0.3)
-    spring = max(scan(evidence, ["cable_spring"]), key=lambda one: one.score)
+    spring = max(scan(evidence, [VOCABULARY["cable_spring"]]), key=lambda one: one.score)
     assert twins(evidence, spring) == []
 
 
 def test_a_true_ripple_has_no_better_twin():
     hidden = machine([EFFECTS["force_constant_ripple"](period=0.02, sine=0.05)])
     evidence = fit_null([record(hidden, 24)], machine())[1]
-    (ripple,) = profiled(evidence, scan(evidence, ["force_constant_ripple"]))
+    (ripple,) = profiled(evidence, scan(evidence, [VOCABULARY["force_constant_ripple"]]))
     assert ripple.candidate.shape["period"] == pytest.approx(0.02, rel=0.01)
     assert all(twin.score < ripple.score for twin in twins(evidence, ripple))
 
@@ -320,7 +330,7 @@ def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
 
     def finding(name, score):
         test = evidence_module.Test(score + 4.0, 1, np.ones(1), explained, np.ones(1))
-        return Finding(Candidate(name, {}, (), ()), test, np.ones(1), 1.0, -30.0, score)
+        return Finding(Candidate(VOCABULARY[name], {}, (), ()), test, np.ones(1), 1.0, -30.0, score)
 
     unpaid, found = finding("constant_force", 85.0), finding("viscous_asymmetry", 70.0)
     rivals, chosen, _ = choose([unpaid, found], found, None, None, set(), {}, {"constant_force"})
