@@ -39,8 +39,6 @@ from cogging._core import (
     Speed,
     SpeedParameters,
     SplineHarmonics,
-    closed_loop,
-    closed_loop_batch,
     cogging_slope_max,
     desired_compensation_condition,
     desired_compensation_matrix,
@@ -58,6 +56,7 @@ from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
 from cogging.diagnosis.location import locate_gap
 from cogging.design.error_prediction import ErrorPrediction, predict_error
+from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
@@ -72,6 +71,8 @@ from cogging.design.observer import ObserverDesign, ObserverProblem, design_obse
 from cogging.papers.reproduction import compare
 from cogging.papers.reproduction import reproduce
 from cogging.model.parameters import parameters_of
+from cogging.simulation.batch import Batch, closed_loop_batch
+from cogging.simulation.closed_loop import closed_loop
 from cogging.simulation.reference import read_reference
 from cogging.file_schema import schema
 from cogging.simulation.run import repeat, simulate
@@ -86,6 +87,7 @@ __all__ = [
     "Audit",
     "AxisParameters",
     "BSpline",
+    "Batch",
     "Bounds",
     "Cascade",
     "CascadeParameters",
@@ -144,6 +146,8 @@ __all__ = [
     "fit_friction_curve",
     "fit_map",
     "friction_slope_max",
+    "get_cmake_dir",
+    "get_include",
     "identify",
     "locate_gap",
     "parameters_of",

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import cogging
+from cogging import _core
 from cogging_command import run_command
 
 COLUMNS = (
@@ -168,11 +169,11 @@ def main(repeats):
     """Prints the table."""
     coefficients = random_coefficients()
     plant, controller, reference = core_arguments(SETUP, coefficients)
-    core = cogging.closed_loop(plant, controller, reference)
+    core = _core.closed_loop(plant, controller, reference)
     rows = len(core["time"])
     hand_written, with_library = compile_hand_written(), compile_hand_written("LIBRARY_FUNCTIONS")
     runs = {
-        "core": lambda: cogging.closed_loop(plant, controller, reference),
+        "core": lambda: _core.closed_loop(plant, controller, reference),
         "hand-written": lambda: hand_written(SETUP, coefficients, rows),
         "hand-written, libm": lambda: with_library(SETUP, coefficients, rows),
     }
@@ -185,7 +186,7 @@ def main(repeats):
         position, command = largest_difference(core, run())
         print(f"{name} less core: {position:.1e} m, {command:.1e} V at most")
     batch = 4
-    runs["batch, 2 threads"] = lambda: cogging.closed_loop_batch(
+    runs["batch, 2 threads"] = lambda: _core.closed_loop_batch(
         [plant] * batch, [controller] * batch, reference, threads=2
     )
 

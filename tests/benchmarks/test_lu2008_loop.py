@@ -10,7 +10,7 @@ import lu2008_loop
 import numpy as np
 import pytest
 
-import cogging
+from cogging import _core
 
 WIDE = 0.2  # m/s, of the friction's smoothing
 
@@ -21,7 +21,7 @@ def short(request):
     if request.param == "wide friction":
         setup["coulomb_width"] = WIDE
     coefficients = lu2008_loop.random_coefficients()
-    core = cogging.closed_loop(*lu2008_loop.core_arguments(setup, coefficients))
+    core = _core.closed_loop(*lu2008_loop.core_arguments(setup, coefficients))
     return setup, coefficients, core
 
 

@@ -336,7 +336,7 @@ def test_a_command_that_is_no_number_never_rests(width, lag):
             cogging.closed_loop(machine(lagging, width), pid, motion, **run)
         if mass == 0.0:  # an infinite command that is cut is a number again
             log = cogging.closed_loop(machine(saturated, width), pid, motion, **run)
-            assert log["true_position"][-1] < 2.5 - 1e-3
+            assert log.true_position[-1] < 2.5 - 1e-3
 
 
 @pytest.mark.parametrize("lag", [5e-324, 1e-308, 1e-300, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12])
@@ -346,8 +346,8 @@ def test_a_lag_shorter_than_time_can_tell_is_none(lag, width):
     run = {"duration": 0.3, "steps_per_sample": 2}
     without = cogging.closed_loop(machine((), width), pid, MOTION, **run)
     log = cogging.closed_loop(machine([cogging.EFFECTS["actuator_lag"](time_constant=lag)], width), pid, MOTION, **run)
-    np.testing.assert_allclose(log["true_position"], without["true_position"], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(log.true_position, without.true_position, rtol=0, atol=1e-9)
     late = 1.7e9  # s: seconds since 1970, which doubles tell apart to 0.2 us
-    columns = late + log["time"], log["position"], log["command"]
+    columns = late + log.time, log.position, log.command
     plant = machine([cogging.EFFECTS["actuator_lag"](time_constant=max(lag, 1e-9))], width)
     assert np.isfinite(_core.Predictor(*columns).predict(plant).innovation).all()

@@ -148,10 +148,10 @@ def test_the_delay_of_speed_is_that_of_the_plants_command_delay(delay):
     plants = [cogging.Plant(axis, effects=[cogging.effects.CommandDelay(delay=d)]) for d in (0.0, delay)]
     controllers = [cogging.Speed(cogging.SpeedParameters(kp=2.0, delay=d)) for d in (delay, 0.0)]
     one, other = cogging.closed_loop_batch(plants, controllers, reference, duration=1.0)
-    difference = np.abs(one["true_position"] - other["true_position"]).max()
-    assert np.ptp(one["true_position"]) > 0.3
+    difference = np.abs(one.true_position - other.true_position).max()
+    assert np.ptp(one.true_position) > 0.3
     assert difference == 0.0 if delay != 1.5e-3 else difference < 1e-5
-    assert (one["command"] != other["command"]).any() == (delay > 0)
+    assert (one.command != other.command).any() == (delay > 0)
 
 
 def test_the_first_commands_of_speed():
@@ -430,17 +430,17 @@ def test_estimates_are_recorded_before_each_command():
     reference = cogging.Sine(cogging.SineParameters(center=0.1, amplitude=0.05, frequency=2.0))
     log = cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.5, record_estimates=True)
     controller = cogging.Dcarc(q)
-    assert log["estimates"].shape == (len(log["time"]), 4 + 2 * 2 * 7)
+    assert log.estimates.shape == (len(log.time), 4 + 2 * 2 * 7)
     columns = ("reference", "reference_velocity", "reference_acceleration", "position")
-    for k, row in enumerate(zip(*(log[c] for c in columns), strict=True)):
-        np.testing.assert_array_equal(log["estimates"][k], controller.estimates)
+    for k, row in enumerate(zip(*(getattr(log, c) for c in columns), strict=True)):
+        np.testing.assert_array_equal(log.estimates[k], controller.estimates)
         x, v, a, y = row
         u = controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=y)
-        assert u == log["command"][k]
+        assert u == log.command[k]
         controller.update(u)
-    assert "estimates" not in cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.1)
+    assert cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.1).estimates is None
     pid = cogging.Pid(cogging.PidParameters())
-    assert "estimates" not in cogging.closed_loop(plant, pid, reference, duration=0.1, record_estimates=True)
+    assert cogging.closed_loop(plant, pid, reference, duration=0.1, record_estimates=True).estimates is None
 
 
 # Theorem 1 -------------------------------------------------------------------------------------------------
@@ -523,8 +523,8 @@ def random_machine(seed, *, width, harmonics, adaptation, epsilon, disturbed=Tru
 
 def lyapunov(log, plant, parameters, desired):
     """V_s = M p^2 / 2 (eq. 22), and for DCARC M k_1^2 e^2 / 2 more, of the true state."""
-    e = log["true_position"] - log["reference"]
-    p = log["true_velocity"] - log["reference_velocity"] + parameters.error_gain * e
+    e = log.true_position - log.reference
+    p = log.true_velocity - log.reference_velocity + parameters.error_gain * e
     V = 0.5 * plant.axis.mass * p**2
     return V + 0.5 * plant.axis.mass * (parameters.error_gain * e) ** 2 if desired else V
 
@@ -539,7 +539,7 @@ def violated(law, desired, plant, parameters, motion, start, rate, epsilon):
     reference = cogging.PointToPoint(cogging.PointToPointParameters(**motion))
     log = cogging.closed_loop(plant, law(parameters), reference, initial_position=start, duration=0.7)
     V = lyapunov(log, plant, parameters, desired)
-    excess = V - theorem_bound(log["time"], V[0], rate, epsilon)
+    excess = V - theorem_bound(log.time, V[0], rate, epsilon)
     return excess.max() > 1e-12 * V.max()
 
 
@@ -564,8 +564,8 @@ def test_without_adaptation_nothing_is_estimated():
         log = cogging.closed_loop(
             plant, law(parameters), reference, initial_position=start, duration=0.3, record_estimates=True
         )
-        assert (log["estimates"] == log["estimates"][0]).all()
-        assert log["estimates"][0, :4].tolist() == [getattr(parameters, name) for name in NAMES]
+        assert (log.estimates == log.estimates[0]).all()
+        assert log.estimates[0, :4].tolist() == [getattr(parameters, name) for name in NAMES]
 
 
 def gains_that_satisfy_29(parameters, rate_wanted=30.0):
@@ -667,7 +667,7 @@ def test_the_bound_23_is_attained(kind, sign):
         initial_velocity=v[0],
     )
     V = lyapunov(log, plant, parameters, desired=False)
-    bound = theorem_bound(log["time"][1:], V[1], 2 * parameters.feedback_gain / 0.2, epsilon)
+    bound = theorem_bound(log.time[1:], V[1], 2 * parameters.feedback_gain / 0.2, epsilon)
     assert (V[1:] <= bound).all()
     # What the mass lacks is the lag of the backward difference under acceleration; the cogging, that the axis stands
     # p / k_1 beside the place for which its force was chosen.
@@ -699,12 +699,12 @@ def test_with_parametric_uncertainty_only_the_error_goes_to_the_sampling_floor(l
         floors = []
         for rate in (10000.0, 40000.0):
             log = cogging.closed_loop(plant, law(parameters.replace(sample_rate=rate)), reference)
-            e = log["true_position"] - log["reference"]
+            e = log.true_position - log.reference
             period = round(reference.period * rate)
             floors.append(np.sqrt(np.mean(e[-period:] ** 2)))
         frozen = parameters.replace(**dict.fromkeys(ADAPTATION, 0.0), sample_rate=40000.0)
         log = cogging.closed_loop(plant, law(frozen), reference, duration=reference.period)
-        without = np.sqrt(np.mean((log["true_position"] - log["reference"]) ** 2))
+        without = np.sqrt(np.mean((log.true_position - log.reference) ** 2))
         assert floors[1] < without / 100
         assert floors[1] < 0.4 * floors[0]
 

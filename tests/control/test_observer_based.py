@@ -99,7 +99,7 @@ def test_backwards_is_the_mirror_of_forwards():
             cogging.PointToPointParameters(distance=sign * 0.4, velocity=0.4, acceleration=4.0, jerk=200.0, dwell=0.1)
         )
         controller = malaize2009_setup.observer(motor, gains)
-        log = cogging.Log.of(cogging.closed_loop(machine, controller, motion))
+        log = cogging.closed_loop(machine, controller, motion)
         errors.append(log.true_position - log.reference)
     np.testing.assert_allclose(errors[1], -errors[0], atol=1e-9)
     assert np.abs(errors[0]).max() > 1e-6
@@ -277,5 +277,5 @@ def test_the_simulated_plant_is_equation_1():
         )
         return [v, push - v - 0.005]
 
-    exact = solve_ivp(rate, (0, 0.5), [0.0, 0.2], t_eval=log["time"], rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(log["true_position"], exact.y[0], atol=1e-9)
+    exact = solve_ivp(rate, (0, 0.5), [0.0, 0.2], t_eval=log.time, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(log.true_position, exact.y[0], atol=1e-9)

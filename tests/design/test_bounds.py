@@ -407,4 +407,4 @@ def test_every_controller_holds_every_corner_of_the_bounds():
                 )
                 for name, controller in designs.items():
                     log = cogging.closed_loop(truth, controller, reference)
-                    assert np.abs(log["position"] - log["reference"]).max() < 5e-3, (name, mass, viscous, coulomb)
+                    assert np.abs(log.position - log.reference).max() < 5e-3, (name, mass, viscous, coulomb)

@@ -78,7 +78,7 @@ def test_the_law_is_the_simulators(name):
         controller = cogging.Pid(cogging.PidParameters(kp=gain, kd=50.0))
         plant = cogging.Plant(axis, effects=list(model.effects))
         log = cogging.closed_loop(plant, controller, motion, duration=1.0, initial_velocity=direction * speed)
-        assert log["command"][-1] == pytest.approx(float(model.force(direction * speed)), rel=1e-6)
+        assert log.command[-1] == pytest.approx(float(model.force(direction * speed)), rel=1e-6)
 
 
 def test_the_fit_is_the_least_squares_of_scipy():

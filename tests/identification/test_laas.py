@@ -43,9 +43,9 @@ def truth():
     at = 1e-3 * np.arange(10, 5980)
     at = at + rng.normal(0.0, 1e-5, at.size)
     quantum = TURN / 20000
-    position = quantum * np.round(np.interp(at, log["time"], log["true_position"]) / quantum)
-    speed = laas.mean_velocity(at, np.interp(at, log["time"], log["true_position"]), 0.0, 3e-3)
-    held = np.interp(at - 0.5 / rate, log["time"], log["command"])  # the mean of what is held around `at`
+    position = quantum * np.round(np.interp(at, log.time, log.true_position) / quantum)
+    speed = laas.mean_velocity(at, np.interp(at, log.time, log.true_position), 0.0, 3e-3)
+    held = np.interp(at - 0.5 / rate, log.time, log.command)  # the mean of what is held around `at`
     return Rows(at, position, speed, held)
 
 

@@ -2,6 +2,8 @@
 
 import math
 import pickle
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,3 +142,74 @@ def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
     for field, role in roles.items():
         if role["role"] == "shape" and role["neutral"] is not None:
             np.testing.assert_array_equal(answer(one.replace(**{field: role["neutral"]})), 0.0)
+
+
+# What parameters are together ----------------------------------------------------------------------------------------
+
+PACKAGE = Path(cogging.__file__).parent
+COGGING = {"sine", "cosine"}  # tables of the known cogging, which is no effect
+#: By file, names of fields that it asks for because they are also something else there.
+EXCEPTIONS = {
+    "model/model.py": {"pitch", "order", "origin", "periods", *COGGING},  # keys of [cogging]
+    "file_schema.py": {"pitch", "order", "origin", "periods", *COGGING},
+    "model/parameters.py": {"levels", *COGGING},  # paths of the cogging's tables, and an example of a path
+    "model/intervals.py": {"sine"},  # the same
+    "diagnosis/candidates/map_errors.py": COGGING,
+    "design/bounds.py": {"periods"},  # of an observer
+    "design/observer.py": {"periods"},
+    "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
+    "simulation/reference.py": {"sine"},  # a type of motion
+    "diagnosis/report/figures.py": {"center"},  # of a text in a figure
+    "log_check/controller.py": {"start"},  # columns of a fit
+    "log_check/recovery.py": {"start"},
+}
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+def test_kinds_name_fields_that_are_what_the_kind_says(name):
+    kind_of, one = cogging.EFFECTS[name], cogging.EFFECTS[name]()
+    roles = kind_of.ROLES
+    for kind in kind_of.KINDS:
+        fields = {part: field for part, field in kind.to_dict().items() if part != "coordinate"}
+        assert set(fields.values()) <= set(roles)
+        if isinstance(kind, cogging.effects.Wave):
+            assert roles[kind.shape]["quantity"] in ("distance", "frequency")
+            assert roles[kind.sine] == roles[kind.cosine]
+            assert roles[kind.sine]["role"] == "amplitude"
+        if isinstance(kind, cogging.effects.Window):
+            assert {roles[field]["quantity"] for field in fields.values()} == {"time"}
+            assert getattr(one, kind.start) < getattr(one, kind.stop)
+        if isinstance(kind, cogging.effects.Knots):
+            assert isinstance(getattr(one, kind.nodes), list)
+            assert isinstance(getattr(one, kind.levels), list)
+            assert roles[kind.levels]["role"] == "amplitude"
+            assert kind_of.FIELDS[kind.nodes][0] == {"position": "m", "velocity": "m/s", "time": "s"}[kind.coordinate]
+        if isinstance(kind, cogging.effects.Travel):
+            assert getattr(one, kind.ends) == [-math.inf, math.inf]
+            assert getattr(one.resolved(cogging.AxisParameters(travel=[0.1, 0.4])), kind.ends) == [0.1, 0.4]
+
+
+def test_every_effect_whose_fields_belong_together_says_so():
+    said = {name: {type(kind).__name__ for kind in effect.KINDS} for name, effect in cogging.EFFECTS.items()}
+    for name, law in cogging.EFFECTS.items():
+        fields = set(law.FIELDS)
+        assert ("Wave" in said[name]) == ({"sine", "cosine"} <= fields), name
+        assert ("Window" in said[name]) == ({"start", "stop"} <= fields), name
+        assert ("Knots" in said[name]) == any(field.endswith("nodes") for field in fields), name
+        assert ("SplineKnots" in said[name]) == ({"pitch", "order"} <= fields), name
+        assert ("Travel" in said[name]) == ("travel" in fields), name
+
+
+def test_no_program_asks_for_the_fields_of_an_effect_by_name():
+    """Quoted names of fields of effects, outside file formats and what is no field there."""
+    names = {value for effect in cogging.EFFECTS.values() for kind in effect.KINDS for value in kind.to_dict().values()}
+    names |= {"periods", "center"}
+    names -= {"position", "velocity", "time", "travel", "frequency"}  # coordinates, the axis' own, and a quantity
+    quoted = re.compile(r"""["'.](""" + "|".join(sorted(names)) + r""")["'\[]""")
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        relative = path.relative_to(PACKAGE).as_posix()
+        asked = set(quoted.findall(path.read_text()))
+        if asked and relative.split("/")[0] not in ("papers", "effects", "_core"):
+            found[relative] = asked
+    assert found == EXCEPTIONS

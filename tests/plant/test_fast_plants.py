@@ -174,4 +174,4 @@ def test_an_effect_of_no_size_is_never_too_fast(neutral):
         cogging.closed_loop(cogging.Plant(axis, effects=effects), controller, reference, duration=0.05)
         for effects in ([neutral], [])
     ]
-    np.testing.assert_array_equal(runs[0]["true_position"], runs[1]["true_position"])
+    np.testing.assert_array_equal(runs[0].true_position, runs[1].true_position)

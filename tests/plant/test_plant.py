@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import cogging
+from tests.fixtures.log_columns import columns_of
 from tests.fixtures.plants_by_hand import EXAMPLES, TWO_PI, driven, effect, exact_axis, example, free, pid, sine, wave
 
 
@@ -54,8 +55,8 @@ def replay(log, axis, effects, cogging_force):
     A piece ends where a command arrives (its sample plus the delay) or a law jumps. The state is x, v, output of the
     amplifier, bristle, load less motor and its rate.
     """
-    t, x0, v0 = log["time"], log["true_position"][0], log["true_velocity"][0]
-    u = effects["shape"](log["command"])
+    t, x0, v0 = log.time, log.true_position[0], log.true_velocity[0]
+    u = effects["shape"](log.command)
     arrival = t + effects["delay"]
     edges = np.concatenate([t, arrival, effects["breaks"]])
     edges = np.unique(np.round(edges[(edges >= t[0]) & (edges <= t[-1])], 12))
@@ -216,18 +217,18 @@ def tracking_run(effects, sample_rate=200.0, duration=0.4, steps=32, axis=SMOOTH
 
 def assert_replayed(log, *names, tolerance=1e-9):
     x, v = replay(log, SMOOTH, law(*names), periodic_by_hand)
-    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=tolerance)
-    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=tolerance * 100)
+    np.testing.assert_allclose(log.true_position, x, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=tolerance * 100)
 
 
 @pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
 def test_a_run_with_each_effect_is_the_independent_integration(name):
     log = tracking_run([example(name)], steps=512)
     assert_replayed(log, name)
-    shown = law(name)["reading_error"](log["true_position"])
-    np.testing.assert_allclose(log["position"], log["true_position"] + shown, rtol=0, atol=1e-15)
+    shown = law(name)["reading_error"](log.true_position)
+    np.testing.assert_allclose(log.position, log.true_position + shown, rtol=0, atol=1e-15)
     without = tracking_run([], steps=512)
-    assert np.abs(log["true_position"] - without["true_position"]).max() > 1e-6  # it does something
+    assert np.abs(log.true_position - without.true_position).max() > 1e-6  # it does something
 
 
 def test_a_run_without_effects_and_one_with_all_of_them():
@@ -245,12 +246,12 @@ def test_an_effect_with_neutral_parameters_vanishes(name, axis):
     """A whole run, bit for bit; 1e-12 where a friction law cuts the steps of a frictionless axis."""
     neutral = tracking_run([cogging.EFFECTS[name]()], axis=axis)
     without = tracking_run([], axis=axis)
-    for column in without:
+    for column in columns_of(without):
         if axis.coulomb == 0.0 and hasattr(cogging.EFFECTS[name], "friction_level_at"):
-            scale = np.abs(without[column]).max()
-            np.testing.assert_allclose(neutral[column], without[column], rtol=0, atol=1e-12 * scale)
+            scale = np.abs(getattr(without, column)).max()
+            np.testing.assert_allclose(getattr(neutral, column), getattr(without, column), rtol=0, atol=1e-12 * scale)
         else:
-            np.testing.assert_array_equal(neutral[column], without[column])
+            np.testing.assert_array_equal(getattr(neutral, column), getattr(without, column))
 
 
 # Integration -----------------------------------------------------------------------------------------------
@@ -268,7 +269,7 @@ def test_runge_kutta_is_of_fourth_order():
 
     def positions(steps):
         options = {"duration": 0.6, "steps_per_sample": steps}
-        return cogging.closed_loop(plant, controller, reference, **options)["true_position"]
+        return cogging.closed_loop(plant, controller, reference, **options).true_position
 
     finest = positions(512)
     errors = np.array([np.std(positions(n) - finest) for n in (16, 32, 64)])
@@ -287,10 +288,10 @@ def test_the_closed_loop_is_the_independent_one_step_by_step():
     reference = sine(center=0.05, amplitude=0.03, frequency=4.0)
     log = tracking_run([], duration=0.3, steps=64)
     t = np.arange(61) / 200.0
-    np.testing.assert_array_equal(log["time"], t)
+    np.testing.assert_array_equal(log.time, t)
     wanted = reference.sample(t)
     for column, values in zip(("reference", "reference_velocity", "reference_acceleration"), wanted, strict=True):
-        np.testing.assert_array_equal(log[column], values)
+        np.testing.assert_array_equal(getattr(log, column), values)
 
     def rhs(_, s, u):
         friction = SMOOTH.viscous * s[1] + SMOOTH.coulomb * atan_sign(s[1], SMOOTH.coulomb_width)
@@ -301,9 +302,9 @@ def test_the_closed_loop_is_the_independent_one_step_by_step():
         x_r, v_r, a_r = (column[k] for column in wanted)
         u = controller.command(reference=x_r, reference_velocity=v_r, reference_acceleration=a_r, reading=state[0])
         controller.update(u)
-        assert log["true_position"][k] == pytest.approx(state[0], abs=1e-10)
-        assert log["true_velocity"][k] == pytest.approx(state[1], abs=1e-8)
-        assert log["command"][k] == pytest.approx(u, abs=1e-6)
+        assert log.true_position[k] == pytest.approx(state[0], abs=1e-10)
+        assert log.true_velocity[k] == pytest.approx(state[1], abs=1e-8)
+        assert log.command[k] == pytest.approx(u, abs=1e-6)
         state = solve_ivp(rhs, (0, 1 / 200.0), state, "DOP853", args=(u,), rtol=1e-12, atol=1e-14).y[:, -1]
 
 
@@ -348,8 +349,8 @@ def test_delay_and_lag_are_exact(samples, time_constant):
     # The current loop itself is exact; Runge-Kutta integrates its exponential as Simpson's rule does.
     decay = 1 / (64 * rate * time_constant) if time_constant else 0.0
     tolerance = (1e-11 + decay**4 / 2880) * np.abs(expected).max(axis=0)
-    np.testing.assert_allclose(log["true_position"], expected[:, 0], rtol=0, atol=tolerance[0])
-    np.testing.assert_allclose(log["true_velocity"], expected[:, 1], rtol=0, atol=tolerance[1])
+    np.testing.assert_allclose(log.true_position, expected[:, 0], rtol=0, atol=tolerance[0])
+    np.testing.assert_allclose(log.true_velocity, expected[:, 1], rtol=0, atol=tolerance[1])
 
 
 @pytest.mark.parametrize("samples", [0.03, 0.2, 0.7, 2.0])
@@ -363,8 +364,8 @@ def test_a_current_loop_faster_than_the_sample_is_followed(samples):
     without = linear_axis(commands, 1 / rate, 0.2, 0.7, 0.0, 0.0)
     size = np.abs(expected - without).max(axis=0)
     log = driven(plant, commands, rate, steps_per_sample=1)
-    np.testing.assert_allclose(log["true_position"], expected[:, 0], rtol=0, atol=3e-3 * size[0])
-    np.testing.assert_allclose(log["true_velocity"], expected[:, 1], rtol=0, atol=3e-3 * size[1])
+    np.testing.assert_allclose(log.true_position, expected[:, 0], rtol=0, atol=3e-3 * size[0])
+    np.testing.assert_allclose(log.true_velocity, expected[:, 1], rtol=0, atol=3e-3 * size[1])
 
 
 def test_delays_add_and_the_order_of_effects_is_free():
@@ -375,7 +376,7 @@ def test_delays_add_and_the_order_of_effects_is_free():
         return effect("command_delay", delay=seconds)
 
     def run(*effects):
-        return driven(cogging.Plant(axis, effects=list(effects)), commands, 1000.0)["true_position"]
+        return driven(cogging.Plant(axis, effects=list(effects)), commands, 1000.0).true_position
 
     np.testing.assert_allclose(run(delay(0.0013), delay(0.0021)), run(delay(0.0034)), rtol=0, atol=1e-15)
 
@@ -389,9 +390,9 @@ def test_saturation_cuts_what_acts_and_not_what_is_logged():
     commands = 3 * np.random.default_rng(6).normal(size=50)
     axis = cogging.AxisParameters(mass=0.2, viscous=0.7)
     cut = driven(cogging.Plant(axis, effects=[effect("command_saturation", limit=1.25)]), commands, 1000.0)
-    assert np.abs(cut["command"]).max() > 3.0
+    assert np.abs(cut.command).max() > 3.0
     same = driven(cogging.Plant(axis), np.clip(commands, -1.25, 1.25), 1000.0)
-    np.testing.assert_array_equal(cut["true_position"], same["true_position"])
+    np.testing.assert_array_equal(cut.true_position, same.true_position)
 
 
 def test_two_current_loops_are_refused():
@@ -412,13 +413,13 @@ def test_the_gain_acts_on_the_amplifiers_output_alone(width):
     larger = np.clip(commands, -1.25, 1.25) * 1.25
     same = driven(cogging.Plant(axis, effects=lag, noise=noise), larger, 1000.0, seed=3)
     # Of one motion: the two may take different steps, each accurate to some 1e-9 of it.
-    agreed = 1e-7 * np.ptp(same["true_position"])
-    np.testing.assert_allclose(gained["true_position"], same["true_position"], rtol=0, atol=agreed)
-    assert np.ptp(same["true_position"]) > 1e-4
+    agreed = 1e-7 * np.ptp(same.true_position)
+    np.testing.assert_allclose(gained.true_position, same.true_position, rtol=0, atol=agreed)
+    assert np.ptp(same.true_position) > 1e-4
     warm = effect("force_constant_drift", change=0.15, time_constant=1e-9)
     part = effect("force_constant_ripple", cosine=0.10, period=1e9)
     added = driven(cogging.Plant(axis, effects=[part, warm, cut, *lag], noise=noise), commands, 1000.0, seed=3)
-    np.testing.assert_allclose(added["true_position"], same["true_position"], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(added.true_position, same.true_position, rtol=0, atol=1e-8)
 
 
 # Disturbances ----------------------------------------------------------------------------------------------
@@ -435,22 +436,22 @@ def test_a_step_off_the_sample_grid_moves_a_free_mass_by_the_parabola(start, sto
     step = effect("disturbance_step", force=force, start=start, stop=stop)
     log = free(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[step]), 1.0, rate, steps_per_sample=steps)
     on, off = max(start, 0.0), min(stop, 1e9)
-    t = log["time"]
+    t = log.time
     pushed, since = np.clip(t - on, 0, off - on), np.clip(t - off, 0, None)
     v = force / mass * pushed
-    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(log["true_position"], 0.5 * v * pushed + v * since, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log.true_position, 0.5 * v * pushed + v * since, rtol=0, atol=1e-12)
 
 
 def test_a_tone_on_a_free_mass_is_its_integral():
     mass, w = 0.3, TWO_PI * 7.0
     tone = effect("disturbance_tone", frequency=7.0, sine=0.5, cosine=-0.2)
     log = free(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[tone]), 1.0, 1000.0, steps_per_sample=8)
-    t = log["time"]
+    t = log.time
     v = (0.5 * (1 - np.cos(w * t)) - 0.2 * np.sin(w * t)) / (mass * w)
     x = (0.5 * (t - np.sin(w * t) / w) - 0.2 * (1 - np.cos(w * t)) / w) / (mass * w)
-    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log.true_position, x, rtol=0, atol=1e-12)
 
 
 # Exact Coulomb friction ------------------------------------------------------------------------------------
@@ -469,8 +470,8 @@ def test_it_sticks_as_long_as_the_force_stays_below_the_level(coulomb, x0, comma
     at_rest = -stiffness * x0 - PERIODIC.force(x0)
     plant = cogging.Plant(exact_axis(coulomb=coulomb), cogging=PERIODIC, effects=[spring])
     log = driven(plant, np.array(commands) * coulomb - at_rest, 500.0, x0=x0)
-    assert (log["true_position"] == x0).all()
-    assert (log["true_velocity"] == 0.0).all()
+    assert (log.true_position == x0).all()
+    assert (log.true_velocity == 0.0).all()
 
 
 @pytest.mark.parametrize("direction", [1, -1])
@@ -492,11 +493,11 @@ def test_it_breaks_away_at_the_level(effects, levels, direction):
     level = levels[direction]
     ramp = direction * np.linspace(0, 2, 2001)  # 1 mV a sample
     log = driven(cogging.Plant(exact_axis(), effects=effects), ramp, 1000.0)
-    moving = log["true_velocity"] != 0.0
+    moving = log.true_velocity != 0.0
     first = np.argmax(moving)
-    assert (log["true_position"][:first] == 0.0).all()
+    assert (log.true_position[:first] == 0.0).all()
     assert moving[first:].all()
-    assert np.sign(log["true_velocity"][first]) == direction
+    assert np.sign(log.true_velocity[first]) == direction
     # The command of sample first - 1 was the first above the level.
     assert abs(ramp[first - 2]) <= level * (1 + 1e-12)
     assert abs(ramp[first - 1]) >= level * (1 - 1e-12)
@@ -516,9 +517,9 @@ def test_a_free_mass_stops_at_the_analytic_time_and_place(rate, steps, viscous):
             place = m / viscous * (speed - fc * stop / m)
         else:
             stop, place = m * speed / fc, 0.5 * m * speed**2 / fc
-        t, rests = log["time"], log["true_velocity"] == 0.0
+        t, rests = log.time, log.true_velocity == 0.0
         np.testing.assert_array_equal(rests, t >= stop)  # at rest from the stop on and not before
-        still = log["true_position"][rests]
+        still = log.true_position[rests]
         assert (still == still[0]).all()
         # RK4 with B h / M: its own error is far below 1e-9 but at 20 Hz.
         coarse = (viscous / m / rate / steps) ** 5 * speed
@@ -529,7 +530,7 @@ def test_where_it_stops_does_not_depend_on_the_step():
     """Through a cogging field and a spring: places of rest at 100 Hz to 20 kHz agree to 1e-9 m."""
     plant = cogging.Plant(exact_axis(viscous=0.4), cogging=PERIODIC, effects=[example("cable_spring")])
     places = [
-        free(plant, 3.0, rate, x0=0.01, v0=0.9, steps_per_sample=steps)["true_position"][-1]
+        free(plant, 3.0, rate, x0=0.01, v0=0.9, steps_per_sample=steps).true_position[-1]
         for rate, steps in ((100.0, 40), (1000.0, 4), (2500.0, 3), (20000.0, 1))
     ]
     assert np.ptp(places) < 1e-9
@@ -550,16 +551,16 @@ def test_spring_and_friction_ring_down_as_in_the_textbook(seed):
     while abs(turns[-1]) > fc / k:
         turns.append(-np.sign(turns[-1]) * (abs(turns[-1]) - 2 * fc / k))
     turning_times = half_cycle * np.arange(len(turns))
-    v, x = log["true_velocity"], log["true_position"]
+    v, x = log.true_velocity, log.true_position
     assert x[-1] == pytest.approx(turns[-1], abs=1e-9)
-    rests = log["time"] >= turning_times[-1] + 2e-9
+    rests = log.time >= turning_times[-1] + 2e-9
     assert (v[rests] == 0.0).all()  # and never moves again
     assert (x[rests] == x[-1]).all()
-    sliding = v[(log["time"] > 0) & ~rests]
+    sliding = v[(log.time > 0) & ~rests]
     reversals = np.count_nonzero(np.diff(np.sign(sliding[sliding != 0.0])))
     assert reversals == max(len(turns) - 2, 0)
     # And in between: x(t) = centre + (turn - centre) cos(w (t - turn time)).
-    t = log["time"][~rests]
+    t = log.time[~rests]
     index = np.minimum((t / half_cycle).astype(int), len(turns) - 2) if len(turns) > 1 else []
     if len(turns) > 1:
         turn = np.array(turns)[index]
@@ -580,9 +581,9 @@ def test_energy_never_grows_without_a_drive(seed):
     axis = cogging.AxisParameters(mass=rng.uniform(0.2, 1), coulomb=rng.uniform(0.06, 0.3))
     plant = cogging.Plant(axis, effects=effects)
     log = free(plant, 4.0, 2000.0, x0=rng.uniform(-0.3, 0.3), v0=rng.uniform(-2, 2))
-    energy = 0.5 * axis.mass * log["true_velocity"] ** 2 + 0.5 * k * (log["true_position"] - 0.02) ** 2
+    energy = 0.5 * axis.mass * log.true_velocity**2 + 0.5 * k * (log.true_position - 0.02) ** 2
     assert np.diff(energy).max() <= 1e-14 * energy[0]
-    assert (np.diff(energy)[log["true_velocity"][1:] != 0.0] < 0.0).all()  # friction takes from all that moves
+    assert (np.diff(energy)[log.true_velocity[1:] != 0.0] < 0.0).all()  # friction takes from all that moves
 
 
 def test_breaking_away_within_a_sample_through_a_current_loop():
@@ -592,14 +593,14 @@ def test_breaking_away_within_a_sample_through_a_current_loop():
     away = -tau * np.log(1 - fc / U)
     for rate, steps in ((100.0, 64), (1000.0, 16), (7000.0, 2)):
         log = driven(plant, np.full(int(0.1 * rate) + 1, U), rate, steps_per_sample=steps)
-        t = log["time"]
+        t = log.time
         since = np.clip(t - away, 0, None)
         fall = np.exp(-away / tau) * tau * (1 - np.exp(-since / tau))
         v = ((U - fc) * since - U * fall) / m
         x = (0.5 * (U - fc) * since**2 - U * tau * (np.exp(-away / tau) * since - fall)) / m
-        np.testing.assert_array_equal(log["true_velocity"] > 0.0, t > away)
-        np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=1e-10)
+        np.testing.assert_array_equal(log.true_velocity > 0.0, t > away)
+        np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(log.true_position, x, rtol=0, atol=1e-10)
 
 
 def test_a_disturbance_step_breaks_it_away_in_mid_sample():
@@ -610,8 +611,8 @@ def test_a_disturbance_step_breaks_it_away_in_mid_sample():
         v_peak = (1.0 - 0.8) / 0.5 * pushed
         stop = 0.0729 + 0.5 * v_peak / 0.8
         place = 0.5 * v_peak * pushed + 0.25 * v_peak**2 / 0.8
-        np.testing.assert_array_equal(log["true_velocity"] > 0.0, (log["time"] > 0.0317) & (log["time"] < stop))
-        assert log["true_position"][-1] == pytest.approx(place, abs=1e-13)
+        np.testing.assert_array_equal(log.true_velocity > 0.0, (log.time > 0.0317) & (log.time < stop))
+        assert log.true_position[-1] == pytest.approx(place, abs=1e-13)
 
 
 @pytest.mark.parametrize("ki", [0.0, 20000.0])
@@ -625,12 +626,12 @@ def test_no_chatter_at_rest_under_a_controller(ki):
     motion = {"distance": 0.05, "velocity": 0.2, "acceleration": 3.0, "dwell": 1.0, "repeats": 2}
     reference = cogging.PointToPoint(cogging.PointToPointParameters(**motion))
     log = cogging.closed_loop(plant, pid(2000.0, kp=3000.0, ki=ki, kd=60.0), reference)
-    direction = np.sign(log["true_velocity"])
+    direction = np.sign(log.true_velocity)
     alternates = (direction[2:] * direction[1:-1] < 0) & (direction[1:-1] * direction[:-2] < 0)
     assert not alternates.any()
     assert (direction == 0.0).mean() > 0.1
     if ki == 0.0:
-        into_the_rest = log["time"] % (reference.period / 2) - reference.move_time
+        into_the_rest = log.time % (reference.period / 2) - reference.move_time
         late = (into_the_rest > 0.1) & (into_the_rest < 0.99)
         assert late.mean() > 0.5
         assert (direction[late] == 0.0).all()
@@ -641,7 +642,7 @@ def test_the_smooth_form_tends_to_the_exact_one():
 
     def positions(width, steps):
         plant = cogging.Plant(exact_axis(viscous=0.3, coulomb_width=width))
-        return driven(plant, commands, 1000.0, steps_per_sample=steps)["true_position"]
+        return driven(plant, commands, 1000.0, steps_per_sample=steps).true_position
 
     exact = positions(0.0, 1)
     widths = ((1e-2, 4), (1e-3, 8), (1e-4, 50), (1e-5, 400))
@@ -657,7 +658,7 @@ def test_the_smooth_form_tends_to_the_exact_one():
 def test_the_reading_is_the_nearest_count(resolution):
     encoder = cogging.EncoderParameters(resolution=resolution)
     log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), 2.0, 3000.0, x0=-0.1, v0=0.1234567)
-    x, reading = log["true_position"], log["position"]
+    x, reading = log.true_position, log.position
     if resolution == 0.0:
         np.testing.assert_array_equal(reading, x)
         return
@@ -675,19 +676,19 @@ def test_errors_of_the_encoder_come_before_noise_and_rounding():
         free(cogging.Plant(cogging.AxisParameters(), effects=e, encoder=encoder), 2.0, v0=0.1, seed=4)
         for e in ([], errors)
     )
-    x = wrong["true_position"]
-    np.testing.assert_array_equal(x, plain["true_position"])
-    counts = wrong["position"] / 1e-6
+    x = wrong.true_position
+    np.testing.assert_array_equal(x, plain.true_position)
+    counts = wrong.position / 1e-6
     np.testing.assert_allclose(counts, np.round(counts), rtol=0, atol=1e-8)
     error = wave(x, 0.004, 3e-5, -2e-5) + 0.004 * x
     # The same noise in both: the readings differ by the error, each rounded.
-    assert np.abs(wrong["position"] - plain["position"] - error).max() <= 1e-6 * (1 + 1e-6)
+    assert np.abs(wrong.position - plain.position - error).max() <= 1e-6 * (1 + 1e-6)
 
 
 def white(resolution, noise, seed, samples=100_000):
     encoder = cogging.EncoderParameters(resolution=resolution, noise=noise)
     log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), samples / 1000.0, seed=seed)
-    return log["position"] - log["true_position"]
+    return log.position - log.true_position
 
 
 def test_encoder_noise_is_white_and_normal():
@@ -713,7 +714,7 @@ def noise_forces(rms, bandwidth, rate, seed, samples=100_000):
     axis = cogging.AxisParameters(mass=0.5)
     plant = cogging.Plant(axis, noise=cogging.NoiseParameters(force=rms, bandwidth=bandwidth))
     log = free(plant, samples / rate, rate, seed=seed)
-    return np.diff(log["true_velocity"]) * rate * 0.5
+    return np.diff(log.true_velocity) * rate * 0.5
 
 
 @pytest.mark.parametrize(("bandwidth", "rate"), [(50.0, 5000.0), (400.0, 2000.0), (5.0, 1000.0)])
@@ -755,11 +756,11 @@ def test_a_seed_gives_its_bits_and_another_seed_others():
         noise=cogging.NoiseParameters(force=0.1, bandwidth=100.0),
     )
     runs = [free(plant, 1.0, seed=seed) for seed in (7, 7, 8)]
-    for column in runs[0]:
-        np.testing.assert_array_equal(runs[0][column], runs[1][column])
-    errors = [r["position"] - r["true_position"] for r in runs]
+    for column in columns_of(runs[0]):
+        np.testing.assert_array_equal(getattr(runs[0], column), getattr(runs[1], column))
+    errors = [r.position - r.true_position for r in runs]
     assert (errors[0] != errors[2]).all()
-    forces = [np.diff(r["true_velocity"]) for r in runs]
+    forces = [np.diff(r.true_velocity) for r in runs]
     assert abs(np.corrcoef(forces[0], forces[2])[0, 1]) < 0.2
     # The two streams of one seed are not the same numbers.
     assert abs(np.corrcoef(forces[0], errors[0][1:])[0, 1]) < 5 / np.sqrt(1000)
@@ -768,8 +769,8 @@ def test_a_seed_gives_its_bits_and_another_seed_others():
 
 def test_without_noise_the_seed_has_no_influence():
     runs = [free(cogging.Plant(SMOOTH), 0.2, v0=1.0, seed=seed) for seed in (0, 12345678901234567890)]
-    for column in runs[0]:
-        np.testing.assert_array_equal(runs[0][column], runs[1][column])
+    for column in columns_of(runs[0]):
+        np.testing.assert_array_equal(getattr(runs[0], column), getattr(runs[1], column))
 
 
 # Rules -----------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import cogging
+from tests.fixtures.log_columns import columns_of
 from tests.fixtures.plants_by_hand import driven, effect, exact_axis, free, pid, sine
 
 TWO_PI = 2 * np.pi
@@ -54,7 +55,7 @@ def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
         ],
     )
     for steps in (1, 16):  # one is enough
-        x = driven(plant, commands, rate, steps_per_sample=steps)["true_position"]
+        x = driven(plant, commands, rate, steps_per_sample=steps).true_position
         # Seen: 3e-8 to 1.2e-6, the most where a contact of 1e6 V/m rings and nothing damps it.
         assert np.abs(x - expected[:, 0]).max() < 2e-6 * np.ptp(expected[:, 0])
 
@@ -63,12 +64,12 @@ def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
 def test_it_is_stable_however_stiff_and_tends_to_the_exact_form(stiffness):
     commands = 1.5 * np.sin(TWO_PI * 2 * np.arange(1001) / 1000.0)
     axis = exact_axis(viscous=0.3)
-    exact = driven(cogging.Plant(axis), commands, 1000.0)["true_position"]
+    exact = driven(cogging.Plant(axis), commands, 1000.0).true_position
     bristle = effect("presliding_friction", stiffness=stiffness, damping=0.5)
     log = driven(cogging.Plant(axis, effects=[bristle]), commands, 1000.0)
-    assert np.abs(log["true_velocity"]).max() < 1.0
+    assert np.abs(log.true_velocity).max() < 1.0
     # The contact gives way by g / stiffness at a period of sqrt(M / stiffness): a speed of g / sqrt(M stiffness).
-    assert np.abs(log["true_position"] - exact).max() < 0.8 / math.sqrt(0.5 * stiffness)
+    assert np.abs(log.true_position - exact).max() < 0.8 / math.sqrt(0.5 * stiffness)
 
 
 def test_too_stiff_for_its_step_is_said():
@@ -85,7 +86,7 @@ def test_presliding_follows_the_hysteresis_of_dahl():
         effects=[effect("presliding_friction", stiffness=stiffness)],
     )
     commands = np.where(np.arange(16001) < 8000, push, 0.0)
-    x = driven(plant, commands, 1000.0, steps_per_sample=8)["true_position"]
+    x = driven(plant, commands, 1000.0, steps_per_sample=8).true_position
     gone = -level / stiffness * np.log(1 - push / level)
     back = level / stiffness * np.log(1 + push / level)
     assert x[8000] == pytest.approx(gone, rel=1e-5)
@@ -106,7 +107,7 @@ def test_steady_sliding_feels_the_level(damping):
     ]
     plant = cogging.Plant(exact_axis(viscous=viscous, coulomb_width=0.01), effects=effects)
     for u in (2.5, -2.5):
-        v = driven(plant, np.full(6001, u), 1000.0, steps_per_sample=2)["true_velocity"][-1]
+        v = driven(plant, np.full(6001, u), 1000.0, steps_per_sample=2).true_velocity[-1]
         level = 0.8 + 0.1 * np.sign(u) + 0.3 * np.exp(-abs(v) / 0.5) + 0.1
         assert u - viscous * v == pytest.approx(np.sign(u) * level, rel=1e-8)
 
@@ -124,7 +125,7 @@ def test_a_bristle_gives_no_energy(seed):
     ]
     start = rng.choice([-1, 1]) * rng.uniform(2, 20) * level / k
     log = free(cogging.Plant(axis, effects=effects), 30 * math.sqrt(mass / k) * TWO_PI, 2000.0, x0=start)
-    x, v = log["true_position"], log["true_velocity"]
+    x, v = log.true_position, log.true_velocity
     energy = 0.5 * mass * v**2 + 0.5 * k * x**2
     assert energy.max() <= energy[0] * (1 + 1e-9)
     assert energy[-1] < 0.5 * energy[0]
@@ -165,7 +166,7 @@ def test_a_flexible_mode_is_the_linear_system(frequency, mass_ratio, damping_rat
     log = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0, steps_per_sample=4)
     expected = two_masses(commands, 1000.0, 0.4, 0.7, mode)
     for column, values in (("true_position", expected[:, 0]), ("true_velocity", expected[:, 1])):
-        np.testing.assert_allclose(log[column], values, rtol=0, atol=2e-4 * np.abs(values).max())
+        np.testing.assert_allclose(getattr(log, column), values, rtol=0, atol=2e-4 * np.abs(values).max())
 
 
 def test_the_frequency_and_the_decay_are_those_of_the_ring_down():
@@ -174,7 +175,7 @@ def test_the_frequency_and_the_decay_are_those_of_the_ring_down():
     hit = effect("disturbance_step", force=5.0, start=0.0, stop=0.002)
     plant = cogging.Plant(cogging.AxisParameters(mass=0.5), effects=[mode, hit])
     log = free(plant, 1.0, 5000.0)
-    t, v = log["time"], log["true_velocity"] - 5.0 * 0.002 / 0.5  # momentum: the mean of both masses
+    t, v = log.time, log.true_velocity - 5.0 * 0.002 / 0.5  # momentum: the mean of both masses
     up = np.flatnonzero((v[20:-1] < 0) & (v[21:] >= 0)) + 20
     crossings = t[up] - v[up] * (t[up + 1] - t[up]) / (v[up + 1] - v[up])
     periods = np.diff(crossings)
@@ -189,11 +190,11 @@ def test_the_frequency_and_the_decay_are_those_of_the_ring_down():
 def test_a_stiff_mode_is_the_rigid_axis():
     commands = np.random.default_rng(7).normal(size=100)
     axis = cogging.AxisParameters(mass=0.4, viscous=0.7)
-    rigid = driven(cogging.Plant(axis), commands, 1000.0)["true_position"]
+    rigid = driven(cogging.Plant(axis), commands, 1000.0).true_position
     errors = []
     for frequency in (100.0, 1000.0, 10_000.0):
         mode = effect("flexible_mode", frequency=frequency, damping_ratio=0.3, mass_ratio=0.4)
-        x = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0)["true_position"]
+        x = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0).true_position
         errors.append(np.abs(x - rigid).max())
     assert errors[1] < 0.05 * errors[0]
     assert errors[2] < 0.05 * errors[1]
@@ -214,8 +215,8 @@ def test_a_load_that_is_none_leaves_every_bit(effects, width):
     commands = 2 * np.random.default_rng(8).normal(size=300)
     axis = exact_axis(viscous=0.3, coulomb_width=width)
     with_them, without = (driven(cogging.Plant(axis, effects=e), commands, 1000.0) for e in (effects, []))
-    for column in without:
-        np.testing.assert_array_equal(with_them[column], without[column])
+    for column, values in columns_of(without).items():
+        np.testing.assert_array_equal(getattr(with_them, column), values)
 
 
 def test_one_load_and_one_bristle_an_axis():
@@ -307,14 +308,14 @@ def test_a_motor_that_sticks_while_its_load_rings(kind, seed):
     log = free(cogging.Plant(exact_axis(), effects=[load, tone]), 2.0, 1000.0, v0=0.9, steps_per_sample=4)
     x, v, *_ = stick_and_slip(
         2.0, mass, level, pull, ratio, [0.0, 0.9, 0.0, 0.0], lambda t: 0.7 * np.sin(TWO_PI * 1.3 * t)
-    )(log["time"])
-    rests = log["true_velocity"] == 0.0
+    )(log.time)
+    rests = log.true_velocity == 0.0
     changes = np.count_nonzero(np.diff(rests.astype(int)))
     assert changes >= 2  # it stops, and is torn loose
-    assert (np.diff(log["true_position"])[rests[1:] & rests[:-1]] == 0.0).all()
+    assert (np.diff(log.true_position)[rests[1:] & rests[:-1]] == 0.0).all()
     tolerance = 1e-9 if kind == "flexible_mode" else 1e-6  # a contact has kinks
-    np.testing.assert_allclose(log["true_position"], x, rtol=0, atol=tolerance)
-    np.testing.assert_allclose(log["true_velocity"], v, rtol=0, atol=30 * tolerance)
+    np.testing.assert_allclose(log.true_position, x, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=30 * tolerance)
 
 
 # Backlash --------------------------------------------------------------------------------------------------
@@ -323,22 +324,20 @@ def test_a_motor_that_sticks_while_its_load_rings(kind, seed):
 def load_from_momentum(log, push, mass, ratio):
     """(q, q'): without friction the momentum of both masses is the impulse; position and velocity of the load less
     those of the motor."""
-    t = log["time"]
-    v1 = log["true_velocity"]
+    t = log.time
+    v1 = log.true_velocity
     steps = np.diff(t) * push[:-1]
     momentum = mass * v1[0] + np.concatenate([[0], np.cumsum(steps)])
     r = (momentum - (1 - ratio) * mass * v1) / (ratio * mass) - v1
-    centre = log["true_position"][0] + np.concatenate(
-        [[0], np.cumsum((momentum[:-1] + 0.5 * steps) / mass * np.diff(t))]
-    )
-    return (centre - log["true_position"]) / ratio, r
+    centre = log.true_position[0] + np.concatenate([[0], np.cumsum((momentum[:-1] + 0.5 * steps) / mass * np.diff(t))])
+    return (centre - log.true_position) / ratio, r
 
 
 def test_the_motor_moves_through_the_gap_before_the_load_follows():
     mass, ratio, gap, push = 0.5, 0.4, 4e-3, 0.3
     lost = effect("backlash", gap=gap, mass_ratio=ratio)
     log = driven(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[lost]), np.full(4001, push), 5000.0)
-    t, x = log["time"], log["true_position"]
+    t, x = log.time, log.true_position
     alone = 0.5 * push / ((1 - ratio) * mass) * t**2
     free_of_load = alone <= gap / 2
     assert free_of_load.sum() > 100
@@ -358,7 +357,7 @@ def test_the_load_is_free_in_the_gap_and_crosses_all_of_it():
     commands = 0.6 * np.sign(np.sin(TWO_PI * 2.0 * (np.arange(10_001) + 0.5) / 5000.0))
     log = driven(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[lost]), commands, 5000.0, steps_per_sample=2)
     q, r = load_from_momentum(log, commands, mass, ratio)
-    load_velocity = log["true_velocity"] + r
+    load_velocity = log.true_velocity + r
     inside = np.abs(q) < gap / 2 - 1e-9
     assert inside.mean() > 0.05
     both = inside[1:] & inside[:-1]
@@ -377,13 +376,13 @@ def test_bounces_take_energy_and_never_give_any(frequency, zeta):
     lost = effect("backlash", gap=gap, mass_ratio=ratio, contact_frequency=frequency, contact_damping_ratio=zeta)
     hit = effect("disturbance_step", force=20.0, start=0.0, stop=0.01)
     log = free(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[lost, hit]), 1.0, 2000.0)
-    push = np.where(log["time"] < 0.01 - 1e-9, 20.0, 0.0)
+    push = np.where(log.time < 0.01 - 1e-9, 20.0, 0.0)
     q, r = load_from_momentum(log, push, mass, ratio)
     m1, m2 = (1 - ratio) * mass, ratio * mass
-    v1 = log["true_velocity"]
+    v1 = log.true_velocity
     strain = q - np.clip(q, -gap / 2, gap / 2)
     spring = 0.5 * (TWO_PI * frequency) ** 2 * mass * ratio * (1 - ratio) * strain**2
-    energy = (0.5 * m1 * v1**2 + 0.5 * m2 * (v1 + r) ** 2 + spring)[log["time"] >= 0.01]
+    energy = (0.5 * m1 * v1**2 + 0.5 * m2 * (v1 + r) ** 2 + spring)[log.time >= 0.01]
     least = 0.5 * mass * (20.0 * 0.01 / mass) ** 2  # both at one speed
     # Without a damper it is kept, but for the error of the substeps: 2e-3 over some hundred bounces.
     tolerance = 2e-3 * energy[0]
@@ -400,7 +399,7 @@ def test_backlash_converges_with_the_step():
     lost = effect("backlash", gap=1e-3, mass_ratio=0.4, contact_damping_ratio=0.2)
     commands = 0.8 * np.sin(TWO_PI * 5 * np.arange(501) / 1000.0)
     plant = cogging.Plant(cogging.AxisParameters(mass=0.3, viscous=1.0), effects=[lost])
-    x = {n: driven(plant, commands, 1000.0, steps_per_sample=n)["true_position"] for n in (8, 32, 128, 512)}
+    x = {n: driven(plant, commands, 1000.0, steps_per_sample=n).true_position for n in (8, 32, 128, 512)}
     errors = [np.abs(x[n] - x[512]).max() for n in (8, 32, 128)]
     assert errors[1] < 0.3 * errors[0]
     assert errors[2] < 0.3 * errors[1]
@@ -422,6 +421,6 @@ def test_a_batch_gives_the_bits_of_single_runs():
     logs = cogging.closed_loop_batch(plants, controllers, reference, duration=0.5, threads=3)
     for plant, controller, log in zip(plants, controllers, logs, strict=True):
         alone = cogging.closed_loop(plant, controller, reference, duration=0.5)
-        for column in alone:
-            np.testing.assert_array_equal(log[column], alone[column])
-        assert np.ptp(log["true_position"]) > 0.01
+        for column, values in columns_of(alone).items():
+            np.testing.assert_array_equal(getattr(log, column), values)
+        assert np.ptp(log.true_position) > 0.01

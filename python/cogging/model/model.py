@@ -35,7 +35,8 @@ from cogging._core import (
 )
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
 
 #: Controllers by the name that a model file gives them: parameter struct and class.

@@ -1,4 +1,4 @@
-"""Effects that act for a spell of time: where one began and ended, found at once by the cumulated adjoint."""
+"""Effects that act in an interval of time: where one began and ended, found at once by the cumulated adjoint."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.effects.effect import Effect, Window, kind_of
 
-LENGTHS = 40  # of spells, from SHORTEST to the whole log
+LENGTHS = 40  # of intervals, from SHORTEST to the whole log
 SHORTEST = 0.2  # s: what is shorter may be a single blow
-SPELLS = 8  # that are looked at exactly
+INTERVALS = 8  # that are looked at exactly
 MEDIAN = 0.4549  # of chi-square with one degree of freedom
 
 
-def is_spell(effect: Effect) -> bool:
+def acts_in_interval(effect: Effect) -> bool:
     """Whether an effect is a force between two moments."""
     return kind_of(effect, Window) is not None and "force" in effect.HOOKS
 
@@ -30,12 +30,12 @@ def long_enough(effect: Effect, shape: Mapping[str, Any]) -> bool:
     return window is None or bool(shape[window.stop] - shape[window.start] >= SHORTEST)
 
 
-def spells(evidence: Evidence, law: Effect, grid: list[Candidate]) -> tuple[list[Candidate], float]:
-    """The likeliest spells beside those of a grid, and how many independent ones were looked at."""
+def intervals(evidence: Evidence, law: Effect, grid: list[Candidate]) -> tuple[list[Candidate], float]:
+    """The likeliest intervals beside those of a grid, and how many independent ones were tried."""
     window = kind_of(law, Window)
-    if not grid or window is None or not is_spell(law):
+    if not grid or window is None or not acts_in_interval(law):
         return grid, float(max(1, len(grid)))
-    found, looked, start = list(grid), 0.0, 0
+    found, trials, start = list(grid), 0.0, 0
     for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
         n = len(source.log)
         force, _ = adjoint(source, filter_, along, evidence.model.axis.mass, evidence.free_residual[start : start + n])
@@ -50,10 +50,10 @@ def spells(evidence: Evidence, law: Effect, grid: list[Candidate]) -> tuple[list
             level = float(np.median(score)) / MEDIAN
             if level <= 0.0:
                 continue
-            looked += n / length
+            trials += n / length
             place = int(np.argmax(score))
             best.append((float(score[place]) / level, place, int(length)))
-        for _, place, length in sorted(best, reverse=True)[:SPELLS]:
+        for _, place, length in sorted(best, reverse=True)[:INTERVALS]:
             shape = {window.start: float(time[place]), window.stop: float(time[min(place + length, n - 1)])}
             found.append(replace(grid[0], shape={**grid[0].shape, **shape}))
-    return found, max(looked, float(len(grid)))
+    return found, max(trials, float(len(grid)))
