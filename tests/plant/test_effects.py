@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cogging
+from tests.fixtures.own_laws import COPIES, own_eddy
 from tests.fixtures.plants_by_hand import TWO_PI, effect, example, spline, wave
 
 # What an effect takes from its plant ------------------------------------------------------------------------
@@ -88,10 +89,19 @@ def test_an_end_effect_takes_the_ends_of_the_travel():
 # What an effect says of itself -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+#: Each effect of the list, and some of a user's own, as they are when they do nothing.
+NEUTRAL = {name: kind() for name, kind in cogging.EFFECTS.items()}
+NEUTRAL |= {one.NAME: one.neutral() for one in (own_eddy(), *(make() for make, _ in COPIES.values()))}
+#: The same as they are when they do something.
+ACTIVE = {name: example(name) for name in cogging.EFFECTS}
+ACTIVE |= {make().NAME: make().replace(**fields) for make, fields in COPIES.values()}
+ACTIVE |= {"eddy_drag": own_eddy().replace(slope=1.3, corner=0.4)}
+
+
+@pytest.mark.parametrize("name", sorted(NEUTRAL))
 def test_roles_are_complete(name):
-    kind = cogging.EFFECTS[name]
-    assert set(kind.ROLES) == set(kind.FIELDS)
+    kind = NEUTRAL[name]
+    assert set(kind.ROLES) == set(kind.FIELDS) == set(kind.to_dict())
     neutral = 0
     for field, role in kind.ROLES.items():
         assert set(role) == {"role", "quantity", "low", "high", "logarithmic", "neutral"}
@@ -102,17 +112,17 @@ def test_roles_are_complete(name):
         assert role["low"] > 0 or not role["logarithmic"]
         if role["role"] == "amplitude":
             assert role["low"] in (-role["high"], 0.0)
-            assert role["neutral"] in (0.0, [])
+            assert role["neutral"] in (0.0, []) or set(role["neutral"]) == {0.0}
         neutral += role["neutral"] is not None
         if role["neutral"] is not None:
-            assert role["neutral"] == getattr(kind(), field)
+            assert role["neutral"] == getattr(kind, field)
     assert neutral > 0  # there is a way to make it vanish
 
 
-@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+@pytest.mark.parametrize("name", sorted(ACTIVE))
 def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
-    one = example(name)
-    roles = type(one).ROLES
+    one = ACTIVE[name]
+    roles = one.ROLES
     amplitudes = {field for field, role in roles.items() if role["role"] == "amplitude"}
     rng = np.random.default_rng(3)
     x, v, t, u = rng.uniform(0, 0.3, 50), rng.normal(size=50), rng.uniform(0, 1, 50), rng.normal(size=50)

@@ -42,14 +42,15 @@ def compiled():
 @pytest.mark.parametrize("width", [1e-3, 0.0])
 @pytest.mark.parametrize("name", sorted(COPIES))
 def test_a_copy_of_an_effect_moves_as_it(name, width):
+    """To 1e-9 of the motion: the copy takes more steps, where those of the effect err by less than 1e-6."""
     make, fields = COPIES[name]
     axis = AXIS.replace(coulomb_width=width)
     own, built_in = run(make().replace(**fields), axis=axis), run(cogging.EFFECTS[name](**fields), axis=axis)
     bare = run(axis=axis)
-    for column in ("true_position", "true_velocity", "position"):
-        size = np.abs(built_in[column]).max()
-        np.testing.assert_allclose(own[column], built_in[column], rtol=0, atol=1e-9 * size)
-    assert np.abs(bare["true_position"] - built_in["true_position"]).max() > 1e-7
+    for column, same in (("true_position", 1e-9), ("position", 1e-9), ("true_velocity", 1e-6)):
+        size = np.abs(getattr(built_in, column)).max()
+        np.testing.assert_allclose(getattr(own, column), getattr(built_in, column), rtol=0, atol=same * size)
+    assert np.abs(bare.true_position - built_in.true_position).max() > 1e-7
 
 
 def test_compiled_and_python_laws_give_the_same_bits():
@@ -60,9 +61,9 @@ def test_compiled_and_python_laws_give_the_same_bits():
     logs = [run(mine.replace(**values))]
     logs += [run(Custom("eddy", force=one, parameters=parameters).replace(**values)) for one in (law, law.ctypes)]
     for column in ("true_position", "true_velocity", "command"):
-        np.testing.assert_array_equal(logs[0][column], logs[1][column])
-        np.testing.assert_array_equal(logs[0][column], logs[2][column])
-    assert np.abs(logs[0]["command"] - run()["command"]).max() > 0.1
+        np.testing.assert_array_equal(getattr(logs[0], column), getattr(logs[1], column))
+        np.testing.assert_array_equal(getattr(logs[0], column), getattr(logs[2], column))
+    assert np.abs(logs[0].command - run().command).max() > 0.1
 
 
 def test_a_c_library_is_a_law():
@@ -80,7 +81,7 @@ def test_many_runs_at_once_are_those_one_by_one():
     plants = [cogging.Plant(AXIS, effects=[one]) for one in effects]
     logs = cogging.closed_loop_batch(plants, [cogging.Pid(PID)] * 3, MOVES, threads=3)
     for one, log in zip(effects, logs, strict=True):
-        np.testing.assert_array_equal(run(one)["true_position"], log["true_position"])
+        np.testing.assert_array_equal(run(one).true_position, log.true_position)
 
 
 def test_a_law_of_two_hooks_acts_by_both():
@@ -96,7 +97,7 @@ def test_a_law_of_two_hooks_acts_by_both():
         "other", friction_level=lambda position, size: size * position, parameters={"size": Parameter(0.4, "V/m")}
     )
     together, apart = run(both), run(one, other)
-    np.testing.assert_allclose(together["true_position"], apart["true_position"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(together.true_position, apart.true_position, rtol=0, atol=1e-12)
 
 
 # The integrator -------------------------------------------------------------------------------------------------------
@@ -117,19 +118,17 @@ def against_scipy(law, breaks, axis, own, velocity=0.35):
     events = [lambda _, state, at=at: state[0] - at for at in breaks]
     for event in events:
         event.terminal = True
-    state, start, states = [0.1, velocity], 0.0, [np.array([[0.1, velocity]])]
-    while start < t[-1]:
+    state, start, states = np.array([0.1, velocity]), 0.0, [np.array([[0.1, velocity]])]
+    while sum(map(len, states)) < len(t):
         left = t[t > start]
-        ahead = [event for event in events if abs(event(0.0, state)) > 1e-12]
-        solved = solve_ivp(rates, (start, t[-1]), state, "DOP853", left, rtol=1e-12, atol=1e-14, events=ahead or None)
-        states.append(solved.y.T[: len(left[left <= solved.t[-1]])] if solved.status == 0 else solved.y.T)
-        if solved.status == 0:
-            break
-        hit = next(i for i, found in enumerate(solved.t_events) if len(found))
-        start, state = float(solved.t_events[hit][0]), solved.y_events[hit][0]
-        state = [state[0] + 1e-13 * np.sign(state[1]), state[1]]
-    truth = np.concatenate(states)[: len(t)]
-    return np.abs(log["true_position"] - truth[:, 0]).max() / np.ptp(truth[:, 0])
+        solved = solve_ivp(rates, (start, t[-1]), state, "DOP853", left, rtol=1e-12, atol=1e-14, events=events)
+        states.append(np.asarray(solved.y).reshape(2, -1).T)
+        if solved.status == 1:  # on from a picometre behind the place
+            hit = next(i for i, found in enumerate(solved.t_events) if len(found))
+            start, state = float(solved.t_events[hit][0]), solved.y_events[hit][0]
+            state = state + [1e-12 * np.sign(state[1]), 0.0]
+    truth = np.concatenate(states)
+    return np.abs(log.true_position - truth[:, 0]).max() / np.ptp(truth[:, 0])
 
 
 @settings(max_examples=12, deadline=None)
@@ -233,7 +232,7 @@ def test_a_model_file_holds_values_not_laws(tmp_path):
     read = cogging.Model.read(tmp_path / "model.toml", effects=[own])
     assert read == model
     assert cogging.Model.from_dict(model.to_dict(), effects=[own]) == model
-    with pytest.raises(cogging.InputError, match=r"effects: name: must be one of .* got 'own_spring'") as refused:
+    with pytest.raises(cogging.InputError, match=r"effects\.name: must be one of .* got 'own_spring'") as refused:
         cogging.Model.read(tmp_path / "model.toml")
     assert "Model.read(path, effects=[it])" in str(refused.value)
     text = (tmp_path / "model.toml").read_text()
@@ -346,9 +345,8 @@ def test_a_bad_parameter_is_refused(fields, told):
 
 def test_a_law_that_fails_in_a_run_says_when_and_where():
     def late(time):
-        return 0.0 * time if np.all(time < 0.3) or np.all(time > 0.39) else [][0]
+        return 0.0 * time if np.ndim(time) or time < 0.3 or time > 0.39 else [][0]  # where no trial comes by
 
-    # A trial does not come by there; the run does.
     with pytest.raises(
         RuntimeError, match=r"mine\.force: raised IndexError .* at position .* m, .*time 0\.3 s"
     ) as told:
