@@ -15,13 +15,13 @@ import cogging
 PACKAGE = Path(cogging.__file__).parent
 TESTS = Path(__file__).parent
 #: What every room may use.
-BASE = {"_core", "arrays", "cpp_library", "effects", "files", "outputs", "shown", "threads"}
+BASE = {"_core", "arrays", "cpp_library", "effects", "files", "linear", "outputs", "shown", "threads"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "report", "location", "result", "search", "patched"]
-DIAGNOSIS += ["experiment", "naming", "diagnose"]
+DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
+DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 

@@ -38,6 +38,7 @@ PYBIND11_MODULE(_core, module) {
   bind_reference(module);
   bind_plant(module);
   bind_control(module);
+  bind_own_controllers(module);
   bind_simulation(module);
   bind_estimation(module);
   bind_table(module);

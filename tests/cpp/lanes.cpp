@@ -9,14 +9,12 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "cogging/control/adaptive_robust.hpp"
-#include "cogging/control/cascade.hpp"
-#include "cogging/control/observer_based.hpp"
-#include "cogging/control/output_feedback_adaptive_robust.hpp"
-#include "cogging/control/pid.hpp"
-#include "cogging/control/speed.hpp"
+#include "cogging/control/list.hpp"
 #include "cogging/reference/point_to_point.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 
@@ -248,19 +246,55 @@ auto ask(C& controller, const ReferencePoint& now, const ReferencePoint& ahead, 
     return controller.command(now, reading);
 }
 
+// What makes a controller's memory matter, by the fields that it has.
+template <class Parameters>
+void tune(Parameters& q) {
+  q.command_limit = 2.0;
+  if constexpr (requires { q.mass_adaptation; }) {
+    q.mass_adaptation = 1.0;
+    q.viscous_adaptation = q.coulomb_adaptation = 10.0;
+    q.disturbance_adaptation = 1000.0;
+    q.cogging_harmonics = {1, 2, 3};
+    q.cogging_control_points = 13;
+    q.cogging_adaptation = 100.0;
+    q.epsilon = 0.1;
+  } else if constexpr (requires { q.kp; }) {
+    q.sample_rate = 5000.0;
+    q.kp = 100.0;
+  } else if constexpr (requires { q.observer_gain_slope; }) {
+    q.sample_rate = 5000.0;
+    q.delay = 0.00033;
+    q.velocity_min = 0.1;
+    q.observer_gain = {300.0, 3e4, 1e6, 1e4, -2e4};
+  } else if constexpr (requires { q.coulomb; }) {
+    q.coulomb = 0.1;
+  }
+  if constexpr (requires { q.feedforward_velocity; }) {
+    q.mass = 0.12;
+    q.coulomb = 0.1;
+    q.viscous = 0.2;
+    q.feedforward_velocity = "measured";
+    if constexpr (requires { q.delay; }) q.delay = 0.00053;
+  }
+  if constexpr (requires { q.ki; }) q.ki = 1e4;
+  if constexpr (requires { q.kd; }) q.kd = 40.0;
+  if constexpr (requires { q.kv; }) q.kv = 40.0;
+}
+
 // Each lane loses readings of its own, in the first samples and later, singly and in gaps that are bridged and not;
 // some references are lost to all. Prints the largest difference of commands, estimates and counts to the single runs
 // (an infinity where one is no number), and how many samples were refused.
-template <template <class> class Kind, class Parameters>
-void lose_readings(const char* name, const Parameters& parameters) {
+template <class FourController, class OneController>
+void lose_readings() {
+  const std::string name(OneController::name);
   std::mt19937_64 engine(7);
   const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1.0p-53; };
-  typename Kind<Four>::Parameters four_parameters;
-  typename Kind<double>::Parameters one_parameters;
-  parameters(four_parameters);
-  parameters(one_parameters);
-  Kind<Four> four(four_parameters);
-  std::vector<Kind<double>> ones(width, Kind<double>(one_parameters));
+  typename FourController::Parameters four_parameters;
+  typename OneController::Parameters one_parameters;
+  tune(four_parameters);
+  tune(one_parameters);
+  FourController four(four_parameters);
+  std::vector<OneController> ones(width, OneController(one_parameters));
   double worst = 0.0;
   const auto compare_to = [&](const Four& pack, std::size_t lane, double single) {
     const double difference = std::abs(pack.lane[lane] - single);
@@ -290,46 +324,15 @@ void lose_readings(const char* name, const Parameters& parameters) {
         compare_to(four.estimates()[i], lane, ones[lane].estimates()[i]);
     }
   }
-  std::printf("%s_lost_difference %.17g\n%s_lost %.17g\n", name, worst, name, four.samples_refused().lane[0]);
+  std::printf("%s_lost_difference %.17g\n%s_lost %.17g\n", name.c_str(), worst, name.c_str(),
+              four.samples_refused().lane[0]);
 }
 
-template <class Scalar>
-using PlainDcarc = AdaptiveRobust<Scalar, true>;
-template <class Scalar>
-using PlainArc = AdaptiveRobust<Scalar, false>;
-
-void lose_readings_of_all() {
-  const auto adapts = [](auto& q) {
-    q.mass_adaptation = 1.0;
-    q.viscous_adaptation = q.coulomb_adaptation = 10.0;
-    q.disturbance_adaptation = 1000.0;
-    q.cogging_harmonics = {1, 2, 3};
-    q.cogging_control_points = 13;
-    q.cogging_adaptation = 100.0;
-    q.epsilon = 0.1;
-    q.command_limit = 2.0;
-  };
-  const auto loops = [](auto& q) {
-    q.sample_rate = 5000.0;
-    q.kp = 100.0;
-    q.mass = 0.12;
-    q.coulomb = 0.1;
-    q.viscous = 0.2;
-    q.feedforward_velocity = "measured";
-    q.command_limit = 2.0;
-  };
-  lose_readings<PlainDcarc>("dcarc", adapts);
-  lose_readings<PlainArc>("arc", adapts);
-  lose_readings<Pid>("pid", [&](auto& q) { loops(q), q.ki = 1e4, q.kd = 40.0; });
-  lose_readings<Cascade>("cascade", [&](auto& q) { loops(q), q.kv = 40.0; });
-  lose_readings<Speed>("speed", [&](auto& q) { loops(q), q.delay = 0.00053; });
-  lose_readings<OutputFeedbackArc>("output_feedback_arc", [](auto& q) { q.coulomb = 0.1, q.command_limit = 2.0; });
-  lose_readings<ObserverBased>("observer_based", [](auto& q) {
-    q.sample_rate = 5000.0;
-    q.delay = 0.00033;
-    q.velocity_min = 0.1;
-    q.observer_gain = {300.0, 3e4, 1e6, 1e4, -2e4};
-  });
+// Every controller of the list.
+template <std::size_t... i>
+void lose_readings_of_all(std::index_sequence<i...>) {
+  (lose_readings<std::variant_alternative_t<i, AnyController<Four>>, std::variant_alternative_t<i, AnyController<>>>(),
+   ...);
 }
 
 // Effects with a state run on single machines alone, and say so.
@@ -385,7 +388,7 @@ int main() {
   compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>);
   compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>);
   compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>);
-  lose_readings_of_all();
+  lose_readings_of_all(std::make_index_sequence<std::variant_size_v<AnyController<>>>());
   refusals();
   elementary_functions();
 }

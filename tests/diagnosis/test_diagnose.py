@@ -13,7 +13,7 @@ from cogging.cli.main import main
 from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.report.figures import binned, coordinates_figure, spectrum
 from cogging.diagnosis.residual.location_words import length_text, ranges
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.search import search as search_logs
 from cogging.effects.effect import VOCABULARY

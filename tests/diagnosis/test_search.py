@@ -12,28 +12,20 @@ from cogging import EFFECTS
 from cogging.diagnosis.candidates.scan import Finding, profiled, scan
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.discrepancy import discrepancies, follows
-from cogging.diagnosis.evidence import evidence as evidence_module
 from cogging.diagnosis.evidence.null import fit_null, nuisances
+from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.names import fully_named, named
 from cogging.diagnosis.naming.verdict import standing, unlisted
 from cogging.diagnosis.patched import with_intervals
-from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
 from cogging.diagnosis.residual.shapes import shapes
+from cogging.diagnosis.search.acceptance import that_pays, with_levels_of
+from cogging.diagnosis.search.choice import choose, is_rounding, is_seen, needed, plainer, told_apart
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
 from cogging.diagnosis.search.refit import conditional_paths
-from cogging.diagnosis.search.search import (
-    choose,
-    is_rounding,
-    is_seen,
-    needed,
-    plainer,
-    search,
-    that_pays,
-    told_apart,
-    with_levels_of,
-)
+from cogging.diagnosis.search.search import search
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.gauss_newton import Estimate
 from tests.fixtures.moving_axis import machine, motion, record
@@ -166,7 +158,7 @@ def test_what_other_motion_shows_is_a_chance_of_its_own():
     ],
 )
 def test_both_motions_together_may_show_what_neither_shows_alone(alone, noncentrality, other_power, told):
-    test = evidence_module.Test(12.0, 1, np.ones(1), np.ones(3), np.ones(1))
+    test = ScoreTest(12.0, 1, np.ones(1), np.ones(3), np.ones(1))
     finding = Finding(Candidate(VOCABULARY["cable_spring"], {}, (), ()), test, np.ones(1), 1.0, alone, 10.0)
     check = None if noncentrality is None else Confirmation(noncentrality, 1.0, noncentrality)
     assert is_seen(finding, check, 1000.0, other_power) is told
@@ -204,7 +196,7 @@ def test_where_an_encoder_is_coarse_what_is_left_must_stand_out_twice_as_far():
 
 def test_what_rounding_explains_better_is_no_effect():
     def finding(name, score, explained, faint=False):
-        test = evidence_module.Test(score, 2, np.ones(2), np.array(explained), np.ones(2))
+        test = ScoreTest(score, 2, np.ones(2), np.array(explained), np.ones(2))
         candidate = Candidate(VOCABULARY[name], {"period": 0.01}, (), ())
         return Finding(candidate, test, np.ones(2), 1.0, -30.0, score, faint)
 
@@ -249,7 +241,7 @@ def test_few_amplitudes_that_explain_nearly_as_much_come_first():
     def finding(name, count, statistic):
         amplitudes = tuple(("sine", i) for i in range(count))
         candidate = Candidate(VOCABULARY[name], {}, amplitudes, (1.0,) * count)
-        test = evidence_module.Test(statistic, count, np.ones(count), np.ones(5), np.ones(count))
+        test = ScoreTest(statistic, count, np.ones(count), np.ones(5), np.ones(count))
         return Finding(candidate, test, np.ones(count), 1.0, -20.0, statistic)
 
     many, few = finding("cogging_modulation", 10, 100.0), finding("cable_spring", 1, 91.0)
@@ -324,7 +316,7 @@ def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
     explained = np.array([1.0, 2.0, 0.5])
 
     def finding(name, score):
-        test = evidence_module.Test(score + 4.0, 1, np.ones(1), explained, np.ones(1))
+        test = ScoreTest(score + 4.0, 1, np.ones(1), explained, np.ones(1))
         return Finding(Candidate(VOCABULARY[name], {}, (), ()), test, np.ones(1), 1.0, -30.0, score)
 
     unpaid, found = finding("constant_force", 85.0), finding("viscous_asymmetry", 70.0)

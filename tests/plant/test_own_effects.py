@@ -126,7 +126,7 @@ def against_scipy(law, breaks, axis, own, velocity=0.35):
         if solved.status == 1:  # on from a picometre behind the place
             hit = next(i for i, found in enumerate(solved.t_events) if len(found))
             start, state = float(solved.t_events[hit][0]), solved.y_events[hit][0]
-            state = state + [1e-12 * np.sign(state[1]), 0.0]
+            state = np.array([state[0] + 1e-12 * np.sign(state[1]), state[1]])
     truth = np.concatenate(states)
     return np.abs(log.true_position - truth[:, 0]).max() / np.ptp(truth[:, 0])
 

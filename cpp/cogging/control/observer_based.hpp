@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -21,6 +22,9 @@ namespace cogging {
 /// Forces are accelerations in the paper; `mass` carries them over to the command unit.
 template <class Scalar = double>
 struct ObserverBasedParameters {
+  static constexpr std::string_view description =
+      "Periods and gains of an ObserverBased (Malaize and Levine 2009, eq. 2, 6, 8).";
+
   double sample_rate = 10000.0;                                     // Hz
   std::vector<double> periods = {0.024};                            // m
   std::vector<double> observer_gain = {300.0, 3e4, 1e6, 0.0, 0.0};  // 1/s, 1/s^2, 1/s^3, ...
@@ -99,6 +103,12 @@ template <class Scalar = double>
 class ObserverBased {
  public:
   using Parameters = ObserverBasedParameters<Scalar>;
+  static constexpr std::string_view name = "observer_based";
+  static constexpr std::string_view description = R"(Observer-based cancellation (Malaize and Levine 2009).
+
+Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
+Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
+were refused x_hat and nu_hat start anew from the readings at both ends.)";
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -16,6 +17,8 @@ namespace cogging {
 
 template <class Scalar = double>
 struct SpeedParameters {
+  static constexpr std::string_view description = "Gain, delay and feedforward of a Speed.";
+
   double sample_rate = 1000.0;  // Hz
   Scalar kp = 0.0;              // V/(m/s)
   double delay = 0.0;           // s
@@ -58,6 +61,13 @@ template <class Scalar = double>
 class Speed {
  public:
   using Parameters = SpeedParameters<Scalar>;
+  static constexpr std::string_view name = "speed";
+  static constexpr std::string_view description = R"(A velocity loop, from positions only.
+
+w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
+sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
+before the first sample: the mean over the sample of the held w after the exact delay. What is held in a sample that is
+refused is w, which goes through the delay as ever.)";
 
   explicit Speed(const Parameters& parameters = {})
       : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {

@@ -18,6 +18,7 @@
 #include "cogging/estimation/observer_loop.hpp"
 #include "cogging/plant/axis.hpp"
 #include "cogging/plant/coupling.hpp"
+#include "cogging/plant/integration.hpp"
 
 namespace cogging {
 
@@ -133,20 +134,21 @@ class LooseLoad {
   }
 
   Deflection in_steps(Deflection z, double push, double h) const {
-    const auto slope = [&](const Deflection& at) {
-      return Deflection{at.rate, push - damping_ * at.rate - coupling_.force(at.value, at.rate) * inverse_};
+    // The slope of a Deflection has its two parts: the rate, and the rate of that.
+    const auto slope_at = [&](const Deflection& at, double held) {
+      return Deflection{at.rate, held - damping_ * at.rate - coupling_.force(at.value, at.rate) * inverse_};
     };
     const double needed = std::ceil(4.0 * coupling_.rate() * h);
     require(needed <= 1e5, "frequency", "must need at most 1e5 substeps a step", needed);
     const int pieces = std::max(1, static_cast<int>(needed));
     const double step = h / pieces;
     for (int piece = 0; piece < pieces; ++piece) {
-      const Deflection k1 = slope(z);
-      const Deflection k2 = slope({z.value + 0.5 * step * k1.value, z.rate + 0.5 * step * k1.rate});
-      const Deflection k3 = slope({z.value + 0.5 * step * k2.value, z.rate + 0.5 * step * k2.rate});
-      const Deflection k4 = slope({z.value + step * k3.value, z.rate + step * k3.rate});
-      z.value += step / 6.0 * (k1.value + 2.0 * (k2.value + k3.value) + k4.value);
-      z.rate += step / 6.0 * (k1.rate + 2.0 * (k2.rate + k3.rate) + k4.rate);
+      const auto moved = [&z](const Deflection& slope, double length) {
+        return Deflection{z.value + length * slope.value, z.rate + length * slope.rate};
+      };
+      const Stages<Deflection> slopes = runge_kutta(slope_at(z, push), step, push, push, moved, slope_at);
+      z.value += step / 6.0 * slopes.sum(&Deflection::value);
+      z.rate += step / 6.0 * slopes.sum(&Deflection::rate);
     }
     return z;
   }

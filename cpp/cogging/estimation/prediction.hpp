@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cogging/interruption.hpp"
+#include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/plant/recorded_amplifier.hpp"
 
@@ -124,18 +125,11 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     double acting = 0.0;
     amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {
       acting += drive.at(0.5 * (to - from)) * (to - from);
-      double now = from;
-      Drive<double> running = drive;
-      while (now < to) {
-        const double next = std::min({to, axis.next_event(now), amplifier.followed_until(now, from)});
-        const int pieces = std::max(1, static_cast<int>(std::ceil(options.steps_per_sample * (next - now) / h - 1e-9)));
-        const double step = (next - now) / pieces;
-        for (int piece = 0; piece < pieces; ++piece) {
-          axis.advance(state, running, now + piece * step, step);
-          if (running.lagging) running.deviation *= std::exp(-running.rate * step);
-        }
-        now = next;
-      }
+      Drive<double> settling = drive;
+      advance_through_events(axis, amplifier, state, settling, from, to, [&](double part_start, double part_end) {
+        const double steps = options.steps_per_sample * (part_end - part_start) / h;
+        return std::max(1, static_cast<int>(std::ceil(steps - 1e-9)));
+      });
     });
     if (with_slopes) {
       const double x = 0.5 * (before.position + state.position), v = 0.5 * (before.velocity + state.velocity);

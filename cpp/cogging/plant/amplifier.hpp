@@ -14,8 +14,8 @@ namespace cogging {
 /// Shapes the command without memory (in the order of the effects), delays it, and passes it through the
 /// current loop.
 ///
-/// Each sample: accept(command), then drive(before_switch) says what acts before or after the delayed command
-/// changes, and settle() moves the current loop on by the time that has passed.
+/// Each sample: accept(command), then over() says what acts before and after the delayed command changes, and settle()
+/// moves the current loop on by the time that has passed.
 template <class Scalar = double>
 class Amplifier {
  public:
@@ -40,13 +40,12 @@ class Amplifier {
     ++accepted_;
   }
 
-  /// Within a sample: the offset, s, at which the delayed command changes; 0 where it changes at the sample.
-  double switch_offset() const { return switch_; }
-
-  Drive<Scalar> drive(bool before_switch) const {
-    const std::size_t age = whole_ + (before_switch ? 1 : 0);
-    const Scalar target = history_[head_ >= age ? head_ - age : head_ + history_.size() - age];
-    return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
+  /// Calls piece(drive, from, to) for each part of the sample [time, time_next] in which one command acts; times in s.
+  template <class Piece>
+  COGGING_INLINE void over(double time, double time_next, const Piece& piece) {
+    const double switch_time = std::min(time + switch_, time_next);
+    if (time < switch_time) piece(drive(whole_ + 1), time, switch_time);
+    if (switch_time < time_next) piece(drive(whole_), switch_time, time_next);
   }
 
   /// See AmplifierLaws::followed_until.
@@ -59,6 +58,12 @@ class Amplifier {
   }
 
  private:
+  // As the command acts that is so many samples old.
+  Drive<Scalar> drive(std::size_t age) const {
+    const Scalar target = history_[head_ >= age ? head_ - age : head_ + history_.size() - age];
+    return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
+  }
+
   [[noreturn]] COGGING_NOINLINE void refuse_command(const Scalar& command) const {
     std::string value = "a lane's";
     if constexpr (std::is_same_v<Scalar, double>) value = format(command) + " V";

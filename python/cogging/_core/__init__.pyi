@@ -6,8 +6,10 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
+from . import references
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'smooth_sign', 'whiten']
+from . import controllers
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -162,6 +164,11 @@ class Reference:
         """
         time at which the motion is over, s; infinite if it never is
         """
+    @property
+    def period(self) -> float:
+        """
+        after which it repeats itself, s, rests included; infinite if it never does
+        """
 class PointToPointParameters:
     """
     Limits and rests of a PointToPoint.
@@ -240,6 +247,8 @@ class PointToPoint(Reference):
     start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
     the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.
     """
+    NAME: typing.ClassVar[str] = 'point_to_point'
+    PARAMETERS = PointToPointParameters
     def __init__(self, parameters: PointToPointParameters) -> None:
         ...
     @property
@@ -250,11 +259,6 @@ class PointToPoint(Reference):
     @property
     def parameters(self) -> PointToPointParameters:
         ...
-    @property
-    def period(self) -> float:
-        """
-        one move there and back with both rests, s
-        """
 class SineParameters:
     """
     Centre, amplitude and frequency of a Sine.
@@ -306,6 +310,8 @@ class Sine(Reference):
     """
     x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.
     """
+    NAME: typing.ClassVar[str] = 'sine'
+    PARAMETERS = SineParameters
     def __init__(self, parameters: SineParameters) -> None:
         ...
     @property
@@ -377,6 +383,8 @@ class FilteredSine(Reference):
     q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
     the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.
     """
+    NAME: typing.ClassVar[str] = 'filtered_sine'
+    PARAMETERS = FilteredSineParameters
     def __init__(self, parameters: FilteredSineParameters) -> None:
         ...
     @property
@@ -392,6 +400,7 @@ class Sampled(Reference):
     Raises:
         ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.
     """
+    NAME: typing.ClassVar[str] = 'sampled'
     def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
         ...
     @property
@@ -670,9 +679,21 @@ class Pid:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'pid'
+    PARAMETERS = PidParameters
+    def __copy__(self) -> Pid:
+        ...
+    def __deepcopy__(self, memo: dict) -> Pid:
+        ...
     def __init__(self, parameters: PidParameters) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -793,9 +814,21 @@ class Cascade:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'cascade'
+    PARAMETERS = CascadeParameters
+    def __copy__(self) -> Cascade:
+        ...
+    def __deepcopy__(self, memo: dict) -> Cascade:
+        ...
     def __init__(self, parameters: CascadeParameters) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -921,9 +954,21 @@ class Speed:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'speed'
+    PARAMETERS = SpeedParameters
+    def __copy__(self) -> Speed:
+        ...
+    def __deepcopy__(self, memo: dict) -> Speed:
+        ...
     def __init__(self, parameters: SpeedParameters) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1155,9 +1200,21 @@ class Arc:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'arc'
+    PARAMETERS = AdaptiveRobustParameters
+    def __copy__(self) -> Arc:
+        ...
+    def __deepcopy__(self, memo: dict) -> Arc:
+        ...
     def __init__(self, parameters: AdaptiveRobustParameters) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1198,9 +1255,21 @@ class Dcarc:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'dcarc'
+    PARAMETERS = AdaptiveRobustParameters
+    def __copy__(self) -> Dcarc:
+        ...
+    def __deepcopy__(self, memo: dict) -> Dcarc:
+        ...
     def __init__(self, parameters: AdaptiveRobustParameters) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1451,9 +1520,21 @@ class OutputFeedbackArc:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'output_feedback_arc'
+    PARAMETERS = OutputFeedbackArcParameters
+    def __copy__(self) -> OutputFeedbackArc:
+        ...
+    def __deepcopy__(self, memo: dict) -> OutputFeedbackArc:
+        ...
     def __init__(self, parameters: OutputFeedbackArcParameters) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1619,6 +1700,12 @@ class ObserverBased:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'observer_based'
+    PARAMETERS = ObserverBasedParameters
+    def __copy__(self) -> ObserverBased:
+        ...
+    def __deepcopy__(self, memo: dict) -> ObserverBased:
+        ...
     def __init__(self, parameters: ObserverBasedParameters) -> None:
         ...
     def command(self, *, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], ahead: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -1655,6 +1742,81 @@ class ObserverBased:
     def samples_refused(self) -> int:
         """
         How many samples were refused so far, for a reading or a reference that is not finite.
+        """
+class ControllerError(RuntimeError):
+    """
+    A controller of one's own raised, which is the cause of this, or gave a command that is no finite number.
+    
+    `row` of the run (from 0) and `time` (s) say when.
+    """
+    row: typing.ClassVar[int] = 0
+    time: typing.ClassVar[float] = 0.0
+class CompiledController:
+    """
+    A controller of compiled functions.
+    
+        double command(double* state, const double* parameters, const double* reference, double reading);
+        void update(double* state, const double* parameters, double applied);
+    
+    `reference` holds position, velocity and acceleration (m, m/s, m/s^2), `reading` is in m, commands in V. A run starts
+    from the state given here, has a state of its own, and calls the functions without Python's lock: in a batch on many
+    threads at once, so that what is not in their state must not be written. They must not raise.
+    
+    Args:
+        command, update: of numba, `@numba.cfunc(cogging.CompiledController.COMMAND)` and `.UPDATE`; or of ctypes, a
+            function of a shared library. They are kept alive.
+        sample_rate: Hz.
+        state: V, m or whatever it means, (n,); with which a run begins.
+        parameters: (p,), never written.
+        command_limit: V, largest command; 0 = none.
+    
+    Raises:
+        TypeError: what is no compiled function, or says that its signature is another.
+        ValueError: a number breaks its rule; the message names field, rule and value.
+    """
+    COMMAND: typing.ClassVar[str] = 'float64(CPointer(float64), CPointer(float64), CPointer(float64), float64)'
+    UPDATE: typing.ClassVar[str] = 'void(CPointer(float64), CPointer(float64), float64)'
+    def __copy__(self) -> CompiledController:
+        ...
+    def __deepcopy__(self, memo: dict) -> CompiledController:
+        ...
+    def __init__(self, command: typing.Any, *, update: typing.Any = None, sample_rate: typing.SupportsFloat | typing.SupportsIndex, state: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> CompiledController:
+        """
+        A controller in the same state.
+        """
+    def reset(self) -> None:
+        """
+        Back to the state with which a run begins.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        V; 0 = none
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Its state now, (n,): a copy.
+        """
+    @property
+    def parameters(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (p,): a copy
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
         """
 class StopFlag:
     """
@@ -1843,7 +2005,7 @@ def autoregression(residual: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
     Raises:
         ValueError: lengths differ, order above a quarter of the rows, nothing that counts.
     """
-def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
     """
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
@@ -1852,15 +2014,19 @@ def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | 
     steps of fourth order: `steps_per_sample`, or as many more as keep what they err by below 1e-6 of the motion. The axis
     starts at rest on the reference unless told otherwise.
     `added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
+    The controller is one of the core, a CompiledController, or any object that is a cogging.Controller, whose deep copy is
+    called in every row with Python's lock held.
     
     Raises:
+        TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
         ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
             needs more than 1e5 steps (the message says how fast).
+        ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
+def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
     """
-    Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number.
+    Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number. Controllers of Python's run one at a time, beside those of the core and compiled ones.
     """
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
@@ -1897,7 +2063,7 @@ def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.
     """
     The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
     """
-def replay_controller(controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, *, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, reference_acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], applied: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]:
+def replay_controller(controller: typing.Any, *, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, reference_acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], applied: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]:
     """
     The commands (V, (n,)) that a controller gives for the references and readings of a log.
     
@@ -1916,4 +2082,6 @@ def whiten(rows: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], coeffi
     """
     e_k = r_k - sum_i a_i r_(k-i) of every row of (p, n); r is 0 before the first column.
     """
+CONTROLLERS: dict = {'pid': Pid, 'cascade': Cascade, 'speed': Speed, 'arc': Arc, 'dcarc': Dcarc, 'output_feedback_arc': OutputFeedbackArc, 'observer_based': ObserverBased}
 EFFECTS: dict = {'constant_force': effects.ConstantForce, 'cable_spring': effects.CableSpring, 'end_effect': effects.EndEffect, 'cogging_harmonic': effects.CoggingHarmonic, 'cogging_modulation': effects.CoggingModulation, 'coulomb_asymmetry': effects.CoulombAsymmetry, 'viscous_asymmetry': effects.ViscousAsymmetry, 'stribeck_friction': effects.StribeckFriction, 'presliding_friction': effects.PreslidingFriction, 'position_dependent_friction': effects.PositionDependentFriction, 'quadratic_drag': effects.QuadraticDrag, 'force_constant_ripple': effects.ForceConstantRipple, 'force_constant_drift': effects.ForceConstantDrift, 'command_delay': effects.CommandDelay, 'actuator_lag': effects.ActuatorLag, 'command_saturation': effects.CommandSaturation, 'command_dead_zone': effects.CommandDeadZone, 'encoder_periodic_error': effects.EncoderPeriodicError, 'encoder_scale_error': effects.EncoderScaleError, 'backlash': effects.Backlash, 'flexible_mode': effects.FlexibleMode, 'disturbance_step': effects.DisturbanceStep, 'disturbance_tone': effects.DisturbanceTone, 'empirical_force': effects.EmpiricalForce}
+REFERENCES: dict = {'point_to_point': PointToPoint, 'sine': Sine, 'filtered_sine': FilteredSine, 'sampled': Sampled}

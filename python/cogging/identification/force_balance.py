@@ -7,7 +7,6 @@ a simulated, noise-free run, so that noise in the measured motion and command do
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
-from cogging.estimation.jackknife import spread_of
+from cogging.estimation.jackknife import shares_of_blocks, spread_of
 from cogging.estimation.rows_in_motion import START
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.logs.log import Log
@@ -186,7 +185,7 @@ def fit_force_balance(
     model = _newton(model, *problem, simulate, weight, prior, iterations)
     values = np.array([parameters_of(model)[path].value for path in paths])
     equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
-    covariance, freedom = jackknife(equations, balances)
+    covariance, freedom = _spread(equations, balances)
     open_by_prior = equations.solved(equations.solved(np.diag(weight)).T)
     rms = tuple(float(np.sqrt(np.mean(r**2))) for _, _, r, _ in equations.parts)
     return BalanceEstimate(values, covariance + open_by_prior, freedom, model, rms, equations.instruments)
@@ -231,7 +230,7 @@ def _newton(
     return model
 
 
-def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[FloatArray, FloatArray]:
+def _spread(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[FloatArray, FloatArray]:
     """Covariance (p, p) from leaving out one block after the other, and its degrees of freedom (p,).
 
     A sandwich alone is too sure of a parameter that a few blocks show (mass, in a log with few hard accelerations):
@@ -239,11 +238,8 @@ def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[
     """
     shifts = []
     for balance, (z, columns, residual, weight) in zip(balances, equations.parts, strict=True):
-        edges = np.flatnonzero(np.diff(balance.block[balance.counts], prepend=-1, append=-2))
-        for first, last in itertools.pairwise(edges):
-            part = z[:, first:last]
-            without = equations.bread - weight * part @ columns[:, first:last].T
-            shifts.append(equations.solved(weight * part @ residual[first:last], without))
+        for bread, right in shares_of_blocks(weight * z, columns, residual, balance.block[balance.counts]):
+            shifts.append(equations.solved(right, equations.bread - bread))
     return spread_of(np.array(shifts))
 
 

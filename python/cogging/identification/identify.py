@@ -14,16 +14,16 @@ from cogging.arrays import FloatArray
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
+from cogging.estimation.statistics import student
 from cogging.identification.determinability import Determinability, determinability, size_of
 from cogging.identification.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.result import Identification, LogFit, ParameterEstimate
-from cogging.log_check.audit import encoder_quantum
+from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
-from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, role_of, with_values
 

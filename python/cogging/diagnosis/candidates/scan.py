@@ -13,10 +13,13 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.intervals import intervals, long_enough
-from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range, tables
+from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range
+from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
-from cogging.diagnosis.evidence.evidence import Evidence, Test
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
+from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.effects.effect import Effect
 
 STANDS_OUT = -3.0  # ln of the chance
@@ -44,7 +47,7 @@ class Finding:
     """
 
     candidate: Candidate
-    test: Test
+    test: ScoreTest
     amplitudes: FloatArray
     trials: float
     log_p_value: float
@@ -91,7 +94,7 @@ def judge(
     return _finding(candidate, test, amplitudes, trials, faint)
 
 
-def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, trials: float, faint: bool) -> Finding:
+def _finding(candidate: Candidate, test: ScoreTest, amplitudes: FloatArray, trials: float, faint: bool) -> Finding:
     shapes = sum(
         1
         for field, role in candidate.law.ROLES.items()
@@ -121,7 +124,7 @@ def cleaned(evidence: Evidence, finding: Finding) -> Evidence:
     """The evidence with filters estimated from what an effect leaves."""
     made = tables(evidence, [finding.candidate])[0]
     weights = finding.amplitudes if finding.candidate.amplitudes else np.ones(1)
-    return evidence.cleaned([-(weights @ table) for table in made])
+    return refiltered(evidence, [-(weights @ table) for table in made])
 
 
 def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cogging._core import DivergedError, whiten
-from cogging.diagnosis.evidence.evidence import Evidence, gather
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.noise_filter import CLIP, robust_rms
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations

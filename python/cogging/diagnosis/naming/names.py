@@ -10,12 +10,14 @@ import numpy as np
 from cogging.diagnosis.candidates.scan import Finding
 from cogging.diagnosis.candidates.signatures import known_periods
 from cogging.diagnosis.candidates.waves import is_wave
+from cogging.diagnosis.entries import NamedEffect, Value
 from cogging.diagnosis.naming.effect_range import where_of
-from cogging.diagnosis.residual.shapes import Shape
-from cogging.diagnosis.result import NamedEffect, Value
+from cogging.diagnosis.residual.shape import Shape
+from cogging.diagnosis.search.choice import FORM, alike
 from cogging.diagnosis.search.confirmation import INFORMATIVE
 from cogging.diagnosis.search.refit import conditional_paths, effect_parameters
-from cogging.diagnosis.search.search import FORM, HARMONICS_MAX, RIVAL, Added, Search, alike
+from cogging.diagnosis.search.search import HARMONICS_MAX, RIVAL
+from cogging.diagnosis.search.state import Added, Search
 from cogging.model.parameters import effect_paths, parameters_of
 
 SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer

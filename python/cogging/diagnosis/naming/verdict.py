@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from cogging.diagnosis.entries import NamedEffect
 from cogging.diagnosis.naming.names import FORMLESS
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
-from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, with_events
+from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import shape_text
-from cogging.diagnosis.residual.shapes import Shape, shapes
-from cogging.diagnosis.result import NamedEffect
-from cogging.diagnosis.search.search import LEFT_OVER, Search
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
+from cogging.diagnosis.residual.shapes import shapes
+from cogging.diagnosis.search.search import LEFT_OVER
+from cogging.diagnosis.search.state import Search
 
 SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging.arrays import FloatArray, Mask
-from cogging.diagnosis.residual.events import MOMENTS
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.residual.shape import MOMENTS, Shape
 from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 
@@ -226,37 +225,42 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
     figure = Figure(figsize=(11.0, 2.9 * lines), layout="constrained")
     panels = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     for panel, shape in zip(panels, shapes, strict=False):
-        m = len(shape.places)
-        halves = [("", slice(0, len(shape.force)))]
-        if len(shape.force) == 2 * m:
-            halves = [("forward", slice(0, m)), ("backward", slice(m, 2 * m))]
-        at_moments = shape.coordinate in MOMENTS
-        panel.axhline(0.0, color="black", linewidth=0.6)
-        panel.set_ylim(*limits(shape))
-        for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):
-            deviation = shape.deviation[half]
-            told = np.isfinite(deviation)
-            panel.errorbar(
-                shape.places[told],
-                shape.force[half][told],
-                SIGMAS_95 * deviation[told],
-                color=colour,
-                marker=marker,
-                markersize=3,
-                linewidth=1.0,
-                linestyle="none" if at_moments else "-",
-                elinewidth=1.0,
-                capsize=2,
-                label=label or None,
-            )
-        if len(halves) > 1:
-            panel.legend(fontsize=8)
-        unit = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s", "jumps": "m"}
-        panel.set(
-            xlabel=f"{shape.coordinate.split()[-1]} ({shape.unit})",
-            ylabel=f"missing ({unit.get(shape.coordinate.split()[0], 'V')})",
-            title=shape.coordinate if at_moments else f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
-        )
+        draw_shape(panel, shape)
     for panel in panels[len(shapes) :]:
         panel.remove()
     return figure
+
+
+def draw_shape(panel: Any, shape: Shape) -> None:
+    """One residual shape with 95 % bars, each direction by itself where it is told by direction."""
+    m = len(shape.places)
+    halves = [("", slice(0, len(shape.force)))]
+    if len(shape.force) == 2 * m:
+        halves = [("forward", slice(0, m)), ("backward", slice(m, 2 * m))]
+    at_moments = shape.coordinate in MOMENTS
+    panel.axhline(0.0, color="black", linewidth=0.6)
+    panel.set_ylim(*limits(shape))
+    for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):
+        deviation = shape.deviation[half]
+        told = np.isfinite(deviation)
+        panel.errorbar(
+            shape.places[told],
+            shape.force[half][told],
+            SIGMAS_95 * deviation[told],
+            color=colour,
+            marker=marker,
+            markersize=3,
+            linewidth=1.0,
+            linestyle="none" if at_moments else "-",
+            elinewidth=1.0,
+            capsize=2,
+            label=label or None,
+        )
+    if len(halves) > 1:
+        panel.legend(fontsize=8)
+    unit = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s", "jumps": "m"}
+    panel.set(
+        xlabel=f"{shape.coordinate.split()[-1]} ({shape.unit})",
+        ylabel=f"missing ({unit.get(shape.coordinate.split()[0], 'V')})",
+        title=shape.coordinate if at_moments else f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
+    )

@@ -11,10 +11,8 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
 
-JUMPS, FRICTION_INTERVALS = "jumps of the reading over time", "friction in spells of time"
-MOMENTS = (JUMPS, FRICTION_INTERVALS)  # coordinates whose places are moments
 EVENTS_MAX = 12
 SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one

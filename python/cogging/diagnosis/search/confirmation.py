@@ -10,9 +10,11 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.scan import Finding
-from cogging.diagnosis.candidates.signatures import place, tables
+from cogging.diagnosis.candidates.signatures import place
+from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
-from cogging.diagnosis.evidence.evidence import Evidence, gather
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import nuisances, sources_of, width_floor
 from cogging.estimation.gauss_newton import fit

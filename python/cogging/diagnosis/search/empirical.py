@@ -9,8 +9,9 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import discrepancies, source_of
+from cogging.diagnosis.search.acceptance import PAYS
 from cogging.diagnosis.search.levels import with_levels
-from cogging.diagnosis.search.search import PAYS, Search
+from cogging.diagnosis.search.state import Search
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.logs.log import Log
 from cogging.model.model import Model

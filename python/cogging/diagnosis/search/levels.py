@@ -10,7 +10,7 @@ from cogging._core import DivergedError
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.statistics import least_squares
+from cogging.linear import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
 

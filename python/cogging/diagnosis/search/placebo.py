@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from cogging.diagnosis.candidates.scan import Finding
-from cogging.diagnosis.result import Placebo
+from cogging.diagnosis.entries import Placebo
+from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.confirmation import confirmation
-from cogging.diagnosis.search.search import Search, alike
+from cogging.diagnosis.search.state import Search
 
 PLACEBOS = 5
 SUSPECTED = -6.0  # ln of the chance: what is significant and was refused is no placebo
