@@ -8,7 +8,8 @@ import pytest
 
 import cogging
 from cogging.diagnosis.candidates.scan import scan
-from cogging.diagnosis.candidates.signatures import candidates, tables
+from cogging.diagnosis.candidates.signatures import candidates
+from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
 from cogging.diagnosis.evidence.null import fit_null
 from cogging.effects import Custom

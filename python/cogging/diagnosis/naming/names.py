@@ -77,9 +77,9 @@ def fully_named(found: Search, place: int) -> list[str]:
 
     A triangular error of an encoder, say, has more harmonics than that.
     """
-    if not is_wave(found.added[place].finding.candidate.law):
-        return []
     names = [added.finding.name for added in found.added]
+    if not is_wave(found.vocabulary[names[place]]):
+        return []
     others = [name for name in names if name != names[place] and is_wave(found.vocabulary[name])]
     return [name for name in dict.fromkeys(others) if others.count(name) >= HARMONICS_MAX]
 
