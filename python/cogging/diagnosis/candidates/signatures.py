@@ -48,7 +48,7 @@ class Candidate:
     def period(self) -> float | None:
         """Of what comes and goes with a period along the travel, m."""
         wave = kind_of(self.law, Wave)
-        if wave is None or self.law.ROLES[wave.shape]["quantity"] != "distance":
+        if wave is None or wave.shape not in self.shape or self.law.ROLES[wave.shape]["quantity"] != "distance":
             return None
         return float(self.shape[wave.shape])
 
