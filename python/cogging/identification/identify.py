@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import AxisParameters, DivergedError
 from cogging.arrays import FloatArray
+from cogging.effects.effect import VOCABULARY
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
@@ -407,8 +408,7 @@ def _require_free(path: str, model: Model, known: Mapping[str, Parameter]) -> No
 def _has_states(model: Model) -> bool:
     """Whether an effect with states of its own is at work, which the force balance does not see."""
     for effect in model.effects:
-        neutral = type(effect)().to_dict()
-        if "state" in effect.HOOKS and effect.to_dict() != neutral:
+        if "state" in effect.HOOKS and effect.to_dict() != VOCABULARY[effect.NAME].to_dict():
             return True
     return False
 
