@@ -48,36 +48,38 @@ class PythonLaw final : public OwnLaw {
   double at(double position, double velocity, double time) const override {
     const std::array<double, 3> place{position, velocity, time};
     py::gil_scoped_acquire acquire;
-    return guarded(place_of(position, velocity, time), [&] {
-      std::array<py::object, 3> numbers;
-      for (std::size_t i = 0; i < taken_.size(); ++i) numbers[i] = py::float_(place[taken_[i]]);
-      const double value = PyFloat_AsDouble(call(numbers).ptr());
-      if (value == -1.0 && PyErr_Occurred()) throw py::error_already_set();
-      return value;
-    });
+    return guarded([&] { return place_of(position, velocity, time); },
+                   [&] {
+                     std::array<py::object, 3> numbers;
+                     for (std::size_t i = 0; i < taken_.size(); ++i) numbers[i] = py::float_(place[taken_[i]]);
+                     const double value = PyFloat_AsDouble(call(numbers).ptr());
+                     if (value == -1.0 && PyErr_Occurred()) throw py::error_already_set();
+                     return value;
+                   });
   }
 
   void along(const Course& course, std::span<double> values) const override {
     const std::array<std::span<const double>, 3> columns{course.position, course.velocity, course.time};
     py::gil_scoped_acquire acquire;
     const std::string count = format(static_cast<double>(values.size()));
-    guarded(" along arrays of " + count, [&] {
-      std::array<py::object, 3> arrays;
-      for (std::size_t i = 0; i < taken_.size(); ++i) {
-        const auto column = columns[taken_[i]];
-        arrays[i] = py::array_t<double>(static_cast<py::ssize_t>(column.size()), column.data());
-      }
-      const py::array result = py::array::ensure(call(arrays));
-      if (!result || std::string_view("fiub").find(result.dtype().kind()) == std::string_view::npos)
-        throw py::type_error("it must return real numbers");
-      const bool one = result.ndim() == 0;
-      if (!one && !(result.ndim() == 1 && result.shape(0) == static_cast<py::ssize_t>(values.size())))
-        throw py::value_error("it must return an array of that length, got shape " +
-                              std::string(py::str(result.attr("shape"))));
-      const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>(result);
-      for (std::size_t k = 0; k < values.size(); ++k) values[k] = numbers.data()[one ? 0 : k];
-      return 0.0;
-    });
+    guarded([&] { return " along arrays of " + count; },
+            [&] {
+              std::array<py::object, 3> arrays;
+              for (std::size_t i = 0; i < taken_.size(); ++i) {
+                const auto column = columns[taken_[i]];
+                arrays[i] = py::array_t<double>(static_cast<py::ssize_t>(column.size()), column.data());
+              }
+              const py::array result = py::array::ensure(call(arrays));
+              if (!result || std::string_view("fiub").find(result.dtype().kind()) == std::string_view::npos)
+                throw py::type_error("it must return real numbers");
+              const bool one = result.ndim() == 0;
+              if (!one && !(result.ndim() == 1 && result.shape(0) == static_cast<py::ssize_t>(values.size())))
+                throw py::value_error("it must return an array of that length, got shape " +
+                                      std::string(py::str(result.attr("shape"))));
+              const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>(result);
+              for (std::size_t k = 0; k < values.size(); ++k) values[k] = numbers.data()[one ? 0 : k];
+              return 0.0;
+            });
   }
 
  private:
@@ -94,17 +96,17 @@ class PythonLaw final : public OwnLaw {
   }
 
   // What the function raises, with whose it is and where; interruptions pass as they are.
-  template <class Work>
-  double guarded(const std::string& where, const Work& work) const {
+  template <class Where, class Work>
+  double guarded(const Where& where, const Work& work) const {
     try {
       return work();
     } catch (py::error_already_set& error) {
       if (!error.matches(PyExc_Exception)) throw;
-      raise(error, where);
+      raise(error, where());
     } catch (py::builtin_exception& error) {
       error.set_error();
       py::error_already_set raised;
-      raise(raised, where);
+      raise(raised, where());
     }
   }
 
