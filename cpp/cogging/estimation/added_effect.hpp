@@ -35,7 +35,9 @@ inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect)
     if (has_states) addable = false;
   });
   visit_law(effect, [&](const HasBristle auto&) { addable = false; });
-  visit_law(effect, [&](const HasReading<double> auto&) { addable = false; });
+  visit_law(effect, [&](const HasReading<double> auto& law) {
+    if (uses(law, Hook::reading_error)) addable = false;
+  });
   return addable;
 }
 

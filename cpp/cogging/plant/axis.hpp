@@ -65,11 +65,15 @@ class Axis {
         inverse_mass_(Scalar(1.0) / parameters.mass),
         has_friction_(!all(parameters.coulomb == 0.0)) {
     const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
-    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) { laws_.push_back(law); });
-    bool effects_rub = false;
-    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { effects_rub = true; });
-    has_friction_ = has_friction_ || effects_rub;
-    for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) { gains_.push_back(law); });
+    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) {
+      if (uses(law, Hook::force) || uses(law, Hook::friction_level)) laws_.push_back(law);
+    });
+    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto& law) {
+      if (uses(law, Hook::friction_level)) has_friction_ = true;
+    });
+    for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) {
+      if (uses(law, Hook::command_gain)) gains_.push_back(law);
+    });
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
     for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
     for_each_law(bound, [&](const HasVelocityKinks auto& law) { accuracy_.add_kinks({}, law.velocity_kinks()); });
@@ -306,7 +310,9 @@ class Axis {
                                           const Scalar& a4) const {
     Scalar excess = accuracy_.excess_at_kink(h, a1, a2, a3, a4, larger(end.speed_max, abs(end.velocity)));
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
-      if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+      if (accuracy_.oversteps(h, lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+        set_lane(excess, i, 1.0);
+      else if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
         set_lane(excess, i, -1.0);
     return excess;
   }

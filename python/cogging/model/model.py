@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -20,6 +20,8 @@ from cogging._core import (
     Plant,
     SplineHarmonics,
 )
+from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
+from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.outputs import to_toml, write_text
@@ -62,7 +64,7 @@ class Model:
 
     axis: AxisParameters
     cogging: CoggingModel | None = None
-    effects: tuple[Any, ...] = ()
+    effects: tuple[Effect, ...] = ()
     encoder: EncoderParameters = field(default_factory=EncoderParameters)
     noise: NoiseParameters = field(default_factory=NoiseParameters)
     controller: ControllerParameters | None = None
@@ -81,13 +83,14 @@ class Model:
             own = "a controller of one's own is given to simulate(model, reference, controller=...)"
             raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         object.__setattr__(self, "effects", tuple(self.effects))
+        refuse_two_of_one_name(self.effects)
 
     def plant(self) -> Plant:
         """Make the machine to simulate."""
         return Plant(
             self.axis,
             cogging=self.cogging,
-            effects=list(self.effects),
+            effects=for_core(self.effects),
             encoder=self.encoder,
             noise=self.noise,
         )
@@ -108,25 +111,36 @@ class Model:
         return replace(self, **changes)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> Model:
+    def read(cls, path: str | os.PathLike[str], *, effects: Sequence[Custom] = ()) -> Model:
         """Read a model file (TOML).
+
+        Args:
+            path: of the file.
+            effects: of your own that the file may name: it holds the values of their parameters, not their laws.
 
         Raises:
             InputError: the file cannot be used; names file, line, field, rule and value.
         """
         document = read_toml(path)
         try:
-            return cls.from_dict(document)
+            return cls.from_dict(document, effects=effects)
         except FieldError as error:
             raise error.in_file(path, read_text(path)) from None
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a model file (TOML), without loss."""
+        """Write a model file (TOML), without loss.
+
+        Of an effect of your own it holds name and parameters: it is read again with `Model.read(path, effects=[it])`.
+        """
         write_text(path, to_toml(self.to_dict()))
 
     @classmethod
-    def from_dict(cls, document: Mapping[str, Any]) -> Model:
+    def from_dict(cls, document: Mapping[str, Any], *, effects: Sequence[Custom] = ()) -> Model:
         """Make a model from the sections of a model file.
+
+        Args:
+            document: the sections by name.
+            effects: of your own that the document may name.
 
         Raises:
             FieldError: a ValueError that names section, field, rule and value.
@@ -143,7 +157,7 @@ class Model:
         return cls(
             axis=axis,
             cogging=_cogging_from(_table(document, "cogging")) if "cogging" in document else None,
-            effects=_effects_from(document.get("effects", [])),
+            effects=_effects_from(document.get("effects", []), by_name(effects)),
             encoder=parameters_from(EncoderParameters, _table(document, "encoder"), "encoder"),
             noise=parameters_from(NoiseParameters, _table(document, "noise"), "noise"),
             controller=controller,
@@ -278,18 +292,35 @@ def _rows(value: Any, key: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     return rows
 
 
-def _effects_from(effects: Any) -> tuple[Any, ...]:
+def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]:
     if not isinstance(effects, list) or not all(isinstance(entry, Mapping) for entry in effects):
         raise FieldError("", "effects", "must be written as [[effects]] tables")
     made = []
     for occurrence, entry in enumerate(effects):
         fields = dict(entry)
         name = fields.pop("name", None)
+        if isinstance(name, str) and name in own:
+            made.append(_own_effect_from(own[name], fields, occurrence))
+            continue
         if not isinstance(name, str) or name not in _core.EFFECTS:
-            known = ", ".join(_core.EFFECTS)
-            raise FieldError("effects", "name", f"must be one of {known}, got {quoted(name)}", occurrence)
+            known = ", ".join((*_core.EFFECTS, *own))
+            rule = f"must be one of {known} (one of your own is read with Model.read(path, effects=[it]))"
+            raise FieldError("effects", "name", f"{rule}, got {quoted(name)}", occurrence)
         made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
     return tuple(made)
+
+
+def _own_effect_from(effect: Custom, section: Mapping[str, Any], occurrence: int) -> Custom:
+    try:
+        refuse_unknown_keys(section, effect.FIELDS, "effects")
+        for key, value in section.items():
+            _require_type(value, [] if isinstance(getattr(effect, key), list) else 0.0, "effects", key)
+        return effect.replace(**section)
+    except FieldError as error:
+        raise FieldError(error.section, error.key, error.problem, occurrence) from None
+    except ValueError as error:  # "effect.field: rule, got value"
+        key, _, problem = str(error).partition(": ")
+        raise FieldError("effects", key.rpartition(".")[2], problem, occurrence) from None
 
 
 def _controller_from(
