@@ -68,9 +68,11 @@ class Axis {
     for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) {
       if (uses(law, Hook::force) || uses(law, Hook::friction_level)) laws_.push_back(law);
     });
+    bool effects_rub = false;
     for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto& law) {
-      if (uses(law, Hook::friction_level)) has_friction_ = true;
+      effects_rub = effects_rub || uses(law, Hook::friction_level);
     });
+    has_friction_ = has_friction_ || effects_rub;
     for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) {
       if (uses(law, Hook::command_gain)) gains_.push_back(law);
     });
