@@ -100,10 +100,10 @@ def test_a_download_that_fails_is_one_line(error, monkeypatch):
 
     package(monkeypatch, fail)
     monkeypatch.delenv("COGGING_DATA", raising=False)
-    with pytest.raises(InputError, match="nonlinear-benchmarks") as caught:
+    with pytest.raises(InputError, match=r"public at nonlinearbenchmark\.org .*cite") as caught:
         emps.read()
     assert str(caught.value).isprintable()
-    assert type(error).__name__ in str(caught.value)
+    assert f"nonlinear-benchmarks could not fetch it: {type(error).__name__}: {str(error)[:3]}" in str(caught.value)
 
 
 def test_a_download_that_left_nothing_says_where_it_should_be(tmp_path, monkeypatch):

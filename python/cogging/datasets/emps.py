@@ -21,7 +21,6 @@ from cogging.files import InputError
 from cogging.logs.columns import read_columns
 from cogging.logs.log import Log, read_log
 from cogging.model.model import Model
-from cogging.shown import one_line
 
 SOURCE = Source("emps", "nonlinearbenchmark.org", "no licence stated: cite Janot, Gautier and Brunot 2019")
 FILES = ("DATA_EMPS", "DATA_EMPS_PULSES")  # the second has another motion, and pulses added to the command
@@ -117,22 +116,20 @@ def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:
     except InputError:
         if folder is not None:
             raise
-    fetched = _fetched()
+    fetched, note = _fetched()
     for path in fetched:
         if path.name == file and path.is_file():
             return path
-    looked = [*SOURCE.folders(), *dict.fromkeys(path.parent for path in fetched)]
-    raise SOURCE.absent(file, looked, "" if fetched else "; pip install nonlinear-benchmarks fetches it")
+    raise SOURCE.absent(file, [*SOURCE.folders(), *dict.fromkeys(path.parent for path in fetched)], note)
 
 
-def _fetched() -> list[Path]:
-    """Where `nonlinear-benchmarks` keeps the files, fetched now if they were not; none where it is not installed."""
+def _fetched() -> tuple[list[Path], str]:
+    """Where `nonlinear-benchmarks` keeps the files, fetched now if they were not; or none, and what to say of it."""
     try:
         import nonlinear_benchmarks
     except ImportError:
-        return []
+        return [], "; pip install nonlinear-benchmarks fetches it"
     try:
-        return [Path(path) for path in nonlinear_benchmarks.EMPS(data_file_locations=True)]
+        return [Path(path) for path in nonlinear_benchmarks.EMPS(data_file_locations=True)], ""
     except Exception as error:  # whatever its download ends in
-        reason = f"{type(error).__name__}: {error}"
-        raise InputError(one_line(f"emps: nonlinear-benchmarks must fetch it, ended in {reason}")) from None
+        return [], f"; nonlinear-benchmarks could not fetch it: {type(error).__name__}: {error}"
