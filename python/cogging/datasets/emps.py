@@ -42,12 +42,15 @@ AUTHORS_ERRORS = MappingProxyType(
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """The paths of the two files by their names without `.mat`.
+    """Find the two files.
 
     Args:
         folder: where they lie (see cogging.datasets). Where neither it nor COGGING_DATA leads to them, and `folder`
             is not given, the package `nonlinear-benchmarks` is asked, if it is installed: it fetches them once (2 MB)
             and keeps them in its own folder.
+
+    Returns:
+        Their paths by their names without `.mat`.
 
     Raises:
         InputError: a file is not there, or could not be fetched; says source and licence.
@@ -56,11 +59,14 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
 
 
 def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) -> Log:
-    """One of the two logs: time s, position and reference m, command N.
+    """Read one of the two logs.
 
     Args:
         name: of FILES.
         folder: see `files`.
+
+    Returns:
+        Time s, position and reference m, command N, 24,841 rows.
 
     Raises:
         ValueError: `name` is not of FILES.
@@ -72,10 +78,13 @@ def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) 
 
 
 def pulses(folder: str | os.PathLike[str] | None = None) -> FloatArray:
-    """What was added to the controller's command in DATA_EMPS_PULSES, N, (n,); the log's command has it in.
+    """Read what was added to the controller's command in DATA_EMPS_PULSES.
 
     Args:
         folder: see `files`.
+
+    Returns:
+        N, (n,), a row of the log each; the log's command has it in.
 
     Raises:
         InputError: the file is not there, or has no pulses.
@@ -85,9 +94,12 @@ def pulses(folder: str | os.PathLike[str] | None = None) -> FloatArray:
 
 
 def controller() -> CascadeParameters:
-    """The published cascade, its output in newtons: u = kv (kp (reference - position) - velocity), limited to 10 V.
+    """The published controller, u = kv (kp (reference - position) - velocity), limited to 10 V.
 
     Fitted to the logs the inner gain comes out 4 % larger.
+
+    Returns:
+        Its parameters for a command in newtons: kp 1/s, kv N s/m, limit N.
     """
     return CascadeParameters(
         sample_rate=1000.0, kp=160.18, kv=243.45 * FORCE_CONSTANT, command_limit=10.0 * FORCE_CONSTANT
@@ -95,7 +107,11 @@ def controller() -> CascadeParameters:
 
 
 def published() -> Model:
-    """The four published parameters, sign friction, and the published cascade."""
+    """The machine as it is published.
+
+    Returns:
+        Mass, viscous and Coulomb friction by the sign of the velocity, a constant force, and the published cascade.
+    """
     return Model(
         axis=AxisParameters(
             mass=PUBLISHED["axis.mass"],

@@ -72,10 +72,13 @@ class RotaryLog:
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """The paths of the three files by their names without `.txt`.
+    """Find the three files.
 
     Args:
         folder: where they lie (see cogging.datasets): side by side, or as in a clone of the repository.
+
+    Returns:
+        Their paths by their names without `.txt`.
 
     Raises:
         InputError: a file is not there; says source and licence.
@@ -84,13 +87,16 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
 
 
 def read(name: str, folder: str | os.PathLike[str] | None = None, *, compensated: bool = False) -> RotaryLog:
-    """One of the three logs.
+    """Read one of the three logs.
 
     Args:
         name: of FILES.
         folder: see `files`.
         compensated: the rows of `speed_test1` during which the makers' compensation was on, in place of those during
             which it was off.
+
+    Returns:
+        Time s, position rad, velocity rad/s and current A of those rows.
 
     Raises:
         ValueError: `name` is not of FILES, or was never compensated.

@@ -42,11 +42,14 @@ class Source:
         return [base / place / file for base in self.folders(folder) for place in self.places]
 
     def find(self, file: str, folder: str | os.PathLike[str] | None = None) -> Path:
-        """The path of a file of the set.
+        """Find a file of the set.
 
         Args:
             file: its name.
             folder: where the set lies; by default that of COGGING_DATA.
+
+        Returns:
+            Its path.
 
         Raises:
             InputError: it is not there; says where it was looked for, where the public gets it, and the licence.

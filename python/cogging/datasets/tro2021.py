@@ -56,10 +56,13 @@ class SteadySpeeds(NamedTuple):
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """The paths of the runs by name: `steady_state/0.096kg/20`, `n20` the other way, `start_stop/200`.
+    """Find the runs.
 
     Args:
         folder: where they lie (see cogging.datasets): a clone of the repository, or its `driveNo1`.
+
+    Returns:
+        Their paths by name: `steady_state/0.096kg/20`, `steady_state/0.096kg/n20` the other way, `start_stop/200`.
 
     Raises:
         InputError: there is none; says source and licence.
@@ -72,10 +75,13 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
 
 
 def read(path: str | os.PathLike[str]) -> Run:
-    """One run: rows at the end without values, of which the drive's program writes some, are left out.
+    """Read one run.
 
     Args:
         path: of a file, as `files` gives it.
+
+    Returns:
+        Its rows, without those that have no values.
 
     Raises:
         InputError: the file cannot be read, or is no such run; names the row.
@@ -102,10 +108,13 @@ def read(path: str | os.PathLike[str]) -> Run:
 
 
 def steady_speeds(folder: str | os.PathLike[str] | None = None) -> SteadySpeeds:
-    """Speed and torque of every constant-speed run, its rows averaged after the first SETTLING.
+    """Average every constant-speed run after its first SETTLING rows.
 
     Args:
         folder: see `files`.
+
+    Returns:
+        Speed rpm and torque %, in the order of the files' names.
 
     Raises:
         InputError: there is no run, or one is broken or has no rows after those.
