@@ -18,7 +18,7 @@ TESTS = Path(__file__).parent
 BASE = {"_core", "arrays", "cpp_library", "effects", "files", "linear", "outputs", "shown", "threads"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
-ROOMS += ["identification", "design", "diagnosis", "papers", "cli"]
+ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
 DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
