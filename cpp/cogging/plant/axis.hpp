@@ -77,10 +77,6 @@ class Axis {
       if (uses(law, Hook::command_gain)) gains_.push_back(law);
     });
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
-    for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
-    for_each_law(bound, [&](const HasVelocityKinks auto& law) { accuracy_.add_kinks({}, law.velocity_kinks()); });
-    for_each_law(bound,
-                 [&](const HasVariation auto& law) { accuracy_.add(law.variation(), smallest(parameters_.mass)); });
     for_each_law(bound, [&](const HasBristle auto& law) {
       if (law.bristle().exists()) add_state(law.name, bristle_, law.bristle(), bristle_.exists());
     });
@@ -94,11 +90,7 @@ class Axis {
     }
     has_states_ = bristle_.exists() || coupling_.exists();
     plain_ = !has_states_ && !sticks_ && gains_.empty();
-    if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
-      accuracy_.add_turning(bristle_.exists() ? Scalar(0.0) : smooth_width(effects_rub));
-    accuracy_.add_kinks(cogging_.kinks(), {});
-    for (const auto& [amplitude, wavenumber] : cogging_.waves())
-      accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
+    learn_variation(bound, effects_rub);
   }
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
@@ -167,6 +159,19 @@ class Axis {
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
  private:
+  /// How fast the laws vary, by which the steps are chosen.
+  void learn_variation(const std::vector<Effect<Scalar>>& bound, bool effects_rub) {
+    for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
+    for_each_law(bound, [&](const HasVelocityKinks auto& law) { accuracy_.add_kinks({}, law.velocity_kinks()); });
+    for_each_law(bound,
+                 [&](const HasVariation auto& law) { accuracy_.add(law.variation(), smallest(parameters_.mass)); });
+    if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
+      accuracy_.add_turning(bristle_.exists() ? Scalar(0.0) : smooth_width(effects_rub));
+    accuracy_.add_kinks(cogging_.kinks(), {});
+    for (const auto& [amplitude, wavenumber] : cogging_.waves())
+      accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
+  }
+
   friend class StickSlip<Axis>;
 
   struct Forces {

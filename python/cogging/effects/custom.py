@@ -109,10 +109,7 @@ class Custom(OwnLaws):
         }
         _check_parameters(name, specified, _used_names(type(self)))
         taken = {hook: arguments_of(f"{name}.{hook}", function, hook, specified) for hook, function in laws.items()}
-        asked = {argument for arguments in taken.values() for argument in arguments}
-        for key in specified:
-            if key not in asked:
-                raise ValueError(f"{name}.{key}: must be taken by a law, which take {', '.join(sorted(asked))}")
+        _require_all_taken(name, specified, taken)
         scales = {"length_scale": length_scale, "velocity_scale": velocity_scale, "time_scale": time_scale}
         definition = Definition(
             name,
@@ -351,6 +348,13 @@ def _check_name(name: Any) -> None:
 
 def _used_names(kind: type) -> set[str]:
     return {*dir(kind), *PLACES, "name"}
+
+
+def _require_all_taken(name: str, specified: Iterable[str], taken: Mapping[str, Sequence[str]]) -> None:
+    asked = {argument for arguments in taken.values() for argument in arguments}
+    for key in specified:
+        if key not in asked:
+            raise ValueError(f"{name}.{key}: must be taken by a law, which take {', '.join(sorted(asked))}")
 
 
 def _check_parameters(name: str, parameters: Mapping[str, Parameter], used: set[str]) -> None:
