@@ -15,7 +15,7 @@ import cogging
 PACKAGE = Path(cogging.__file__).parent
 TESTS = Path(__file__).parent
 #: What every room may use.
-BASE = {"_core", "arrays", "effects", "files", "outputs", "shown", "threads"}
+BASE = {"_core", "arrays", "effects", "files", "outputs", "progress", "shown", "threads", "values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "cli"]

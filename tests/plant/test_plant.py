@@ -581,7 +581,7 @@ def test_energy_never_grows_without_a_drive(seed):
     axis = cogging.AxisParameters(mass=rng.uniform(0.2, 1), coulomb=rng.uniform(0.06, 0.3))
     plant = cogging.Plant(axis, effects=effects)
     log = free(plant, 4.0, 2000.0, x0=rng.uniform(-0.3, 0.3), v0=rng.uniform(-2, 2))
-    energy = 0.5 * axis.mass * log.true_velocity ** 2 + 0.5 * k * (log.true_position - 0.02) ** 2
+    energy = 0.5 * axis.mass * log.true_velocity**2 + 0.5 * k * (log.true_position - 0.02) ** 2
     assert np.diff(energy).max() <= 1e-14 * energy[0]
     assert (np.diff(energy)[log.true_velocity[1:] != 0.0] < 0.0).all()  # friction takes from all that moves
 

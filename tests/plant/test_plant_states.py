@@ -329,9 +329,7 @@ def load_from_momentum(log, push, mass, ratio):
     steps = np.diff(t) * push[:-1]
     momentum = mass * v1[0] + np.concatenate([[0], np.cumsum(steps)])
     r = (momentum - (1 - ratio) * mass * v1) / (ratio * mass) - v1
-    centre = log.true_position[0] + np.concatenate(
-        [[0], np.cumsum((momentum[:-1] + 0.5 * steps) / mass * np.diff(t))]
-    )
+    centre = log.true_position[0] + np.concatenate([[0], np.cumsum((momentum[:-1] + 0.5 * steps) / mass * np.diff(t))])
     return (centre - log.true_position) / ratio, r
 
 

@@ -356,9 +356,7 @@ def test_halving_the_step_changes_next_to_nothing(name):
     for steps in (1, 2, 4):
         log = cogging.closed_loop(plant, CONTROLLERS[name], reference, steps_per_sample=steps)
         indexes.append(
-            cogging.performance(
-                log.time, log.position - log.reference, log.command, start=2 * reference.period
-            )
+            cogging.performance(log.time, log.position - log.reference, log.command, start=2 * reference.period)
         )
     for coarse, fine in pairwise(indexes):
         assert coarse.error_rms == pytest.approx(fine.error_rms, rel=0.005)

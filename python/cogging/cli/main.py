@@ -250,7 +250,7 @@ def _map(options: argparse.Namespace) -> None:
         raise InputError(f"{options.scan}: {error}") from None
     if options.out:
         fit.write(options.out)
-    say(fit.summary())
+    say(fit.text())
     if options.out:
         say(f"{printable(options.out)} and {printable(str(Path(options.out).with_suffix('.png')))} written")
 

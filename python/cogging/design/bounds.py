@@ -25,6 +25,7 @@ from cogging.design.observer import ObserverDesign, ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model
+from cogging.values import ByValue, brief
 
 BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
 SAMPLES_A_RADIAN = 25.0  # its sample rate over its k_1
@@ -35,8 +36,8 @@ NO_DISTURBANCE = (
 )
 
 
-@dataclass(frozen=True)
-class Bounds:
+@dataclass(frozen=True, eq=False, repr=False)
+class Bounds(ByValue):
     """Between which numbers an axis lies, and the controllers designed for all of it.
 
     The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
@@ -65,6 +66,10 @@ class Bounds:
     disturbance_estimate: float
     fallbacks: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def _brief(self) -> str:
+        units = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V", "disturbance": "V"}
+        return ", ".join(f"{name} {brief(getattr(self, name), unit)}" for name, unit in units.items())
 
     @classmethod
     def of(cls, model: Model, *, default: Mapping[str, Interval] | None = None, velocity_max: float = 1.0) -> Bounds:

@@ -33,6 +33,7 @@ from cogging.model.intervals import Interval, Intervals
 from cogging.model.model import Controller, Model
 from cogging.simulation.reference import read_reference, reference_from
 from cogging.threads import on_threads
+from cogging.values import ByValue
 
 #: The controllers that are designed from the bounds of a model.
 DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")
@@ -77,8 +78,8 @@ class ControllerPrediction:
     diverged: float
 
 
-@dataclass(frozen=True)
-class ErrorPrediction:
+@dataclass(frozen=True, eq=False, repr=False)
+class ErrorPrediction(ByValue):
     """The predicted tracking error of each controller.
 
     Attributes:
@@ -96,6 +97,10 @@ class ErrorPrediction:
     seed: int
     coverage: float
     notes: tuple[str, ...] = ()
+
+    def _brief(self) -> str:
+        told = [f"{one.name} {1e6 * one.rms.median:.3g} um rms" for one in self.controllers]
+        return f"{', '.join(told)}; {self.samples} machines"
 
     def __getitem__(self, name: str) -> ControllerPrediction:
         """The prediction of a controller.

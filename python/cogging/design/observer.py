@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.values import ByValue, brief
 
 # By how much the solver is asked to keep the inequalities, so that they hold in truth. Tried in turn: what stops it for
 # one of them (it is near the end of double precision there) often does not for the next.
@@ -22,8 +23,8 @@ MARGINS = (1e-5, 1e-6, 1e-4)
 POLE_GRID = 41  # velocities at which the frozen poles are looked at
 
 
-@dataclass(frozen=True)
-class ObserverDesign:
+@dataclass(frozen=True, eq=False, repr=False)
+class ObserverDesign(ByValue):
     """Gains of an ObserverBased controller, and what is certain about them.
 
     Attributes:
@@ -55,9 +56,13 @@ class ObserverDesign:
     slowest_pole: float
     slowest_pole_at_rest: float
 
+    def _brief(self) -> str:
+        harmonics = (len(self.observer_gain) - 3) // 2
+        return f"{harmonics} periods, lambda* {self.lambda_equal:.4g} m/s^2, slowest pole {self.slowest_pole:.4g} 1/s"
 
-@dataclass(frozen=True)
-class ObserverProblem:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ObserverProblem(ByValue):
     """What the observer is designed for.
 
     Attributes:
@@ -105,6 +110,12 @@ class ObserverProblem:
         slowest = -float(np.roots([1.0, 2 * self.damping * self.omega, self.omega**2]).real.max())
         rule = f"must be below {slowest:g} 1/s, the position loop's slowest pole"
         _require(self.decay_rate < slowest, "decay_rate", rule, self.decay_rate)
+
+    def _brief(self) -> str:
+        return (
+            f"periods {brief(list(self.periods), 'm')}, {self.velocity_min:g} to {self.velocity_max:g} m/s, "
+            f"omega {self.omega:g} 1/s, decay_rate {self.decay_rate:g} 1/s"
+        )
 
     def closed_loop_norm(self) -> float:
         """gamma_c = ||H(s - alpha)||_infinity, H(s) = s / (s^2 + 2 damping omega s + omega^2) (section IV.C), s."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +34,7 @@ from cogging.logs.repeated_rows import counted_once, repeated, repeated_text
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
+from cogging.progress import Progress, steps
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
@@ -48,7 +49,7 @@ def diagnose(
     names: Sequence[str] | None = None,
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
-    progress: Callable[[str], None] = lambda step: None,
+    progress: Progress = False,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
 
@@ -65,7 +66,7 @@ def diagnose(
         names, confirm_names: what the logs are called in messages; their files by default.
         empirical: add what no effect explains to the model as a force of any shape, where it does not make the gap on
             the confirm logs larger. It is no effect of the vocabulary, and the result's gap is that without it.
-        progress: is told what is being done.
+        progress: True shows a line of what is being done, a function is told each step in words.
 
     Raises:
         ValueError: a log or model that cannot be used, or a confirm log with rows of a given one.
@@ -97,14 +98,15 @@ def diagnose(
     for name, log in zip(called, given, strict=True):
         if not np.any(log.command):
             raise ValueError(f"{name}: command: must act on an axis that moves, got 0 V in every row")
-    try:
-        loops = replay and all(_obeys(log, model) for log in others)
-        found = search(given, model, others, progress, loops)
-    except NothingCounts as error:
-        notes.append(str(error))
-        return _nothing("insufficient_excitation", given, model, notes)
-    progress("measuring the gap")
-    result = _assemble(found, given, others, model, replay, notes)
+    with steps(progress, "diagnose") as begin:
+        try:
+            loops = replay and all(_obeys(log, model) for log in others)
+            found = search(given, model, others, begin, loops)
+        except NothingCounts as error:
+            notes.append(str(error))
+            return _nothing("insufficient_excitation", given, model, notes)
+        begin("measuring the gap")
+        result = _assemble(found, given, others, model, replay, notes)
     return _with_term(result, found, model, given, others) if empirical and result.unlisted is not None else result
 
 

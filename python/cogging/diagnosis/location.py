@@ -24,6 +24,7 @@ from cogging.estimation.residuals import moving_average
 from cogging.files import finite
 from cogging.log_check.audit import check_against_model
 from cogging.model.model import Model
+from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,8 +64,8 @@ class Wave:
         return f"every {length_text(self.value)} of position: {size}"
 
 
-@dataclass(frozen=True)
-class Location:
+@dataclass(frozen=True, eq=False, repr=False)
+class Location(ByValue):
     """Where logs and a model disagree after the model was re-tuned.
 
     Attributes:
@@ -80,6 +81,11 @@ class Location:
     residual: float
     model: Model
     series: dict[str, list[FloatArray]]
+
+    def _brief(self) -> str:
+        first = max(self.significant, key=lambda shape: shape.share, default=None)
+        told = "no coordinate stands out" if first is None else f"{100 * first.share:.0f} % by {first.coordinate}"
+        return f"gap {self.residual:.4g} V rms, {told}"
 
     @property
     def significant(self) -> tuple[Shape, ...]:

@@ -11,12 +11,13 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
 from cogging.friction.law import FrictionParameter, Law, steady_friction
+from cogging.values import ByValue
 
 SPARE = 2  # points more than parameters, at least, for a model to be tried
 
 
-@dataclass(frozen=True)
-class FrictionModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionModel(ByValue):
     """One law of the ladder, fitted to all points.
 
     Attributes:
@@ -35,6 +36,12 @@ class FrictionModel:
     held_out_standard_error: float
     gain: float
 
+    def _brief(self) -> str:
+        told = ", ".join(
+            f"{path} {p.value:.4g}{'' if p.unit == '1' else ' ' + p.unit}" for path, p in self.parameters.items()
+        )
+        return f"{self.name}: {told}; {self.held_out_rms:.3g} V rms at speeds left out"
+
     def force(self, velocity: npt.ArrayLike) -> FloatArray:
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
         v = np.asarray(velocity, dtype=np.float64)
@@ -52,8 +59,8 @@ class FrictionModel:
         return tuple(EFFECTS[effect](**values) for effect, values in fields.items())
 
 
-@dataclass(frozen=True)
-class FrictionCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionCurve(ByValue):
     """What fit_friction_curve found.
 
     Attributes:
@@ -74,6 +81,9 @@ class FrictionCurve:
     confidence: float
     notes: tuple[str, ...]
 
+    def _brief(self) -> str:
+        return f"best {self.best.name} of {len(self.models)} laws, {len(self.velocity)} points"
+
     def __getitem__(self, name: str) -> FrictionModel:
         """The model of this name.
 
@@ -82,7 +92,7 @@ class FrictionCurve:
         """
         return {model.name: model for model in self.models}[name]
 
-    def summary(self) -> str:
+    def text(self) -> str:
         """The fits in a few lines for the screen."""
         lines = [
             f"friction curve: {len(self.velocity)} points at {self.speed.max() + 1} speeds from "

@@ -25,6 +25,7 @@ from cogging.logs.repeated_rows import counted_once
 from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, role_of, with_values
+from cogging.progress import Progress, steps
 
 FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which ...
@@ -32,7 +33,7 @@ READING_SHARE = 0.5  # ... quantiser and encoder noise alone make less than this
 STARTS = 3  # further starts where the law is not linear in a parameter
 SHAPELESS = 2.0  # 1-sigma of a shape, relative to its size, above which it is left alone altogether
 SPREAD = 0.1  # of their sizes, by which they are apart
-STAGES = ("what the logs determine", "inverse dynamics", "output error", "logs one by one")
+STAGES = ("inverse dynamics", "output error", "logs one by one")
 
 
 def identify(
@@ -44,7 +45,7 @@ def identify(
     rest: float | None = None,
     added_commands: Sequence[npt.ArrayLike | None] | None = None,
     names: Sequence[str] | None = None,
-    progress: bool = False,
+    progress: Progress = False,
 ) -> Identification:
     """Fit the parameters of a model to one or several logs together. Rows that stand in several of them count once.
 
@@ -68,7 +69,7 @@ def identify(
         rest: rows slower than this do not count, m/s; None: 2 % of the largest speed.
         added_commands: for each log, what was added to its controller's command, V, (n,), or None.
         names: of the logs, for the text.
-        progress: show a bar.
+        progress: True shows a bar, a function is told each stage in words.
 
     Raises:
         InputError: a file that cannot be used, a log whose units cannot be those of the model.
@@ -152,17 +153,10 @@ class _Fit:
         self.prior = parameters_of(model)
         self.simulate = [run.simulator() for run in runs]
 
-    def run(self, progress: bool) -> Identification:
-        from tqdm import tqdm
-
-        with tqdm(total=len(STAGES), unit="stage", disable=None if progress else True, leave=False) as bar:
-
-            def stage(i: int) -> None:
-                bar.set_description(STAGES[i])
-                bar.update(1 if i else 0)
-
+    def run(self, progress: Progress) -> Identification:
+        with steps(progress, "identify", len(STAGES)) as begin:
+            begin(STAGES[0])
             for cutoff in self.cutoffs:
-                stage(0)
                 balances = [ForceBalance.of(run.log, cutoff=cutoff, rest=self.rest) for run in self.runs]
                 for run, balance in zip(self.runs, balances, strict=True):
                     if int(balance.counts.sum()) < 4 * len(self.paths) + 50:
@@ -172,7 +166,6 @@ class _Fit:
                         )
                 scales = Scales.largest(balance.scales for balance in balances)
                 told = self._determine(self.model, balances, scales)
-                bar.set_description(STAGES[1])
                 estimate = self._balance(self.model, told, balances, scales)
                 again = self._determine(estimate.model, balances, scales)
                 if _classes(again) != _classes(told):  # a prior far off may hide what a law is sensitive to
@@ -184,10 +177,9 @@ class _Fit:
                     < READING_SHARE
                 ):
                     break
-            stage(1)
-            stage(2)
+            begin(STAGES[1])
             output = self._output_error(estimate.model, told)
-            stage(3)
+            begin(STAGES[2])
             spread = self._one_by_one(estimate.model, told, balances, scales)
             return self._report(told, estimate, output, spread, balances, scales, floors)
 

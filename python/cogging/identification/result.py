@@ -11,6 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.log_check.audit import Audit
 from cogging.model.model import Model
+from cogging.values import ByValue
 
 CORRELATED = 0.8  # above which two parameters are shown as correlated
 
@@ -72,8 +73,8 @@ class LogFit:
     instruments: bool
 
 
-@dataclass(frozen=True, repr=False)
-class Identification:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(ByValue):
     """The fit of a model to logs. Printed, it is its `text`.
 
     Attributes:
@@ -102,11 +103,9 @@ class Identification:
     controller: tuple[str, ...]
     notes: tuple[str, ...] = ()
 
-    def __repr__(self) -> str:
-        return f"Identification(estimator={self.estimator!r}, parameters={[p.path for p in self.parameters]})"
-
-    def __str__(self) -> str:
-        return self.text()
+    def _brief(self) -> str:
+        sure = sum(p.determined for p in self.parameters)
+        return f"{sure} of {len(self.parameters)} parameters determined, {self.estimator}; {len(self.logs)} log{"s" * (len(self.logs) != 1)}"
 
     def __getitem__(self, path: str) -> ParameterEstimate:
         """The parameter at a path.

@@ -15,6 +15,7 @@ from cogging.files import InputError
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.logs.log import Log, require_sizes
 from cogging.model.model import Model
+from cogging.values import ByValue
 
 JITTER = 0.01  # of the median step
 GAP = 1.5  # median steps
@@ -30,8 +31,8 @@ UNITS = {1e-3: "mm", 1e-6: "um", 1e-2: "cm", 0.0254: "inches"}
 TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 
-@dataclass(frozen=True)
-class Audit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Audit(ByValue):
     """Facts about a log.
 
     Attributes:
@@ -77,6 +78,12 @@ class Audit:
     outliers: int
     outlier_rows: tuple[int, ...]
     controller: ControllerCheck | None = None
+
+    def _brief(self) -> str:
+        told = f"{self.rows} rows, {self.duration:.6g} s at {self.rate:.6g} Hz, {self.gaps} gaps"
+        if self.controller is None:
+            return told
+        return f"{told}, {self.controller!r}"
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it."""

@@ -15,6 +15,7 @@ from cogging.log_check.controller_samples import LONG, Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
 from cogging.model.model import CONTROLLERS, Model
+from cogging.values import ByValue
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
 SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is moved
@@ -26,8 +27,8 @@ ENOUGH = 0.25  # of the rows: so many before the first gap tell whether a contro
 AT_REST = 1e-3  # of the top speed: slower is rest
 
 
-@dataclass(frozen=True)
-class ControllerCheck:
+@dataclass(frozen=True, eq=False, repr=False)
+class ControllerCheck(ByValue):
     """A logged command beside the one that the stated controller gives for the logged references and readings.
 
     Attributes:
@@ -63,6 +64,11 @@ class ControllerCheck:
     notes: tuple[str, ...] = ()
     unseen_readings: tuple[int, ...] = ()
     doubted_commands: tuple[int, ...] = ()
+
+    def _brief(self) -> str:
+        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[self.reproduces]
+        left = "" if self.relative is None else f": {100 * self.relative:.3g} % of {self.command_rms:.4g} V rms is left"
+        return f"{self.type} {verdict} the command{left}"
 
 
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:

@@ -31,6 +31,9 @@ class RecoveredController(NamedTuple):
     parameters: PidParameters | CascadeParameters
     residual_rms: float
 
+    def __repr__(self) -> str:
+        return f"RecoveredController({self.parameters!r}, leaves {self.residual_rms:.3g} V rms)"
+
 
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.

@@ -20,6 +20,7 @@ from cogging.arrays import FloatArray
 from cogging.files import LARGEST, InputError, read_toml, target_of, to_toml, write_files
 from cogging.logs.columns import read_columns
 from cogging.outputs import sidecar
+from cogging.values import ByValue
 
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
@@ -28,8 +29,8 @@ ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 
 
-@dataclass(frozen=True)
-class Log:
+@dataclass(frozen=True, eq=False, repr=False)
+class Log(ByValue):
     """One run of an axis, measured or simulated: one row a sample.
 
     Columns may be anything that is an array of real numbers (lists, pandas Series). They are held as read-only float64
@@ -89,6 +90,22 @@ class Log:
             estimates=columns.get("estimates"),
             metadata=metadata or {},
         )
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                value.flags.writeable = False  # a copy has the right to be written, a log has not
+            self.__dict__[name] = value
+
+    def _brief(self) -> str:
+        if len(self) < 2:
+            return "1 row"
+        span = float(self.time[-1] - self.time[0])
+        extra = [name for name in OPTIONAL[:1] if getattr(self, name) is not None]
+        extra += ["true motion"] * (self.true_position is not None) + ["estimates"] * (self.estimates is not None)
+        low, high = float(self.position.min()), float(self.position.max())
+        told = f"{len(self)} rows, {span:.6g} s at {(len(self) - 1) / span:.6g} Hz, {low:.6g} to {high:.6g} m"
+        return f"{told}, with {', '.join(extra)}" if extra else told
 
     def __len__(self) -> int:
         return len(self.time)

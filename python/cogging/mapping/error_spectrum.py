@@ -8,6 +8,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
+from cogging.values import ByValue
 
 OVERSAMPLING = 8  # frequencies between two that the travel tells apart
 THRESHOLD = 8.0  # times the noise level (the median of the amplitudes that are left): a line above it is proposed
@@ -15,8 +16,8 @@ POINTS_PER_PERIOD = 8.0  # of the shortest: more samples than these are not used
 CONSTANT = 0.98  # of the top speed: what counts as constant speed
 
 
-@dataclass(frozen=True)
-class TrackingSpectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackingSpectrum(ByValue):
     """Amplitudes of a tracking error against spatial period, on the parts of constant speed.
 
     Attributes:
@@ -32,6 +33,12 @@ class TrackingSpectrum:
     resolution: float
     periods: tuple[float, ...]
     period_amplitudes: tuple[float, ...]
+
+    def _brief(self) -> str:
+        lines = [
+            f"{1e3 * p:.4g} mm {1e6 * a:.3g} um" for p, a in zip(self.periods, self.period_amplitudes, strict=True)
+        ]
+        return f"{', '.join(lines) or 'no line'}; noise {1e6 * self.noise:.3g} um"
 
 
 def tracking_spectrum(

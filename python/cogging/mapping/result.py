@@ -14,6 +14,7 @@ from cogging._core import CoggingModel
 from cogging.arrays import FloatArray
 from cogging.files import InputError, same_file, to_toml, write_files
 from cogging.model.model import cogging_to_dict
+from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,8 +56,8 @@ class CrossValidation:
     standard_error: float
 
 
-@dataclass(frozen=True)
-class MapFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class MapFit(ByValue):
     """A cogging model fitted to a scan, force = F_cogging(x) + offset + trend (x - centre) + coulomb direction.
 
     Attributes:
@@ -105,7 +106,12 @@ class MapFit:
     line_amplitude: FloatArray
     line_threshold: FloatArray
 
-    def summary(self) -> str:
+    def _brief(self) -> str:
+        which = ", ".join(str(entry.harmonic) for entry in self.amplitudes) or "none"
+        kind = f"splines of order {self.order}" if self.order else "periodic"
+        return f"harmonics {which} of {self.cogging.basis.pitch:g} m, {kind}; residual {self.residual_rms:.4g} V rms"
+
+    def text(self) -> str:
         """The fit in a few lines for the screen."""
         spline, pitch = self.cogging.basis.spline, self.cogging.basis.pitch
         kind = f"order {self.order}, {spline.control_points} control points" if self.order else "periodic"

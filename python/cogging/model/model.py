@@ -35,6 +35,7 @@ from cogging._core import (
 )
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
 from cogging.shown import quoted
+from cogging.values import ByValue
 
 #: Controllers by the name that a model file gives them: parameter struct and class.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
@@ -64,8 +65,8 @@ STEPS_MAX = 10_000  # a sample, of those that may be asked for
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, eq=False, repr=False)
+class Model(ByValue):
     """An axis as a model file describes it: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects.
 
     A model read from a file, fitted from a log or written by hand is this one type.
@@ -102,6 +103,15 @@ class Model:
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
             raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
         object.__setattr__(self, "effects", tuple(self.effects))
+
+    def _brief(self) -> str:
+        told = [f"mass {self.axis.mass:.6g} V/(m/s^2)"]
+        if self.cogging is not None:
+            told.append(f"cogging of {self.cogging.basis.terms} terms")
+        told += [effect.NAME for effect in self.effects]
+        if self.controller is not None:
+            told.append(f"{self.controller_type} at {self.controller.sample_rate:g} Hz")
+        return ", ".join(told)
 
     def plant(self) -> Plant:
         """Make the machine to simulate."""

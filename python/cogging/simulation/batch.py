@@ -10,10 +10,11 @@ from cogging import _core
 from cogging._core import Plant, Reference
 from cogging.logs.log import Log
 from cogging.model.model import Controller
+from cogging.values import ByValue
 
 
-@dataclass(frozen=True, repr=False)
-class Batch(Sequence[Log]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Batch(ByValue, Sequence[Log]):
     """The runs of closed_loop_batch, in the order of their plants: a sequence of logs, and what each was made of.
 
     Attributes:
@@ -36,10 +37,8 @@ class Batch(Sequence[Log]):
     controllers: tuple[Controller, ...]
     seeds: tuple[int, ...]
 
-    def __repr__(self) -> str:
-        if not self.logs:
-            return "Batch(0 runs)"
-        return f"Batch({len(self.logs)} runs of {len(self.logs[0])} rows)"
+    def _brief(self) -> str:
+        return f"{len(self.logs)} runs" + (f" of {len(self.logs[0])} rows" if self.logs else "")
 
     def __len__(self) -> int:
         return len(self.logs)
