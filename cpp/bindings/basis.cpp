@@ -1,4 +1,5 @@
 #include "bindings.hpp"
+#include "cogging/basis/regressor.hpp"
 #include "cogging/basis/spline_harmonics.hpp"
 
 using namespace cogging;
@@ -7,35 +8,20 @@ namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+std::span<const double> view(const Eigen::VectorXd& values) {
+  return {values.data(), std::size_t(values.size())};
+}
+
 Rows design_matrix(const BSpline& spline, const Eigen::VectorXd& positions) {
-  Rows matrix = Rows::Zero(positions.size(), spline.control_points());
-  BSpline::Active<double> active;
-  for (Eigen::Index i = 0; i < positions.size(); ++i) {
-    spline.evaluate(positions[i], active);
-    for (int j = 0; j < spline.order(); ++j) matrix(i, active.first + j) = active.weight[j];
-  }
+  Rows matrix(positions.size(), spline.control_points());
+  write_design_matrix(spline, view(positions), {matrix.data(), std::size_t(matrix.size())});
   return matrix;
 }
 
 Rows regressor(const SplineHarmonics& basis, const Eigen::VectorXd& positions) {
-  Rows matrix = Rows::Zero(positions.size(), basis.coefficients());
-  SplineHarmonics::Active<double> active;
-  for (Eigen::Index i = 0; i < positions.size(); ++i) {
-    basis.evaluate(positions[i], active);
-    for (int j = 0; j < basis.spline().order(); ++j)
-      for (int c = 0; c < basis.columns(); ++c)
-        matrix(i, (active.spline.first + j) * basis.columns() + c) = active.spline.weight[j] * active.harmonic[c];
-  }
+  Rows matrix(positions.size(), basis.coefficients());
+  write_regressor(basis, view(positions), {matrix.data(), std::size_t(matrix.size())});
   return matrix;
-}
-
-std::pair<int, std::vector<double>> active_regressor(const SplineHarmonics& basis, double position) {
-  SplineHarmonics::Active<double> active;
-  basis.evaluate(position, active);
-  std::vector<double> values;
-  for (int j = 0; j < basis.spline().order(); ++j)
-    for (int c = 0; c < basis.columns(); ++c) values.push_back(active.spline.weight[j] * active.harmonic[c]);
-  return {active.spline.first * basis.columns(), values};
 }
 
 BSpline make_spline(std::int64_t order, double origin, double pitch, std::int64_t control_points) {

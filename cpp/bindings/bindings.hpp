@@ -28,7 +28,6 @@ void bind_reference(py::module_& module);
 void bind_plant(py::module_& module);
 void bind_control(py::module_& module);
 void bind_simulation(py::module_& module);
-void bind_prediction(py::module_& module);
 void bind_estimation(py::module_& module);
 void bind_table(py::module_& module);
 

@@ -1,11 +1,144 @@
 #include "bindings.hpp"
+#include "cogging/estimation/predictor.hpp"
 #include "cogging/estimation/whitening.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "without_gil.hpp"
 
 using namespace cogging;
 
-void bind_estimation(py::module_& module) {
+namespace {
+
+std::span<const double> view(const Array& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+// A table of a predictor, (count, n), made without the GIL by make(stop request).
+template <class Make>
+py::array_t<double> rows_of(const Predictor& predictor, std::size_t count, const Make& make) {
+  std::vector<double> values = without_gil(make);
+  return to_array(std::move(values), {py::ssize_t(count), py::ssize_t(predictor.rows())});
+}
+
+void bind_predictor(py::module_& module) {
+  py::class_<Prediction>(module, "Prediction", "A prediction along a log, with its slopes: what `propagate` needs.")
+      .def_property_readonly(
+          "innovation", [](const Prediction& p) { return to_array(std::vector(p.innovation)); },
+          "m, reading less what was foreseen")
+      .def_property_readonly(
+          "position", [](const Prediction& p) { return to_array(std::vector(p.position)); }, "m, corrected")
+      .def_property_readonly(
+          "velocity", [](const Prediction& p) { return to_array(std::vector(p.velocity)); }, "m/s, corrected")
+      .def_property_readonly(
+          "middle_position", [](const Prediction& p) { return to_array(std::vector(p.middle_position)); },
+          "m, half-way to the next row")
+      .def_property_readonly(
+          "middle_velocity", [](const Prediction& p) { return to_array(std::vector(p.middle_velocity)); },
+          "m/s, half-way to the next row")
+      .def_property_readonly(
+          "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
+          "1, or 0 where the axis sticks");
+
+  py::class_<Predictor>(module, "Predictor", R"(One step ahead along a log.
+
+The plant is driven by the recorded command and held to the recorded position by an observer with both poles at
+exp(-2 pi bandwidth Ts); the innovation (m) is what the model did not foresee. Of a load with play it is the mean over
+gaps 0.7 to 1.3 of the one that is meant: when it strikes hangs on forces that no model has. Time steps may differ;
+after one longer than `gap` (s) the observer starts anew.
+
+Raises:
+    ValueError: columns of different lengths, time that does not increase, a NaN or an infinity in one of them, a
+        bandwidth that is not positive.)")
+      .def(py::init([](const Array& time, const Array& position, const Array& command, double bandwidth, double gap,
+                       double initial_velocity, int steps_per_sample) {
+             return Predictor(to_vector(time), to_vector(position), to_vector(command),
+                              {bandwidth, gap, initial_velocity, steps_per_sample, nullptr});
+           }),
+           py::arg("time"), py::arg("position"), py::arg("command"), py::kw_only(), py::arg("bandwidth") = 30.0,
+           py::arg("gap") = 1e300, py::arg("initial_velocity") = 0.0, py::arg("steps_per_sample") = 1)
+      .def(
+          "predict",
+          [](const Predictor& self, const Plant<>& plant) {
+            return without_gil([&](StopRequest* stop) { return self.predict(plant, stop); });
+          },
+          py::arg("plant"), "The prediction along the log, with slopes.")
+      .def(
+          "innovations",
+          [](const Predictor& self, const std::vector<Plant<>>& plants, unsigned threads) {
+            return rows_of(self, plants.size(),
+                           [&](StopRequest* stop) { return self.innovations(plants, threads, stop); });
+          },
+          py::arg("plants"), py::kw_only(), py::arg("threads") = 0,
+          "Innovations (m) of many plants, (plants, n), on `threads` threads (0 = all cores).")
+      .def(
+          "net_force",
+          [](const Predictor& self, const std::vector<Plant<>>& plants, const Array& middle_position,
+             const Array& middle_velocity, unsigned threads) {
+            return rows_of(self, plants.size(), [&](StopRequest* stop) {
+              return self.net_forces(plants, view(middle_position), view(middle_velocity), threads, stop);
+            });
+          },
+          py::arg("plants"), py::arg("middle_position"), py::arg("middle_velocity"), py::kw_only(),
+          py::arg("threads") = 0,
+          "Command that acts plus all forces (V) along a motion given half-way between rows, (plants, n).")
+      .def(
+          "propagate",
+          [](const Predictor& self, const Prediction& along, double mass, const Array& forces,
+             const std::optional<Array>& reading_errors, unsigned threads) {
+            require(forces.ndim() == 2 && std::size_t(forces.shape(1)) == self.rows(), "forces", "must be (p, n)",
+                    double(forces.size()));
+            require(!reading_errors || (reading_errors->ndim() == 2 && reading_errors->shape(0) == forces.shape(0) &&
+                                        reading_errors->shape(1) == forces.shape(1)),
+                    "reading_errors", "must have the shape of forces", 0.0);
+            const std::size_t count = std::size_t(forces.shape(0));
+            const std::span<const double> errors = reading_errors ? view(*reading_errors) : std::span<const double>();
+            return rows_of(self, count, [&](StopRequest* stop) {
+              return self.propagate(along, mass, count, view(forces), errors, threads, stop);
+            });
+          },
+          py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
+          py::arg("threads") = 0,
+          R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)")
+      .def_static(
+          "is_addable", &is_addable, py::arg("plant"), py::arg("effect"),
+          "Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no "
+          "memory "
+          "of its own beside a bristle or a load, and under friction no heavy load that rings long or has play.")
+      .def(
+          "added",
+          [](const Predictor& self, const Prediction& along, const Plant<>& plant, const std::vector<Effect<>>& effects,
+             const std::vector<double>& sizes, unsigned threads) {
+            return rows_of(self, effects.size(),
+                           [&](StopRequest* stop) { return self.added(along, plant, effects, sizes, threads, stop); });
+          },
+          py::arg("along"), py::arg("plant"), py::arg("effects"), py::arg("sizes"), py::kw_only(),
+          py::arg("threads") = 0,
+          R"(What each effect would add to the innovations of a plant (m, (p, n)) per size of it, to first order.
+
+Its own law is evaluated along the prediction of the plant and passed through the observer's loop: forces, friction
+levels and gains; the difference that a shape, a delay or a lag makes to the command that acts, with where in each
+interval it does; a load of its own by the deflection that the plant's net force causes.
+
+Args:
+    along: prediction of `plant` on this log.
+    plant: what the effects join, one at a time.
+    effects: p of them.
+    sizes: what each row is divided by, (p,), above 0.
+
+Raises:
+    ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.)")
+      .def(
+          "propagate_transposed",
+          [](const Predictor& self, const Prediction& along, double mass, const Array& weight) {
+            Adjoint adjoint = without_gil(
+                [&](StopRequest* stop) { return self.propagate_transposed(along, mass, view(weight), stop); });
+            return std::pair(to_array(std::move(adjoint.force)), to_array(std::move(adjoint.reading)));
+          },
+          py::arg("along"), py::arg("mass"), py::arg("weight"),
+          "The transpose of propagate: by how much forces (n,) and errors of the reading (n,) move sum(weight "
+          "innovation).");
+}
+
+void bind_whitening(py::module_& module) {
   module.def(
       "autoregression",
       [](const Array& residual, const Array& counts, int order) {
@@ -38,4 +171,11 @@ Raises:
       },
       py::arg("rows"), py::arg("coefficients"), py::kw_only(), py::arg("threads") = 0,
       "e_k = r_k - sum_i a_i r_(k-i) of every row of (p, n); r is 0 before the first column.");
+}
+
+}  // namespace
+
+void bind_estimation(py::module_& module) {
+  bind_predictor(module);
+  bind_whitening(module);
 }

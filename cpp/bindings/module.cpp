@@ -39,7 +39,6 @@ PYBIND11_MODULE(_core, module) {
   bind_plant(module);
   bind_control(module);
   bind_simulation(module);
-  bind_prediction(module);
   bind_estimation(module);
   bind_table(module);
   refuse_uninitialised_objects(module);

@@ -130,11 +130,6 @@ void bind_effects(py::module_& module, py::dict& effects, const std::variant<E..
   (bind_effect<E>(module, effects), ...);
 }
 
-template <class E>
-void validate_effects(const std::vector<E>& effects) {
-  for (const E& effect : effects) std::visit([](const auto& law) { law.validate(); }, effect);
-}
-
 }  // namespace
 
 void bind_plant(py::module_& module) {
@@ -161,7 +156,6 @@ Raises:
       .def(py::init([](const AxisParameters<>& axis, const std::optional<CoggingModel<>>& cogging,
                        const std::vector<Effect<>>& list, const EncoderParameters& encoder,
                        const NoiseParameters& noise) {
-             validate_effects(list);
              Amplifier<double>(list, 1.0);  // refuses a list that no amplifier can have
              const CoggingModel<> model = cogging.value_or(CoggingModel<>());
              const Axis<> refuses(axis, model, list);  // a list that no axis can have

@@ -5,10 +5,10 @@
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 #include "cogging/control/speed.hpp"
+#include "cogging/estimation/replay_controller.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
-#include "cogging/simulation/replay_controller.hpp"
 #include "without_gil.hpp"
 
 using namespace cogging;

@@ -5,7 +5,9 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
+#include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
 namespace cogging {
@@ -116,6 +118,21 @@ bool all_finite(const Lanes<count>& value) {
     if (!std::isfinite(entry)) return false;
   return true;
 }
+/// A rule holds where it holds in every lane.
+template <std::size_t count>
+void require(const Pack<bool, count>& holds, std::string_view name, std::string_view rule, const Lanes<count>& value) {
+  for (std::size_t i = 0; i < count; ++i) require(holds.lane[i], name, rule, value.lane[i]);
+}
+#define COGGING_LANES_RULE(rule)                                 \
+  template <std::size_t count>                                   \
+  void rule(std::string_view name, const Lanes<count>& values) { \
+    for (double value : values.lane) rule(name, value);          \
+  }
+COGGING_LANES_RULE(require_finite)
+COGGING_LANES_RULE(require_positive)
+COGGING_LANES_RULE(require_not_negative)
+#undef COGGING_LANES_RULE
+
 template <std::size_t count>
 struct IndexOf<Lanes<count>> {
   using type = Pack<int, count>;

@@ -24,4 +24,13 @@ constexpr void for_each_field(Visitor&& visit) {
   std::apply([&](const auto&... field) { (visit(field), ...); }, Struct::fields());
 }
 
+/// The struct, whose rules all hold; what a constructor that takes one begins with.
+///
+/// Raises std::invalid_argument, naming the field.
+template <class Struct>
+const Struct& validated(const Struct& parameters) {
+  parameters.validate();
+  return parameters;
+}
+
 }  // namespace cogging

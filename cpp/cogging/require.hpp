@@ -1,5 +1,5 @@
 #pragma once
-// The only place of the core that throws: one line that names the field, the rule and the value.
+// What breaks a rule is refused here: one line that names the field, the rule and the value.
 
 #include <cmath>
 #include <cstdio>
@@ -25,8 +25,18 @@ inline std::string format(double value) {
   return text;
 }
 
+#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
+[[noreturn]] inline void refused(const std::string& line) {
+  throw std::invalid_argument(line);
+}
+#else
+/// Where the compiler has no exceptions, as a drive's may have none, the program defines this itself: what becomes of a
+/// constructor whose parameters break a rule. It must not return.
+[[noreturn]] void refused(const std::string& line);
+#endif
+
 [[noreturn]] inline void refuse(std::string_view name, std::string_view rule, std::string_view value) {
-  throw std::invalid_argument(std::string(name) + ": " + std::string(rule) + ", got " + std::string(value));
+  refused(std::string(name) + ": " + std::string(rule) + ", got " + std::string(value));
 }
 
 inline void require(bool holds, std::string_view name, std::string_view rule, double value) {

@@ -56,6 +56,7 @@ from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
 from cogging.diagnosis.location import locate_gap
 from cogging.design.error_prediction import ErrorPrediction, predict_error
+from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
@@ -145,6 +146,8 @@ __all__ = [
     "fit_friction_curve",
     "fit_map",
     "friction_slope_max",
+    "get_cmake_dir",
+    "get_include",
     "identify",
     "locate_gap",
     "parameters_of",

@@ -1,13 +1,25 @@
-"""What a call may write: never what it reads, and nothing twice."""
+"""Writing files so that none is left half written: never over what is read, and nothing twice."""
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import itertools
+import json
+import math
 import os
-from collections.abc import Iterable, Mapping
+import secrets
+import stat
+import sys
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import IO, Any
 
-from cogging.files import InputError, same_file, target_of
+import tomli_w
+
+from cogging.files import InputError, require_file
+from cogging.shown import printable
 
 AnyPath = str | os.PathLike[str]
 
@@ -58,3 +70,126 @@ def sidecar(log: AnyPath) -> str:
 def with_sidecars(logs: Iterable[AnyPath]) -> list[AnyPath]:
     """Logs and what may stand beside them."""
     return [path for log in logs for path in (log, sidecar(log))]
+
+
+def write_text(path: AnyPath, text: str) -> None:
+    """Write a file beside its place and rename it, so that it is there whole or not at all."""
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: AnyPath, content: bytes) -> None:
+    """Write a binary file beside its place and rename it (see write_text)."""
+    write_files({os.fspath(path): [content]})
+
+
+def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
+    """Write files that belong together, each given in pieces: none takes its place before all are whole.
+
+    What stands there is replaced: behind a link its target, with the mode that it had. A new file has the mode that
+    the user's mask leaves.
+
+    Raises:
+        InputError: one cannot be written, or two are one file; nothing is left behind.
+    """
+    targets = {path: target_of(path) for path in files}
+    for path, other in itertools.combinations(targets, 2):
+        if same_file(targets[path], targets[other]):
+            raise InputError(f"{path}, {other}: must be different files, got one twice")
+    parts: dict[str, Path] = {}
+    path = ""
+    try:
+        for path, pieces in files.items():
+            parts[path] = targets[path].with_name(f".{secrets.token_hex(8)}.part")
+            with _new_file(parts[path], targets[path]) as file:
+                for piece in pieces:
+                    file.write(piece)
+        for path in files:
+            parts[path].replace(targets[path])
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    finally:
+        for part in parts.values():
+            part.unlink(missing_ok=True)
+
+
+def _new_file(part: Path, target: Path) -> IO[bytes]:
+    """Open a file that was not there before, with owner and mode of the one that it will replace."""
+    old = target.stat() if target.exists() else None
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(part, flags, 0o666 if old is None else 0o600)
+    if old is not None and hasattr(os, "fchown"):
+        if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
+            with contextlib.suppress(OSError):  # what only an administrator may
+                os.fchown(descriptor, old.st_uid, old.st_gid)
+        os.fchmod(descriptor, stat.S_IMODE(old.st_mode))
+    return os.fdopen(descriptor, "wb")
+
+
+def target_of(path: AnyPath) -> Path:
+    """The file that an output is written to, behind links.
+
+    Raises:
+        InputError: there is a folder, a device or a pipe, its folder is missing, or it may not be written.
+    """
+    called = os.fspath(path) or "."
+    try:
+        target = Path(os.path.realpath(called))
+        if target.is_symlink():
+            raise InputError(f"{called}: cannot be written: {os.strerror(errno.ELOOP)}")
+        if target.exists():
+            if target.is_dir():
+                raise InputError(f"{called}: cannot be written: {os.strerror(errno.EISDIR)}")
+            require_file(target, called)
+        elif not target.parent.is_dir():
+            code = errno.ENOTDIR if target.parent.exists() else errno.ENOENT
+            raise InputError(f"{called}: cannot be written: {os.strerror(code)}")
+        if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
+            raise InputError(f"{called}: cannot be written: {os.strerror(errno.EACCES)}")
+    except OSError as error:
+        raise InputError(f"{called}: cannot be written: {error.strerror}") from None
+    except InputError:
+        raise
+    except ValueError as error:  # a zero byte in the name
+        raise InputError(f"{called!r}: cannot be written: {error}") from None
+    return target
+
+
+def same_file(one: AnyPath, other: AnyPath) -> bool:
+    """Whether two paths lead to one file, by whatever name; of files that are not there yet, whether they would."""
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return _place(one) == _place(other)
+
+
+def _place(path: AnyPath) -> str:
+    try:
+        place = os.path.normcase(os.path.realpath(path))
+    except ValueError:  # a zero byte in the name
+        return repr(path)
+    return unicodedata.normalize("NFD", place).casefold() if sys.platform == "darwin" else place
+
+
+def to_toml(document: Mapping[str, Any]) -> str:
+    """Format a document as TOML text, numbers to their last bit."""
+    return tomli_w.dumps(document)
+
+
+def to_json(document: Any, *, indent: int = 1) -> str:
+    """Format a document as strict JSON text with a line end: null stands for a number that is not finite."""
+    return json.dumps(finite(document), indent=indent, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """A copy for JSON: tuples and arrays as lists, numbers that are not finite as None, texts that UTF-8 can hold."""
+    if isinstance(value, Mapping):
+        return {str(key): finite(entry) for key, entry in value.items()}
+    if isinstance(value, str):
+        return value if value.isascii() else "".join(printable(c) if "\ud800" <= c <= "\udfff" else c for c in value)
+    if isinstance(value, bool | int) or value is None:
+        return value
+    if isinstance(value, Sequence):
+        return [finite(entry) for entry in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    return float(value) if math.isfinite(value) else None

@@ -57,8 +57,8 @@ def run(call, folder, capfd, caplog):
 
 def count(kind, seeds, tmp_path, capfd, caplog, monkeypatch, request):
     """Run calls of a kind; the faults by call."""
-    monkeypatch.setattr("cogging.cli.main.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
-    monkeypatch.setattr("cogging.cli.main.compare", lambda progress: Reproduction("comparison", [], {}))
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
+    monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
     wrong, slowest, statuses = {}, 0.0, collections.Counter()
     for seed in seeds:
         folder = tmp_path / f"{seed}"

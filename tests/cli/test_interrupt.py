@@ -368,7 +368,7 @@ import cogging.cli.main
 
 @pytest.mark.parametrize("name", ["numpy", "tomli_w", "tqdm", "cogging.logs.readers.request", "cogging.cli.main"])
 def test_an_interrupt_while_something_is_imported(name, folder):
-    """Also what cogging.files and the readers import, whose functions are unwound once they run."""
+    """Also what cogging.outputs and the readers import, whose functions are unwound once they run."""
     done = subprocess.run(
         [sys.executable, "-c", IMPORTS, name], cwd=folder, capture_output=True, text=True, check=False
     )

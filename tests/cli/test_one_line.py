@@ -13,7 +13,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.files import to_json
+from cogging.outputs import to_json
 from tests.fixtures import hostile_calls
 from tests.fixtures.hostile_answers import Answer, everything, faults, place
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import files
+from cogging import files, outputs
 from cogging.cli.main import main
 from cogging.files import InputError
 from tests.fixtures.files import MODEL, REFERENCE
@@ -264,7 +264,7 @@ class TestWriting:
         real.parent.mkdir()
         real.write_text("old")
         link.symlink_to(Path("kept", "real.toml"))
-        files.write_text(link, "new")
+        outputs.write_text(link, "new")
         assert link.is_symlink()
         assert os.readlink(link) == os.path.join("kept", "real.toml")
         assert real.read_text() == "new"
@@ -272,7 +272,7 @@ class TestWriting:
 
     def test_a_link_to_what_is_not_there_yet(self, tmp_path):
         (tmp_path / "link").symlink_to("later")
-        files.write_text(tmp_path / "link", "new")
+        outputs.write_text(tmp_path / "link", "new")
         assert (tmp_path / "link").is_symlink()
         assert (tmp_path / "later").read_text() == "new"
 
@@ -281,7 +281,7 @@ class TestWriting:
         path = tmp_path / "a"
         path.write_text("old")
         path.chmod(mode)
-        files.write_text(path, "new")
+        outputs.write_text(path, "new")
         assert stat.S_IMODE(path.stat().st_mode) == mode
         assert path.read_text() == "new"
 
@@ -289,7 +289,7 @@ class TestWriting:
     def test_a_new_file_has_what_the_mask_leaves(self, mask, tmp_path):
         before = os.umask(mask)
         try:
-            files.write_text(tmp_path / "a", "new")
+            outputs.write_text(tmp_path / "a", "new")
         finally:
             os.umask(before)
         assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o666 & ~mask
@@ -301,7 +301,7 @@ class TestWriting:
         path.write_text("old")
         os.chown(path, 1234, 4321)
         path.chmod(0o640)
-        files.write_text(path, "new")
+        outputs.write_text(path, "new")
         kept = path.stat()
         assert (kept.st_uid, kept.st_gid, stat.S_IMODE(kept.st_mode)) == (1234, 4321, 0o640)
 
@@ -316,7 +316,7 @@ class TestWriting:
             yield b"new"
 
         for _ in range(20):
-            files.write_files({str(path): pieces()})
+            outputs.write_files({str(path): pieces()})
         assert {mode for _, mode in seen} == {0o600}
         assert len({name for name, _ in seen}) == 20, "names that nobody foresees"
 
@@ -324,11 +324,11 @@ class TestWriting:
         """Even where somebody foresees the name."""
         victim = tmp_path / "victim"
         victim.write_text("mine")
-        monkeypatch.setattr(files.secrets, "token_hex", lambda size: "0" * (2 * size))
-        files.write_text(tmp_path / "first", "x")
+        monkeypatch.setattr(outputs.secrets, "token_hex", lambda size: "0" * (2 * size))
+        outputs.write_text(tmp_path / "first", "x")
         (tmp_path / f".{'0' * 16}.part").symlink_to(victim)
         with pytest.raises(InputError, match="second: cannot be written: File exists"):
-            files.write_text(tmp_path / "second", "new")
+            outputs.write_text(tmp_path / "second", "new")
         assert victim.read_text() == "mine"
         assert not (tmp_path / "second").exists()
 
@@ -336,7 +336,7 @@ class TestWriting:
         victim = tmp_path / "victim"
         victim.write_text("mine")
         (tmp_path / f".out.{os.getpid()}.part").symlink_to(victim)
-        files.write_text(tmp_path / "out", "new")
+        outputs.write_text(tmp_path / "out", "new")
         assert victim.read_text() == "mine"
         assert (tmp_path / "out").read_text() == "new"
 
@@ -352,14 +352,14 @@ def test_nothing_is_left_of_what_was_interrupted(thrown, tmp_path):
         raise thrown
 
     with pytest.raises((KeyboardInterrupt, SystemExit, MemoryError, InputError)):
-        files.write_files({str(tmp_path / "a"): [b"new"], str(tmp_path / "b"): pieces()})
+        outputs.write_files({str(tmp_path / "a"): [b"new"], str(tmp_path / "b"): pieces()})
     assert content(tmp_path) == {str(tmp_path / "a"): b"old"}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_nothing_is_left_after_ctrl_c(tmp_path):
-    code = "import itertools, time\nfrom cogging import files\n"
-    code += "files.write_files({'out': (time.sleep(0.01) or b'x' for _ in itertools.count())})"
+    code = "import itertools, time\nfrom cogging import outputs\n"
+    code += "outputs.write_files({'out': (time.sleep(0.01) or b'x' for _ in itertools.count())})"
     writer = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.DEVNULL)
     try:
         end = time.monotonic() + 30.0
@@ -384,7 +384,7 @@ def test_a_log_and_its_sidecar_are_two_files(tmp_path):
 
 def test_a_long_name(tmp_path):
     name = "n" * 255
-    files.write_text(tmp_path / name, "new")
+    outputs.write_text(tmp_path / name, "new")
     assert (tmp_path / name).read_text() == "new"
 
 

@@ -11,7 +11,7 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.diagnosis.candidates import scan, signatures, waves
-from cogging.diagnosis.naming.masking import stood_in
+from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.report.figures import binned, coordinates_figure, spectrum
 from cogging.diagnosis.residual.location_words import length_text, ranges
 from cogging.diagnosis.residual.shapes import Shape
@@ -122,15 +122,15 @@ def test_the_same_twice():
     assert json.dumps(first) == json.dumps(second)
 
 
-def test_a_stand_in_is_told():
+def test_masking_is_told():
     def with_effects(*present):
         return MODEL.replace(effects=present)
 
     before = with_effects(effects.ConstantForce(force=3.0))
     added = effects.ViscousAsymmetry(difference=-75.0)
-    assert stood_in(before, with_effects(effects.ConstantForce(force=2.0), added)) == []
-    assert stood_in(before, before) == []
-    (note,) = stood_in(before, with_effects(effects.ConstantForce(force=-0.1), added))
+    assert masking_notes(before, with_effects(effects.ConstantForce(force=2.0), added)) == []
+    assert masking_notes(before, before) == []
+    (note,) = masking_notes(before, with_effects(effects.ConstantForce(force=-0.1), added))
     assert note.startswith("constant_force of the given model nearly vanishes (3 to -0.1 V) once viscous_asymmetry")
 
 
@@ -396,7 +396,7 @@ def test_bands_hold_the_truth_and_the_spectrum_its_scale():
 def test_a_profile_without_a_direction_says_so():
     time = np.arange(2000) / 1000.0
     series = {name: [np.linspace(0.0, 1.0, 2000)] for name in ("gap", "position", "acceleration", "command")}
-    series |= {"time": [time], "velocity": [np.ones(2000)], "counts": [np.ones(2000, bool)]}
+    series |= {"time": [time], "velocity": [np.ones(2000)], "mask": [np.ones(2000, bool)]}
     figure = coordinates_figure({"one way": series})
     assert [text.get_text() for text in figure.axes[1].texts] == ["no such motion"]
 

@@ -20,7 +20,7 @@ from cogging.diagnosis.evidence.noise_filter import spectrum
 from cogging.diagnosis.evidence.null import fit_null, nuisances, starts_fit
 from cogging.diagnosis.naming.verdict import BURST, BURSTS_TOGETHER, JUMP, VARIANCE, unlisted
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
-from cogging.diagnosis.residual.events import JUMPS, SPELLS, events, with_events
+from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, events, with_events
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shapes import coordinates, shapes
 from cogging.diagnosis.search.search import search
@@ -103,11 +103,14 @@ def test_a_level_known_from_few_lines_bounds_what_a_column_is_worth(quiet_eviden
     narrow *= np.sqrt(400.0 / np.sum(narrow**2))
     made = evidence_module.Test
     test = made(400.0, 1, np.ones(1), narrow, np.ones(1))
-    expected = (freedom[6] - 1) * np.log1p(400.0 / quiet_evidence.excess / (freedom[6] - 1))
+    expected = (freedom[6] - 1) * np.log1p(400.0 / quiet_evidence.overdispersion / (freedom[6] - 1))
     assert quiet_evidence.bounded(test) == pytest.approx(expected, rel=0.1)
     wide = np.random.default_rng(8).normal(size=n)
     wide *= np.sqrt(400.0 / np.sum(wide**2))
-    assert quiet_evidence.bounded(made(400.0, 1, np.ones(1), wide, np.ones(1))) > 0.9 * 400.0 / quiet_evidence.excess
+    assert (
+        quiet_evidence.bounded(made(400.0, 1, np.ones(1), wide, np.ones(1)))
+        > 0.9 * 400.0 / quiet_evidence.overdispersion
+    )
 
 
 def test_a_slow_effect_is_judged_against_the_noise_that_it_leaves():
@@ -118,7 +121,7 @@ def test_a_slow_effect_is_judged_against_the_noise_that_it_leaves():
     assert again.test.statistic > 1.5 * found[0].test.statistic  # seen: 2.7 times
 
 
-def test_a_spell_is_found_at_its_edges():
+def test_an_interval_is_found_at_its_edges():
     step = EFFECTS["disturbance_step"](force=0.06, start=3.217, stop=4.391)
     evidence = fit_null([record(machine([step]), 13)], machine())[1]
     (found,) = scan(evidence, ["disturbance_step"])
@@ -140,7 +143,7 @@ def test_readings_that_jump_are_told_with_their_moment_and_size():
     position[row:] += 6e-7
     evidence = fit_null([cogging.Log(log.time, position, log.command)], machine())[1]
     (jump,) = [shape for shape in events(evidence) if shape.coordinate == JUMPS]
-    assert jump.log_chance < JUMP
+    assert jump.log_p_value < JUMP
     largest = int(np.argmax(np.abs(jump.force)))
     assert jump.places[largest] == pytest.approx(log.time[row], abs=0.005)
     assert jump.force[largest] == pytest.approx(6e-7, abs=4.0 * jump.deviation[largest])
@@ -149,13 +152,13 @@ def test_readings_that_jump_are_told_with_their_moment_and_size():
 
 def test_a_blow_is_no_jump_of_the_reading():
     found = by_coordinate(pushed(lambda t, x, v: 0.8 * ((t > 3.0) & (t < 3.02)), 17))
-    assert JUMPS not in found or found[JUMPS].log_chance > JUMP
+    assert JUMPS not in found or found[JUMPS].log_p_value > JUMP
 
 
-def test_friction_that_comes_and_goes_is_told_in_spells():
+def test_friction_that_comes_and_goes_is_told_in_intervals():
     found = by_coordinate(pushed(lambda t, x, v: -0.15 * np.sign(v) * (np.mod(t, 1.7) < 0.3), 18))
-    assert found[SPELLS].log_chance < -20.0
-    assert np.median(found[SPELLS].force[np.abs(found[SPELLS].force) > 0.05]) < -0.05
+    assert found[FRICTION_INTERVALS].log_p_value < -20.0
+    assert np.median(found[FRICTION_INTERVALS].force[np.abs(found[FRICTION_INTERVALS].force) > 0.05]) < -0.05
 
 
 def test_a_burst_is_told_from_noise_that_goes_with_speed():
@@ -222,7 +225,7 @@ def test_what_is_slow_and_large_is_measured_against_the_gap_itself():
     (source,), (part,) = evidence.sources, evidence.parts
     _, _, columns, _ = coordinates(source, evidence.model)["time"]
     table = source.rows_of_forces(evidence.alongs[0], columns, evidence.model.axis.mass)
-    _, share = evidence.of_the_gap([table])
+    _, share = evidence.unwhitened_fit([table])
     rows = source.counts > 0
     both = np.linalg.lstsq(np.vstack([part.columns, table])[:, rows].T, part.residual[rows], rcond=None)[0]
     alone = np.linalg.lstsq(part.columns[:, rows].T, part.residual[rows], rcond=None)[0]
@@ -235,12 +238,12 @@ def test_what_is_slow_and_large_is_measured_against_the_gap_itself():
     assert plain > 1.5 * usual
     again = shapes(evidence, plain=True, known=shapes(evidence))
     anew = shapes(evidence, plain=True)
-    assert {one.coordinate: one.log_chance for one in again} == {one.coordinate: one.log_chance for one in anew}
+    assert {one.coordinate: one.log_p_value for one in again} == {one.coordinate: one.log_p_value for one in anew}
 
 
 def test_drag_over_the_pitch_is_its_own_coordinate():
     found = by_coordinate(pushed(lambda t, x, v: -1.5 * np.sin(2 * np.pi * x / 0.03) * v, 19))
-    best = min(found.values(), key=lambda shape: shape.log_chance)
+    best = min(found.values(), key=lambda shape: shape.log_p_value)
     assert best.coordinate == "drag over the pitch"
     shape = -1.5 * np.sin(2 * np.pi * best.places / 0.03)
     assert best.force - best.force.mean() == pytest.approx(shape, abs=0.3)
@@ -291,8 +294,8 @@ def test_friction_that_falls_with_time_is_a_drag_over_time():
     hidden = pushed(lambda t, x, v: 1.5 * v * np.exp(-t / 2.0), 4)  # as oil that warms up: less drag in the end
     left = shapes(fit_null([hidden], machine())[1])
     found = next(shape for shape in left if shape.coordinate == "drag over time")
-    assert found.log_chance < -15.0
-    assert found.log_chance <= left[0].log_chance + 5.0
+    assert found.log_p_value < -15.0
+    assert found.log_p_value <= left[0].log_p_value + 5.0
 
 
 def test_a_wave_beside_a_known_period_is_looked_at_though_retuning_takes_most_of_it():

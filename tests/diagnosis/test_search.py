@@ -11,15 +11,15 @@ import cogging
 from cogging import EFFECTS
 from cogging.diagnosis.candidates.scan import Finding, profiled, scan
 from cogging.diagnosis.candidates.signatures import Candidate
-from cogging.diagnosis.discrepancy import follows, gaps
+from cogging.diagnosis.discrepancy import discrepancies, follows
 from cogging.diagnosis.evidence import evidence as evidence_module
 from cogging.diagnosis.evidence.null import fit_null, nuisances
 from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.names import fully_named, named
 from cogging.diagnosis.naming.verdict import standing, unlisted
 from cogging.diagnosis.patched import with_intervals
-from cogging.diagnosis.residual.events import JUMPS, SPELLS
-from cogging.diagnosis.residual.modulated_look_alikes import twins
+from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS
+from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import shapes
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
 from cogging.diagnosis.search.refit import conditional_paths
@@ -55,20 +55,20 @@ from tests.fixtures.moving_axis import machine, motion, record
         (JUMPS, -19.0, 0.0, True, False),
         (JUMPS, -17.0, -4.0, True, None),
         (JUMPS, -8.0, -6.0, True, True),
-        (SPELLS, -19.0, -9.0, True, None),
-        (SPELLS, -25.0, -14.0, True, None),
-        (SPELLS, -45.0, -20.0, True, True),
-        (SPELLS, -101.0, 0.0, False, True),
+        (FRICTION_INTERVALS, -19.0, -9.0, True, None),
+        (FRICTION_INTERVALS, -25.0, -14.0, True, None),
+        (FRICTION_INTERVALS, -45.0, -20.0, True, True),
+        (FRICTION_INTERVALS, -101.0, 0.0, False, True),
     ],
 )
 def test_what_is_left_stands_by_both_motions(coordinate, mine, its, checked, told, quiet_evidence):
-    shape = replace(shapes(quiet_evidence)[0], coordinate=coordinate, log_chance=mine)
-    assert standing(shape, replace(shape, log_chance=its), checked) is told
+    shape = replace(shapes(quiet_evidence)[0], coordinate=coordinate, log_p_value=mine)
+    assert standing(shape, replace(shape, log_p_value=its), checked) is told
 
 
 def test_nothing_is_found_where_nothing_is_hidden(quiet_evidence):
-    assert all(finding.log_chance > -9.5 for finding in scan(quiet_evidence))
-    assert all(shape.log_chance > -12.0 for shape in shapes(quiet_evidence))
+    assert all(finding.log_p_value > -9.5 for finding in scan(quiet_evidence))
+    assert all(shape.log_p_value > -12.0 for shape in shapes(quiet_evidence))
 
 
 def test_a_scan_on_many_threads_finds_what_one_finds(quiet_evidence, monkeypatch):
@@ -137,24 +137,24 @@ def test_what_an_effect_must_pay_is_measured_by_the_replayed_loop_where_it_follo
     logs, confirm = [record(machine(), 11)], [record(machine(), 12)]
     wrong = machine().replace(axis=machine().axis.replace(coulomb=4.5))
     for model, expected in ((machine(), True), (wrong, False)):
-        assert follows(gaps(logs, [model], replay=True)[0], logs, model) is expected
+        assert follows(discrepancies(logs, [model], replay=True)[0], logs, model) is expected
     slight = machine([EFFECTS["cable_spring"](stiffness=0.03)])
     assert that_pays(logs, confirm, machine(), slight, wrong, replay=True)[0] is slight
-    before, after = gaps(confirm, [machine(), slight], replay=True)
+    before, after = discrepancies(confirm, [machine(), slight], replay=True)
     assert before.rms < after.rms < 1.01 * before.rms
     assert that_pays(logs, confirm, machine(), wrong, wrong, replay=True)[0] is None
 
 
 def test_what_other_motion_shows_is_a_chance_of_its_own():
-    seen = Confirmation(foreseen=40.0, ratio=0.9, gain=30.0)
-    assert seen.log_chance == pytest.approx(np.log(stats.norm.sf(0.9 * np.sqrt(40.0))))
-    assert replace(seen, turn=1.0).log_chance == pytest.approx(np.log(stats.chi2(2).sf(0.81 * 40.0)))
-    assert replace(seen, ratio=0.1, gain=-10.0).log_chance == 0.0  # refuted
-    assert replace(seen, foreseen=5.0).log_chance == 0.0  # cannot show it
+    seen = Confirmation(noncentrality=40.0, ratio=0.9, gain=30.0)
+    assert seen.log_p_value == pytest.approx(np.log(stats.norm.sf(0.9 * np.sqrt(40.0))))
+    assert replace(seen, turn=1.0).log_p_value == pytest.approx(np.log(stats.chi2(2).sf(0.81 * 40.0)))
+    assert replace(seen, ratio=0.1, gain=-10.0).log_p_value == 0.0  # refuted
+    assert replace(seen, noncentrality=5.0).log_p_value == 0.0  # cannot show it
 
 
 @pytest.mark.parametrize(
-    ("alone", "foreseen", "other_power", "told"),
+    ("alone", "noncentrality", "other_power", "told"),
     [
         (-10.0, None, 0.0, True),
         (-9.0, None, 0.0, False),
@@ -163,10 +163,10 @@ def test_what_other_motion_shows_is_a_chance_of_its_own():
         (-4.0, 40.0, 1e4, False),  # nothing worth a name on the other motion
     ],
 )
-def test_both_motions_together_may_show_what_neither_shows_alone(alone, foreseen, other_power, told):
+def test_both_motions_together_may_show_what_neither_shows_alone(alone, noncentrality, other_power, told):
     test = evidence_module.Test(12.0, 1, np.ones(1), np.ones(3), np.ones(1))
     finding = Finding(Candidate("cable_spring", {}, (), ()), test, np.ones(1), 1.0, alone, 10.0)
-    check = None if foreseen is None else Confirmation(foreseen, 1.0, foreseen)
+    check = None if noncentrality is None else Confirmation(noncentrality, 1.0, noncentrality)
     assert is_seen(finding, check, 1000.0, other_power) is told
 
 
@@ -194,9 +194,9 @@ def test_where_an_encoder_is_coarse_what_is_left_must_stand_out_twice_as_far():
     fine, coarse = seen_with(1e-9), seen_with(1e-5)
     assert fine.rounding < 1e-4
     assert coarse.rounding == 1.0
-    shape = replace(shapes(told.evidence)[0], coordinate="position", log_chance=-20.0)
-    for evidence, log_chance, expected in ((fine, -20.0, True), (coarse, -20.0, False), (coarse, -30.0, True)):
-        left = replace(told, evidence=evidence, left=[replace(shape, log_chance=log_chance)])
+    shape = replace(shapes(told.evidence)[0], coordinate="position", log_p_value=-20.0)
+    for evidence, log_p_value, expected in ((fine, -20.0, True), (coarse, -20.0, False), (coarse, -30.0, True)):
+        left = replace(told, evidence=evidence, residual_shapes=[replace(shape, log_p_value=log_p_value)])
         assert (unlisted(left, [], checked=False) is not None) is expected
 
 
@@ -278,9 +278,9 @@ def test_where_other_motion_cannot_show_it_friction_must_stand_out_further():
     def finding(name, **shape):
         return Finding(Candidate(name, shape, (), ()), None, np.ones(1), 1.0, -30.0, 60.0)
 
-    spell = {"start": 1.0, "stop": 2.0}
+    interval = {"start": 1.0, "stop": 2.0}
     assert needed(finding("stribeck_friction", velocity=0.01)) < needed(finding("command_saturation", limit=10.0))
-    assert needed(finding("disturbance_step", **spell)) == needed(finding("coulomb_asymmetry"))
+    assert needed(finding("disturbance_step", **interval)) == needed(finding("coulomb_asymmetry"))
     assert needed(finding("cable_spring", center=0.0)) == needed(finding("command_saturation", limit=10.0))
 
 
@@ -296,7 +296,7 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
     logged = cogging.Log(columns.time, columns.position, columns.command - added)
     evidence = fit_null([logged], nominal)[1]
     best = max(scan(evidence, ["force_constant_ripple", "cogging_harmonic"]), key=lambda one: one.score)
-    found = {shape.coordinate.split(" every ")[0]: shape for shape in twins(evidence, best)}
+    found = {shape.coordinate.split(" every ")[0]: shape for shape in modulated_look_alikes(evidence, best)}
     square = found.pop("square of the command")
     assert square.coordinate.endswith(" mm")
     assert float(square.coordinate.split()[-2]) == pytest.approx(20.0, rel=0.15)  # few places see a large command
@@ -304,15 +304,15 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
     assert all(square.test.statistic > other.test.statistic for other in found.values())
     assert np.ptp(square.force) == pytest.approx(2.0 * 0.5, rel=0.3)
     spring = max(scan(evidence, ["cable_spring"]), key=lambda one: one.score)
-    assert twins(evidence, spring) == []
+    assert modulated_look_alikes(evidence, spring) == []
 
 
-def test_a_true_ripple_has_no_better_twin():
+def test_a_true_ripple_has_no_better_look_alike():
     hidden = machine([EFFECTS["force_constant_ripple"](period=0.02, sine=0.05)])
     evidence = fit_null([record(hidden, 24)], machine())[1]
     (ripple,) = profiled(evidence, scan(evidence, ["force_constant_ripple"]))
     assert ripple.candidate.shape["period"] == pytest.approx(0.02, rel=0.01)
-    assert all(twin.score < ripple.score for twin in twins(evidence, ripple))
+    assert all(look_alike.score < ripple.score for look_alike in modulated_look_alikes(evidence, ripple))
 
 
 def test_what_did_not_pay_stays_a_rival_of_what_comes_in_its_place():
@@ -346,8 +346,8 @@ def test_a_name_is_doubted_where_more_was_refused_than_added():
     largest = max(added.finding.test.statistic for added in told.added)
     for factor, doubted in ((1.1, True), (0.9, False)):
         test = replace(finding.test, statistic=factor * largest)
-        refused = replace(finding, test=test, log_chance=-60.0)
+        refused = replace(finding, test=test, log_p_value=-60.0)
         again = named(replace(told, unused=[refused]), 0, [])
         assert again.confidence == pytest.approx(plain.confidence * (0.75 if doubted else 1.0), abs=0.002)
-    faint = replace(finding, test=replace(finding.test, statistic=1.1 * largest), log_chance=-20.0)
+    faint = replace(finding, test=replace(finding.test, statistic=1.1 * largest), log_p_value=-20.0)
     assert named(replace(told, unused=[faint]), 0, []).confidence == plain.confidence

@@ -6,7 +6,8 @@ import pytest
 import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor
-from cogging.estimation.residuals import LINEAR_HOOKS, Innovations, quiet_plant
+from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
+from cogging.estimation.residuals import quiet_plant
 
 RATE = 2000.0  # Hz
 LINEAR = [name for name, effect in EFFECTS.items() if set(effect.HOOKS) <= LINEAR_HOOKS]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cogging.estimation.gauss_newton import Whitened, jackknife, spread_of
+from cogging.estimation.jackknife import jackknife, spread_of
+from cogging.estimation.whitening import Whitened
 
 ROWS, BLOCKS = 600, 30
 

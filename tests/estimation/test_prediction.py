@@ -12,7 +12,8 @@ from scipy.signal import lfilter
 import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor, autoregression, whiten
-from cogging.estimation.residuals import Innovations, settling
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.rows_in_motion import settling
 
 BANDWIDTH = 25.0
 

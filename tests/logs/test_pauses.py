@@ -10,7 +10,7 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.innovations import Innovations
 from cogging.identification.identify import identify
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.logs.pauses import CUT, SPARSE, SPARSEST, running_time, without_pauses

@@ -7,8 +7,9 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.files import parse_toml, to_toml
+from cogging.files import parse_toml
 from cogging.model.model import COGGING_KEYS, CONTROLLERS, SECTIONS
+from cogging.outputs import to_toml
 from cogging.simulation.reference import REFERENCES, SAMPLED_KEYS
 from tests.fixtures.files import MODEL, REFERENCE
 from tests.fixtures.model_files import BAD, CONTRACT

@@ -81,7 +81,7 @@ def test_round_trip_of_random_models(mass, viscous, periods, points, effect, con
         controller=kind(**fields),
         controller_type=controller,
     )
-    document = cogging.files.parse_toml(cogging.files.to_toml(model.to_dict()))
+    document = cogging.files.parse_toml(cogging.outputs.to_toml(model.to_dict()))
     again = cogging.Model.from_dict(document)
     assert again.to_dict() == model.to_dict()
 

@@ -126,10 +126,12 @@ struct AdaptiveRobustParameters {
   }
 
  private:
-  static void check_estimate(const std::string& name, double value, const Bounds& bounds, double adaptation) {
+  static void check_estimate(const std::string& name, const Scalar& value, const Bounds& bounds, double adaptation) {
     require_ordered(name + "_bounds", bounds[0], bounds[1], true);
-    require(value >= bounds[0] && value <= bounds[1], name,
-            "must lie within " + name + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]", value);
+    const std::string rule =
+        "must lie within " + name + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]";
+    require(value >= bounds[0], name, rule, value);
+    require(value <= bounds[1], name, rule, value);
     require_not_negative(name + "_adaptation", adaptation);
   }
 };
@@ -153,7 +155,7 @@ class AdaptiveRobust {
   static constexpr int plain = 4;  // mass, viscous, coulomb, disturbance come before the cogging coefficients
 
   explicit AdaptiveRobust(const Parameters& parameters = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         basis_(parameters.cogging_basis()),
         guard_(parameters.command_limit),
         sample_time_(1.0 / parameters.sample_rate),

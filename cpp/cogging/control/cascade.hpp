@@ -51,7 +51,7 @@ class Cascade {
   using Parameters = CascadeParameters<Scalar>;
 
   explicit Cascade(const Parameters& parameters = {})
-      : parameters_(parameters), feedforward_(parameters), guard_(parameters.command_limit) {}
+      : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {}
 
   const Parameters& parameters() const { return parameters_; }
   double sample_rate() const { return parameters_.sample_rate; }

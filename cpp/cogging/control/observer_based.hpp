@@ -102,7 +102,7 @@ class ObserverBased {
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         guard_(parameters.command_limit),
         count_(static_cast<int>(parameters.periods.size())),
         sample_time_(1.0 / parameters.sample_rate),

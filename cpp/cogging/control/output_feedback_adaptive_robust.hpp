@@ -158,7 +158,9 @@ class OutputFeedbackArc {
   };
 
   explicit OutputFeedbackArc(const Parameters& parameters = {})
-      : parameters_(parameters), guard_(parameters.command_limit), sample_time_(1.0 / parameters.sample_rate) {
+      : parameters_(validated(parameters)),
+        guard_(parameters.command_limit),
+        sample_time_(1.0 / parameters.sample_rate) {
     for (int i = 0; i < 3; ++i) {
       theta_[i] = parameters.theta[i];
       const double range = parameters.theta_max[i] - parameters.theta_min[i];

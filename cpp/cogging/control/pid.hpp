@@ -61,7 +61,7 @@ class Pid {
   using Parameters = PidParameters<Scalar>;
 
   explicit Pid(const Parameters& parameters = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         feedforward_(parameters),
         guard_(parameters.command_limit),
         sample_time_(1.0 / parameters.sample_rate) {}

@@ -60,7 +60,7 @@ class Speed {
   using Parameters = SpeedParameters<Scalar>;
 
   explicit Speed(const Parameters& parameters = {})
-      : parameters_(parameters), feedforward_(parameters), guard_(parameters.command_limit) {
+      : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {
     double samples = parameters.delay * parameters.sample_rate;
     // A delay of 2 ms at 1 kHz is two samples, whatever the rounding of the product.
     if (std::abs(samples - std::round(samples)) < 1e-9 * (1.0 + samples)) samples = std::round(samples);

@@ -17,30 +17,21 @@ namespace cogging {
 template <class Scalar = double>
 class AmplifierLaws {
  public:
-  /// Raises std::invalid_argument where there is more than one current loop.
+  /// Raises std::invalid_argument for a parameter that breaks its rule, and where there is more than one current loop.
   explicit AmplifierLaws(const std::vector<Effect<Scalar>>& effects) {
-    for (const Effect<Scalar>& effect : effects)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasShapeCommand<E, Scalar>) shapes_.push_back(effect);
-            if constexpr (HasCommandDelay<E>) delay_ += law.command_delay();
-            if constexpr (HasLag<E>) {
-              require(!lagging_, E::name, "may stand once among the effects, count", 2);
-              const Scalar rate = Scalar(1.0) / law.lag_time_constant();
-              lagging_ = all_finite(rate);  // of a loop that is faster than numbers can say nothing is seen
-              if (lagging_) rate_ = rate;
-            }
-          },
-          effect);
+    validate_effects(effects);
+    for_each_law(effects, [&](const HasShapeCommand<Scalar> auto& law) { shapes_.push_back(law); });
+    for_each_law(effects, [&](const HasCommandDelay auto& law) { delay_ += law.command_delay(); });
+    for_each_law(effects, [&](const HasLag auto& law) {
+      require(!lagging_, law.name, "may stand once among the effects, count", 2);
+      const Scalar rate = Scalar(1.0) / law.lag_time_constant();
+      lagging_ = all_finite(rate);  // of a loop that is faster than numbers can say nothing is seen
+      if (lagging_) rate_ = rate;
+    });
   }
 
   Scalar shaped(Scalar command) const {
-    for (const Effect<Scalar>& effect : shapes_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasShapeCommand<E, Scalar>) command = law.shape_command(command);
-          },
-          effect);
+    for_each_law(shapes_, [&](const HasShapeCommand<Scalar> auto& law) { command = law.shape_command(command); });
     return command;
   }
 

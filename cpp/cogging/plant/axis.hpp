@@ -55,32 +55,30 @@ class Axis {
  public:
   Axis() = default;
 
-  /// Raises std::invalid_argument for effects that lack what they need of the plant or that exclude each other.
+  /// Raises std::invalid_argument for a parameter that breaks its rule, for effects that lack what they need of the
+  /// plant or that exclude each other.
   Axis(const AxisParameters<Scalar>& parameters, CoggingModel<Scalar> cogging,
        const std::vector<Effect<Scalar>>& effects = {})
-      : parameters_(parameters),
+      : parameters_(validated(parameters)),
         cogging_(std::move(cogging)),
         inverse_mass_(Scalar(1.0) / parameters.mass),
         has_friction_(!all(parameters.coulomb == 0.0)) {
+    const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
+    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) { laws_.push_back(law); });
+    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { has_friction_ = true; });
+    for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) { gains_.push_back(law); });
+    for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
+    for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
+    for_each_law(bound, [&](const HasVelocityKinks auto& law) { accuracy_.add_kinks({}, law.velocity_kinks()); });
+    for_each_law(bound,
+                 [&](const HasVariation auto& law) { accuracy_.add(law.variation(), smallest(parameters_.mass)); });
+    for_each_law(bound, [&](const HasBristle auto& law) {
+      if (law.bristle().exists()) add_state(law.name, bristle_, law.bristle(), bristle_.exists());
+    });
     CouplingParameters coupling;
-    for (const Effect<Scalar>& effect : bind_effects(effects, context_of(parameters_, cogging_)))
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasForce<E, Scalar> || HasFrictionLevel<E, Scalar>) laws_.push_back(effect);
-            if constexpr (HasFrictionLevel<E, Scalar>) has_friction_ = true;
-            if constexpr (HasCommandGain<E, Scalar>) gains_.push_back(effect);
-            if constexpr (HasEvents<E>) events_.push_back(effect);
-            if constexpr (HasKinks<E>) accuracy_.add_kinks(law.kinks(), {});
-            if constexpr (HasVelocityKinks<E>) accuracy_.add_kinks({}, law.velocity_kinks());
-            if constexpr (HasVariation<E>) accuracy_.add(law.variation(), smallest(parameters_.mass));
-            if constexpr (HasBristle<E>) {
-              if (law.bristle().exists()) add_state(E::name, bristle_, law.bristle(), bristle_.exists());
-            }
-            if constexpr (HasCoupling<E>) {
-              if (!law.coupling().rigid()) add_state(E::name, coupling, law.coupling(), !coupling.rigid());
-            }
-          },
-          effect);
+    for_each_law(bound, [&](const HasCoupling auto& law) {
+      if (!law.coupling().rigid()) add_state(law.name, coupling, law.coupling(), !coupling.rigid());
+    });
     if constexpr (std::is_same_v<Scalar, double>) {
       coupling_ = Coupling(coupling, parameters_.mass);
       sticks_ = parameters_.coulomb_width == 0.0 && has_friction_ && !bristle_.exists();
@@ -100,12 +98,7 @@ class Axis {
   /// The next time after `time` at which a force law jumps; infinite if there is none.
   double next_event(double time) const {
     double next = std::numeric_limits<double>::infinity();
-    for (const Effect<Scalar>& effect : events_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasEvents<E>) next = std::min(next, law.next_event(time));
-          },
-          effect);
+    for_each_law(events_, [&](const HasEvents auto& law) { next = std::min(next, law.next_event(time)); });
     return next;
   }
 
@@ -133,24 +126,14 @@ class Axis {
   /// Coulomb level with all that the effects add to it, V, before it is kept from pushing.
   Scalar summed_friction_level(const Motion<Scalar>& motion) const {
     Scalar level = parameters_.coulomb;
-    for (const Effect<Scalar>& effect : laws_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasFrictionLevel<E, Scalar>) level += law.friction_level(motion);
-          },
-          effect);
+    for_each_law(laws_, [&](const HasFrictionLevel<Scalar> auto& law) { level += law.friction_level(motion); });
     return level;
   }
 
   /// What the effects add to the gain 1 of the command.
   Scalar command_gain(const Scalar& position, double time) const {
     Scalar gain = 0.0;
-    for (const Effect<Scalar>& effect : gains_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasCommandGain<E, Scalar>) gain += law.command_gain(position, time);
-          },
-          effect);
+    for_each_law(gains_, [&](const HasCommandGain<Scalar> auto& law) { gain += law.command_gain(position, time); });
     return gain;
   }
 
@@ -190,13 +173,10 @@ class Axis {
   // Out of line and by value: where there are no laws, position and velocity then stay apart in registers.
   COGGING_NOINLINE Forces add_laws(Forces sum, Scalar position, Scalar velocity, Scalar direction, double time) const {
     const Motion<Scalar> motion{position, velocity, direction, time};
-    for (const Effect<Scalar>& effect : laws_)
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasForce<E, Scalar>) sum.without_friction += law.force(motion);
-            if constexpr (HasFrictionLevel<E, Scalar>) sum.friction_level += law.friction_level(motion);
-          },
-          effect);
+    for_each_law(laws_, [&]<HasMotionLaw<Scalar> E>(const E& law) {  // in one pass: two take a tenth longer
+      if constexpr (HasForce<E, Scalar>) sum.without_friction += law.force(motion);
+      if constexpr (HasFrictionLevel<E, Scalar>) sum.friction_level += law.friction_level(motion);
+    });
     sum.friction_level = select(sum.friction_level < 0.0, Scalar(0.0), sum.friction_level);  // friction never pushes
     return sum;
   }
@@ -336,8 +316,8 @@ class Axis {
   CoggingModel<Scalar> cogging_;
   Scalar inverse_mass_ = 1.0;
   bool has_friction_ = false, sticks_ = false, has_states_ = false;
-  bool plain_ = true;  // smooth friction without states or gains: the fast way
-  std::vector<Effect<Scalar>> laws_, gains_, events_;
+  bool plain_ = true;                                  // smooth friction without states or gains: the fast way
+  std::vector<Effect<Scalar>> laws_, gains_, events_;  // by what they answer to
   StepAccuracy<Scalar> accuracy_;
   Bristle bristle_;
   Coupling coupling_;

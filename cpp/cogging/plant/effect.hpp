@@ -40,6 +40,9 @@ template <class E, class Scalar>
 concept HasForce = requires(const E& effect, const Motion<Scalar>& motion) { effect.force(motion); };
 template <class E, class Scalar>
 concept HasFrictionLevel = requires(const E& effect, const Motion<Scalar>& motion) { effect.friction_level(motion); };
+/// Either of them: what a motion decides.
+template <class E, class Scalar>
+concept HasMotionLaw = HasForce<E, Scalar> || HasFrictionLevel<E, Scalar>;
 template <class E, class Scalar>
 concept HasCommandGain =
     requires(const E& effect, const Scalar& position, double time) { effect.command_gain(position, time); };
@@ -55,6 +58,9 @@ template <class E>
 concept HasBristle = requires(const E& effect) { effect.bristle(); };
 template <class E>
 concept HasCoupling = requires(const E& effect) { effect.coupling(); };
+/// More of the axis than position and velocity has a memory.
+template <class E>
+concept HasState = HasBristle<E> || HasCoupling<E>;
 /// A load that is loose: its coupling has play, of which the effect's own `gap` is the width.
 template <class E>
 concept HasPlay = HasCoupling<E> && requires(E& effect) { effect.gap *= 1.0; };

@@ -32,12 +32,7 @@ struct EncoderParameters {
 template <class Scalar>
 Scalar encoder_position(const std::vector<Effect<Scalar>>& effects, const Scalar& position) {
   Scalar seen = position;
-  for (const Effect<Scalar>& effect : effects)
-    std::visit(
-        [&]<class E>(const E& law) {
-          if constexpr (HasReading<E, Scalar>) seen += law.reading_error(position);
-        },
-        effect);
+  for_each_law(effects, [&](const HasReading<Scalar> auto& law) { seen += law.reading_error(position); });
   return seen;
 }
 

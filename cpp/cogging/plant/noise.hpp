@@ -65,7 +65,7 @@ class NormalNumbers {
 class ForceNoise {
  public:
   ForceNoise(const NoiseParameters& parameters, double sample_time, std::uint64_t seed)
-      : rms_(parameters.force),
+      : rms_(validated(parameters).force),
         decay_(std::exp(-2.0 * std::numbers::pi * parameters.bandwidth * sample_time)),
         kick_(std::sqrt(1.0 - decay_ * decay_)),
         normal_(seed) {

@@ -104,6 +104,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   require(std::isfinite(options.duration) && options.duration >= 0.0, "duration",
           "must be finite and above 0 (or left out)", options.duration);
   require_finite("initial_velocity", options.initial_velocity);
+  plant.encoder.validate();
   if (options.initial_position) require_finite("initial_position", *options.initial_position);
 
   const double sample_rate = controller.sample_rate(), sample_time = 1.0 / sample_rate;

@@ -8,22 +8,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging.diagnosis.discrepancy import floor_of, follows, gaps, source_of
+from cogging.diagnosis.discrepancy import discrepancies, floor_of, follows, source_of
 from cogging.diagnosis.evidence.given_logs import Logs, read_logs
 from cogging.diagnosis.experiment.separating import separating
 from cogging.diagnosis.naming.level_changes import CHANGED, changes, look_alikes
-from cogging.diagnosis.naming.masking import stood_in
+from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.naming.names import changed, merged, named
 from cogging.diagnosis.naming.verdict import unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
-from cogging.diagnosis.residual.events import SPELLS
+from cogging.diagnosis.residual.events import FRICTION_INTERVALS
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.result import Diagnosis, Gap, Step
 from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.search import LEFT_OVER, Added, Search, search
-from cogging.estimation.gauss_newton import NothingCounts
+from cogging.estimation.whitening import NothingCounts
 from cogging.log_check.audit import check_against_model
 from cogging.log_check.controller import check_controller
 from cogging.log_check.missing_rows import with_missing_rows
@@ -112,14 +112,14 @@ def diagnose(
 
 def _with_term(result: Diagnosis, found: Search, model: Model, logs: Sequence[Log], others: Sequence[Log]) -> Diagnosis:
     """The result with an empirical term in its model, or with a note why there is none."""
-    rest = dict(result.unlisted or {})
+    residual_shape = dict(result.unlisted or {})
     last = found.added[-1].model if found.added else found.tuned
     try:
-        larger, told = with_term(found, rest, last, logs, others)
+        larger, told = with_term(found, residual_shape, last, logs, others)
     except NoTerm as why:
         return replace(result, notes=(*result.notes, str(why)))
     larger = with_intervals(_file_form(larger, model), found.estimate)
-    return replace(result, model=larger, unlisted=rest | {"added": told})
+    return replace(result, model=larger, unlisted=residual_shape | {"added": told})
 
 
 def _counted_once(
@@ -228,16 +228,16 @@ def _assemble(
     last = found.added[-1].model if found.added else found.tuned
     nominal, final = _file_form(found.tuned, model), _file_form(last, model)
     final = with_intervals(final, found.estimate)
-    notes = [*notes, *stood_in(nominal, final)]
+    notes = [*notes, *masking_notes(nominal, final)]
     nominal = _as_stated(found, nominal, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(_file_form(added.model, model) for added in found.added[:-1]), final]
-    seen = gaps(logs, models, replay=replay)
+    seen = discrepancies(logs, models, replay=replay)
     if replay and not follows(seen[-1], logs, final):
         replay = False
-        seen = gaps(logs, models, replay=False)
+        seen = discrepancies(logs, models, replay=False)
         notes.append("the replayed loop does not follow the log closely enough to measure with: friction at reversals")
     loops = replay and all(_obeys(log, found.nominal.model) for log in others)
-    confirmed = gaps(others, models, replay=loops) if others else None
+    confirmed = discrepancies(others, models, replay=loops) if others else None
     if confirmed and loops is not replay:
         notes.append("a confirm log does not obey the controller: its gap is that of an observer's innovations")
     floor = min(floor_of(seen[-1], logs, final), seen[-1].rms)
@@ -252,13 +252,17 @@ def _assemble(
         seen[0].position,
         seen[-1].position,
     )
-    left = [shape for shape in found.left if shape.log_chance < LEFT_OVER and shape.coordinate != SPELLS]
+    left = [
+        shape
+        for shape in found.residual_shapes
+        if shape.log_p_value < LEFT_OVER and shape.coordinate != FRICTION_INTERVALS
+    ]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
     effects += [changed(change, look_alikes(found, model, change[0]), left) for change in beyond]
-    rest = unlisted(found, effects, checked=bool(others))
+    residual_shape = unlisted(found, effects, checked=bool(others))
     alternatives = sorted({name for effect in effects for name in (effect.name, *effect.alternatives)})
     ambiguous = any(effect.alternatives for effect in effects)
-    where = tuple(found.first_shapes)
+    where = tuple(found.nominal_shapes)
     ledger = [
         Step(
             added.finding.name,
@@ -277,15 +281,15 @@ def _assemble(
         for finding, reason in found.refused
     ]
     return Diagnosis(
-        verdict=verdict(effects, rest),
+        verdict=verdict(effects, residual_shape),
         effects=tuple(effects),
-        unlisted=rest,
+        unlisted=residual_shape,
         gap=gap,
         separating_experiment=separating(alternatives, logs) if ambiguous else None,
         model=final,
         nominal=nominal,
         where=where,
-        where_text=tuple(shape_text(shape) for shape in where if shape.log_chance < WHERE),
+        where_text=tuple(shape_text(shape) for shape in where if shape.log_p_value < WHERE),
         ledger=tuple(ledger),
         notes=tuple(notes),
         placebo=placebos(found),
@@ -295,7 +299,7 @@ def _assemble(
             "time": [log.time for log in logs],
             "gap_before": seen[0].series,
             "gap_after": seen[-1].series,
-            "counts": seen[0].counts,
+            "mask": seen[0].masks,
             "position": [log.position for log in logs],
             "velocity": [source.along.velocity for source in found.nominal_evidence.sources],
         },
@@ -323,4 +327,4 @@ def _reason(added: Added) -> str:
         return "no other motion to confirm it"
     if check.confirmed:
         return f"other motion shows {check.ratio:.2f} +- {check.deviation:.2f} of what was foreseen"
-    return f"the other motion cannot show it (lambda {check.foreseen:.1f})"
+    return f"the other motion cannot show it (lambda {check.noncentrality:.1f})"

@@ -10,7 +10,8 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.shapes import coordinates
-from cogging.estimation.residuals import Innovations, Replay
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.replay import Replay
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
@@ -22,25 +23,26 @@ BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are t
 
 
 @dataclass(frozen=True)
-class Seen:
-    """The gap of one model on logs.
+class Discrepancy:
+    """The discrepancy between logs and one model: the `gap` of the result.
 
     Attributes:
-        rms: V, over rows in motion of all logs.
-        signal: what was compared.
-        series: the gap of each log, V.
+        rms: root mean square over rows in motion of all logs, V.
+        signal: name of what was compared.
+        series: discrepancy of each log, V, one (n,) a log.
+        masks: rows in motion of each log, one (n,) a log.
         position: rms of measured less replayed position, m, or None.
     """
 
     rms: float
     signal: str
     series: tuple[FloatArray, ...]
-    counts: tuple[Mask, ...]
+    masks: tuple[Mask, ...]
     position: float | None
 
 
-def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[Seen]:
-    """The gap of each model, by the replay of the loop where it can be had for every model, else by prediction.
+def discrepancies(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[Discrepancy]:
+    """The discrepancy of each model, by the replay of the loop where it can be had for every model, else by prediction.
 
     A controller that is sampled with jitter is not replayed: what the jitter does to its derivative would be the gap.
     """
@@ -50,13 +52,14 @@ def gaps(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[
         except (DivergedError, ValueError):
             pass
     series: list[list[FloatArray]] = [[] for _ in models]
-    counts = []
+    masks = []
     for log in logs:
         source = source_of(log, models[0])
-        counts.append(source.counts > 0)
+        masks.append(source.counts > 0)
         for i, row in enumerate(source.of(models)):
             series[i].append(row)
-    return [Seen(_rms(rows, counts), "innovations of an observer", tuple(rows), tuple(counts), None) for rows in series]
+    signal = "innovations of an observer"
+    return [Discrepancy(_rms(rows, masks), signal, tuple(rows), tuple(masks), None) for rows in series]
 
 
 def jitters(log: Log) -> bool:
@@ -78,50 +81,50 @@ def source_of(log: Log, model: Model) -> Innovations:
     return source
 
 
-def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Seen]:
+def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]:
     series: list[list[FloatArray]] = [[] for _ in models]
     errors: list[list[float]] = [[] for _ in models]
-    counts = []
+    masks = []
     for log in logs:
         replays = [Replay(log, model) for model in models]
-        counts.append(source_of(log, models[0]).counts > 0)
+        masks.append(source_of(log, models[0]).counts > 0)
         for i, (one, model) in enumerate(zip(replays, models, strict=True)):
             run = one.run(model)
             series[i].append(log.command - run["command"])
-            errors[i].append(_rms([log.position - run["true_position"]], counts[-1:]) ** 2)
+            errors[i].append(_rms([log.position - run["true_position"]], masks[-1:]) ** 2)
     return [
-        Seen(
-            _rms(rows, counts),
+        Discrepancy(
+            _rms(rows, masks),
             "command of the replayed loop",
             tuple(rows),
-            tuple(counts),
+            tuple(masks),
             float(np.mean(error)) ** 0.5,
         )
         for rows, error in zip(series, errors, strict=True)
     ]
 
 
-def _rms(rows: Sequence[FloatArray], counts: Sequence[Mask]) -> float:
-    moving = np.concatenate([r[c] for r, c in zip(rows, counts, strict=True)])
+def _rms(rows: Sequence[FloatArray], masks: Sequence[Mask]) -> float:
+    moving = np.concatenate([row[mask] for row, mask in zip(rows, masks, strict=True)])
     return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 
 
-def follows(seen: Seen, logs: Sequence[Log], model: Model) -> bool:
+def follows(seen: Discrepancy, logs: Sequence[Log], model: Model) -> bool:
     """Whether a model's replayed loop follows the logs closely enough to measure with.
 
-    What the loop makes of friction at each reversal would else be the gap.
+    What the loop makes of friction at each reversal would else be the discrepancy.
     """
     return seen.rms <= FOLLOWED * floor_of(seen, logs, model)
 
 
-def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
+def floor_of(seen: Discrepancy, logs: Sequence[Log], model: Model) -> float:
     """What noise and quantiser alone would leave, V.
 
-    The rms of the gap once any force of position (for each direction), speed, time and acceleration is taken from it,
-    over the rows less the freedom that this takes.
+    The rms of the discrepancy once any force of position (for each direction), speed, time and acceleration is taken
+    from it, over the rows less the freedom that this takes.
     """
     total, rows = 0.0, 0
-    for series, counts, log in zip(seen.series, seen.counts, logs, strict=True):
+    for series, mask, log in zip(seen.series, seen.masks, logs, strict=True):
         source = source_of(log, model)
         columns = [np.ones(len(series))[None, :]]
         if not (source.counts > 0).any():
@@ -129,12 +132,12 @@ def floor_of(seen: Seen, logs: Sequence[Log], model: Model) -> float:
         for name, (_, _, table, _) in coordinates(source, model).items():
             if name in ("position", "velocity", "time", "acceleration"):
                 columns.append(table)
-        table = np.vstack(columns)[:, counts]
+        table = np.vstack(columns)[:, mask]
         size = np.sqrt((table**2).sum(axis=1))
         table = table[size > 0] / size[size > 0, None]
         gram = table @ table.T
-        weights = np.linalg.lstsq(gram + 1e-9 * np.eye(len(gram)), table @ series[counts], rcond=None)[0]
-        left = series[counts] - weights @ table
+        weights = np.linalg.lstsq(gram + 1e-9 * np.eye(len(gram)), table @ series[mask], rcond=None)[0]
+        left = series[mask] - weights @ table
         total += float(left @ left)
         rows += len(left) - int(np.linalg.matrix_rank(gram, tol=1e-9, hermitian=True))
     return float(np.sqrt(total / max(rows, 1)))

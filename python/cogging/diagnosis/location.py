@@ -20,10 +20,10 @@ from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
-from cogging.estimation.residuals import moving_average
-from cogging.files import finite
+from cogging.estimation.statistics import moving_average
 from cogging.log_check.audit import check_against_model
 from cogging.model.model import Model
+from cogging.outputs import finite
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Wave:
         value: of the period, or frequency.
         unit: m or Hz.
         amplitude: V.
-        log_chance: ln of the chance that noise alone shows as much at any period or frequency.
+        log_p_value: ln of the probability that noise alone shows as much at any period or frequency.
         share: of the gap's power below 60 Hz.
     """
 
@@ -53,8 +53,13 @@ class Wave:
     value: float
     unit: str
     amplitude: float
-    log_chance: float
+    log_p_value: float
     share: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers for JSON."""
+        told = vars(self)
+        return {"log_chance" if name == "log_p_value" else name: told[name] for name in told}
 
     def text(self) -> str:
         """In words."""
@@ -73,7 +78,7 @@ class Location(ByValue):
         waves: what repeats itself, the strongest first.
         residual: rms of what the re-tuned model leaves in rows in motion, V.
         model: re-tuned.
-        series: rows of the logs by name, for the figures: time, position, velocity, acceleration, command, gap, counts.
+        series: rows of the logs by name, for the figures: time, position, velocity, acceleration, command, gap, mask.
     """
 
     shapes: tuple[Shape, ...]
@@ -90,7 +95,7 @@ class Location(ByValue):
     @property
     def significant(self) -> tuple[Shape, ...]:
         """The coordinates in which noise alone would not show as much."""
-        return tuple(shape for shape in self.shapes if shape.log_chance < SIGNIFICANT)
+        return tuple(shape for shape in self.shapes if shape.log_p_value < SIGNIFICANT)
 
     def lines(self) -> list[str]:
         """Coordinates by the share of the gap that each explains, then periods and frequencies; in words."""
@@ -113,7 +118,7 @@ class Location(ByValue):
                     "coordinate": shape.coordinate,
                     "unit": shape.unit,
                     "share": shape.share,
-                    "log_chance": shape.log_chance,
+                    "log_chance": shape.log_p_value,
                     "where": ranges(shape),
                     "places": shape.places.tolist(),
                     "force": shape.force.tolist(),
@@ -121,7 +126,7 @@ class Location(ByValue):
                 }
                 for shape in self.shapes
             ],
-            "waves": [vars(wave) for wave in self.waves],
+            "waves": [wave.to_dict() for wave in self.waves],
         }
         return {name: finite(value) for name, value in told.items()}
 
@@ -158,8 +163,8 @@ def locate_gap(
 
 def location_of(evidence: Evidence, model: Model, found: Sequence[Shape] | None = None) -> Location:
     """The location of what evidence of a re-tuned model leaves; `found`: its shapes, where they are known."""
-    counts = np.concatenate([source.counts > 0 for source in evidence.sources])
-    left = np.concatenate(evidence.residuals)[counts]
+    mask = np.concatenate([source.counts > 0 for source in evidence.sources])
+    left = np.concatenate(evidence.residuals)[mask]
     return Location(
         tuple(with_events(evidence, shapes(evidence)) if found is None else found),
         tuple(waves_of(evidence)),
@@ -181,7 +186,7 @@ def series_of(evidence: Evidence, gap: Sequence[FloatArray]) -> dict[str, list[F
             ("command", log.command),
             ("velocity", velocity),
             ("acceleration", np.gradient(smooth, log.time)),
-            ("counts", source.counts > 0),
+            ("mask", source.counts > 0),
         ):
             series.setdefault(name, []).append(np.asarray(values))
     return series
@@ -201,7 +206,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
             for finding in _waves(evidence, name):
                 if best is None or finding.score > best.score:
                     best = finding
-        if best is None or best.log_chance > SIGNIFICANT:
+        if best is None or best.log_p_value > SIGNIFICANT:
             break
         best = sharpen(evidence, best)
         field, value = next(iter(best.candidate.shape.items()))
@@ -214,7 +219,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
                 float(value),
                 "m" if spatial else "Hz",
                 float(np.hypot(*best.amplitudes)),
-                best.log_chance,
+                best.log_p_value,
                 min(1.0, best.test.statistic / power),
             )
         )
@@ -224,7 +229,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
 
 
 def _waves(evidence: Evidence, name: str) -> list[Finding]:
-    found, looked = peaks(evidence, name)
+    found, trials = peaks(evidence, name)
     spatial = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")["quantity"] == "distance"
     scales = evidence.scales
 
@@ -233,6 +238,6 @@ def _waves(evidence: Evidence, name: str) -> list[Finding]:
 
     fast = [candidate for candidate in found if turns(next(iter(candidate.shape.values()))) >= TURNS_MIN]
     try:
-        return judged(evidence, refine(evidence, fast[:2]), looked)
+        return judged(evidence, refine(evidence, fast[:2]), trials)
     except (DivergedError, ValueError):
         return []

@@ -11,8 +11,8 @@ from cogging.diagnosis.location import Location, locate_gap
 from cogging.diagnosis.report.page import html, overview
 from cogging.diagnosis.report.words import step_text, term_text
 from cogging.diagnosis.residual.shapes import Shape
-from cogging.files import finite, write_text
 from cogging.model.model import Model
+from cogging.outputs import finite, write_text
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class NamedEffect:
         parameters: by field; of a change: `change` = new / old - 1.
         where: coordinate and range in which it sits.
         statistic: T of its score test.
-        log_chance: ln of the chance that noise alone shows as much.
+        log_p_value: ln of the probability that noise alone shows as much (`log_chance` in JSON).
         further: parameters of further terms of the same name (harmonics).
     """
 
@@ -49,7 +49,7 @@ class NamedEffect:
     parameters: Mapping[str, Value]
     where: Mapping[str, Any]
     statistic: float
-    log_chance: float
+    log_p_value: float
     further: tuple[Mapping[str, Value], ...] = ()
 
 
@@ -124,7 +124,7 @@ class Diagnosis(ByValue):
         placebo: what terms that explain nothing would have gained.
         notes: in words.
         series: for the figures, by name: `logs`, the `given` model, and of each log time, position, velocity (m/s),
-            gap_before, gap_after (V) and counts (rows in motion).
+            gap_before, gap_after (V) and mask (rows in motion).
     """
 
     verdict: str
@@ -161,7 +161,7 @@ class Diagnosis(ByValue):
                     },
                     "where": dict(effect.where),
                     "statistic": effect.statistic,
-                    "log_chance": effect.log_chance,
+                    "log_chance": effect.log_p_value,
                     "further": [
                         {name: {"value": p.value, "unit": p.unit, "ci95": list(p.ci95)} for name, p in term.items()}
                         for term in effect.further

@@ -2,44 +2,21 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from cogging._core import DivergedError, autoregression, whiten
-from cogging.arrays import FloatArray, Mask
-from cogging.estimation.residuals import Innovations, Residuals
+from cogging._core import DivergedError, whiten
+from cogging.arrays import FloatArray
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.jackknife import SINGULAR, jackknife
+from cogging.estimation.residuals import Residuals
+from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.difference_steps import central
 from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
-
-LOOSE = 1e-3  # of a direction that nothing determines: a parameter that has more of it is not determined
-ALONE = 2.0  # times its variance, by which a parameter loses where one block is left out: that block alone shows it
-SINGULAR = 1e-9  # of the largest eigenvalue of scaled curvature: in directions below it nothing is determined
-BLOCK = 0.2  # s, length of the blocks over which scores are summed: above it, nothing is taken to be correlated
-
-
-@dataclass(frozen=True)
-class Whitened:
-    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only.
-
-    Attributes:
-        residual: (n,).
-        columns: d residual / d parameter, (p, n).
-        block: number of the block of each row, (n,).
-        coefficients: of the autoregressive filter.
-        rms: of the whitened residual before division, V.
-    """
-
-    residual: FloatArray
-    columns: FloatArray
-    block: npt.NDArray[np.int64]
-    coefficients: FloatArray
-    rms: float
 
 
 @dataclass(frozen=True)
@@ -82,39 +59,6 @@ class Estimate:
         return np.asarray(self.deviation * [student(float(freedom)) for freedom in self.freedom])
 
 
-class NothingCounts(ValueError):
-    """No row of a log shows the axis in motion for long enough."""
-
-
-def order_for(log: Residuals) -> int:
-    """Order of the whitening filter: 20 ms of memory, from 12 to 48 coefficients."""
-    return int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))
-
-
-def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
-    """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
-    counted = np.abs(residual[log.counts > 0])
-    if not len(counted):
-        raise NothingCounts("log: must have rows in motion, got an axis that rests or keeps turning back")
-    limit = 6.0 * 1.4826 * float(np.median(counted))
-    clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
-    return np.asarray(autoregression(clipped, log.counts, order=order_for(log)))
-
-
-def whitened(
-    log: Residuals, residual: FloatArray, columns: FloatArray, coefficients: FloatArray | None = None
-) -> Whitened:
-    """Whiten a residual and its columns, and keep the rows that count."""
-    if coefficients is None:
-        coefficients = whitening_filter(log, residual)
-    table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
-    rows = log.counts > 0
-    rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
-    rms = rms if rms > 0 else 1.0
-    block = np.floor(log.log.time[rows] / BLOCK).astype(np.int64)
-    return Whitened(table[0, rows] / rms, table[1:, rows] / rms, block, coefficients, rms)
-
-
 def columns_of(
     model: Model, parameters: Sequence[Parameter], logs: Sequence[Residuals], scales: Scales
 ) -> tuple[list[FloatArray], list[FloatArray]]:
@@ -137,83 +81,6 @@ def columns_of(
         residuals.append(table[0])
         columns.append((table[1::2] - table[2::2]) / spans[:, None])
     return residuals, columns
-
-
-def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
-    """Covariance (p, p) from leaving out one block of rows after the other, and its degrees of freedom (p,).
-
-    Blocks, so that what whitening leaves correlated within one counts; each is left out, for a parameter that a few
-    blocks show follows them, and is surer of itself than it should be. Nothing holds it above the covariance that
-    white residuals would have: with few blocks it scatters to either side, which the degrees of freedom allow for.
-    What one block alone shows (a limit that was reached once) does not move where another is left out: that has the
-    covariance of white residuals, widened by as much as those of the other parameters are.
-    What no row determines has an infinite variance.
-    """
-    curvature = sum(log.columns @ log.columns.T for log in logs)
-    size = np.sqrt(np.diag(curvature))
-    size[size == 0.0] = 1.0
-    scaled = curvature / np.outer(size, size)
-    white = np.diag(np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True))
-    hangs = np.zeros(len(size), dtype=bool)  # on one block
-    shifts = []
-    for log in logs:
-        edges = [*np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1)), len(log.residual)]
-        for first, last in itertools.pairwise(edges):
-            part = log.columns[:, first:last] / size[:, None]
-            without = np.linalg.pinv(scaled - part @ part.T, rcond=SINGULAR, hermitian=True)
-            shifts.append(without @ (part @ log.residual[first:last]))
-            left = np.diag(without)  # less than with the block: no row is left that shows it
-            hangs |= (left > ALONE * white) | (left < 0.99 * white)
-    covariance, freedom = spread_of(np.array(shifts) / size)
-    covariance, freedom = widened(covariance, freedom, white / size**2, hangs, max(len(shifts) - len(size), 1))
-    values, vectors = np.linalg.eigh(scaled)
-    open_to = np.abs(vectors[:, values < SINGULAR * max(values[-1], 1e-300)]).max(axis=1, initial=0.0)
-    loose = np.flatnonzero(open_to > LOOSE)
-    covariance[loose, loose] = np.inf
-    return covariance, freedom
-
-
-def widened(
-    covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: Mask, blocks: int
-) -> tuple[FloatArray, FloatArray]:
-    """The covariance (p, p) with that of white residuals for what `hangs` on one block, and its freedom (p,).
-
-    Args:
-        covariance, freedom: from leaving out blocks.
-        white: variances of white residuals, (p,).
-        hangs: which parameters do, (p,).
-        blocks: less the number of parameters: the freedom of those variances.
-    """
-    own = np.diag(covariance)
-    usual = own[~hangs & (white > 0.0)] / white[~hangs & (white > 0.0)]
-    floor = white * max(1.0, float(np.median(usual)) if len(usual) else 1.0)
-    alone = np.flatnonzero(hangs)
-    covariance, freedom = covariance.copy(), freedom.copy()
-    covariance[alone, :] = covariance[:, alone] = 0.0
-    covariance[alone, alone] = floor[alone]
-    freedom[alone] = blocks
-    return covariance, freedom
-
-
-def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Covariance (p, p) of values that move by `shifts` (blocks, p) where one block is left out, and its freedom (p,).
-
-    The degrees of freedom are Satterthwaite's, of a sum of squares of unequal size.
-    """
-    table = shifts - shifts.mean(axis=0)
-    blocks, p = table.shape
-    sizes = np.abs(table).max(axis=0)
-    parts = (table / np.where(sizes > 0.0, sizes, 1.0)) ** 2
-    freedom = 3.0 * parts.sum(axis=0) ** 2 / np.maximum((parts**2).sum(axis=0), 1e-300)
-    return np.asarray(table.T @ table * (blocks - 1) / blocks), np.clip(freedom, 1.0, max(blocks - p, 1))
-
-
-def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-10) -> FloatArray:
-    """Weights (p,) of columns (p, n) that make a row (n,), scaled so that units do not matter."""
-    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
-    size[size == 0.0] = 1.0
-    scaled = columns / size[:, None]
-    return np.asarray(np.linalg.pinv(scaled @ scaled.T, rcond=rcond, hermitian=True) @ (scaled @ row) / size)
 
 
 def fit(

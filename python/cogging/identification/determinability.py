@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
-from cogging.estimation.gauss_newton import columns_of, whitened
+from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.residuals import Residuals
+from cogging.estimation.whitening import whitened
 from cogging.identification.force_balance import ForceBalance, Simulator
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, effect_at, parameters_of, role_at

@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
-from cogging.estimation.gauss_newton import spread_of
-from cogging.estimation.residuals import START
+from cogging.estimation.jackknife import spread_of
+from cogging.estimation.rows_in_motion import START
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.logs.log import Log
 from cogging.model.difference_steps import central

@@ -12,7 +12,8 @@ import numpy.typing as npt
 from cogging._core import AxisParameters, DivergedError
 from cogging.arrays import FloatArray
 from cogging.estimation.gauss_newton import Estimate, fit
-from cogging.estimation.residuals import Innovations, Residuals
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import Residuals
 from cogging.identification.determinability import Determinability, determinability, size_of
 from cogging.identification.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
 from cogging.identification.inverse_dynamics import InverseDynamics

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.estimation.residuals import Replay
+from cogging.estimation.replay import Replay
 from cogging.identification.force_balance import Simulator
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.log_check.audit import Audit, audit, check_against_model

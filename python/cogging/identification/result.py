@@ -104,8 +104,9 @@ class Identification(ByValue):
     notes: tuple[str, ...] = ()
 
     def _brief(self) -> str:
-        sure = sum(p.determined for p in self.parameters)
-        return f"{sure} of {len(self.parameters)} parameters determined, {self.estimator}; {len(self.logs)} log{"s" * (len(self.logs) != 1)}"
+        sure, logs = sum(p.determined for p in self.parameters), len(self.logs)
+        which = f"{sure} of {len(self.parameters)} parameters determined by {logs} log{'s' * (logs != 1)}"
+        return f"{which}, {self.estimator}"
 
     def __getitem__(self, path: str) -> ParameterEstimate:
         """The parameter at a path.

@@ -17,9 +17,9 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.arrays import FloatArray
-from cogging.files import LARGEST, InputError, read_toml, target_of, to_toml, write_files
+from cogging.files import LARGEST, InputError, read_toml
 from cogging.logs.columns import read_columns
-from cogging.outputs import sidecar
+from cogging.outputs import sidecar, target_of, to_toml, write_files
 from cogging.values import ByValue
 
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds

@@ -12,8 +12,9 @@ import numpy as np
 
 from cogging._core import CoggingModel
 from cogging.arrays import FloatArray
-from cogging.files import InputError, same_file, to_toml, write_files
+from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
+from cogging.outputs import same_file, to_toml, write_files
 from cogging.values import ByValue
 
 if TYPE_CHECKING:

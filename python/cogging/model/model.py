@@ -33,7 +33,8 @@ from cogging._core import (
     SpeedParameters,
     SplineHarmonics,
 )
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys, to_toml, write_text
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
 from cogging.values import ByValue
 

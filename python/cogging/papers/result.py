@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.files import InputError, to_json, write_files
+from cogging.files import InputError
+from cogging.outputs import to_json, write_files
 from cogging.values import ByValue
 
 if TYPE_CHECKING:

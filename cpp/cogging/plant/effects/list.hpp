@@ -1,6 +1,7 @@
 #pragma once
 // Every effect that a plant may have: one line each.
 
+#include <concepts>
 #include <variant>
 #include <vector>
 
@@ -58,17 +59,36 @@ using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             EmpiricalForce<Scalar>              // of any shape, of no known cause
                             >;
 
+/// Calls visitor(law) where the law of the effect is one that the visitor takes: its parameter names the hook, as in
+/// `[&](const HasForce<Scalar> auto& law) { ... }`.
+template <class AnyEffect, class Visitor>
+COGGING_INLINE void visit_law(AnyEffect& effect, const Visitor& visitor) {
+  std::visit(
+      [&](auto& law) {
+        if constexpr (std::invocable<const Visitor&, decltype(law)>) visitor(law);
+      },
+      effect);
+}
+
+/// The same for each of the effects, in their order.
+template <class Effects, class Visitor>
+COGGING_INLINE void for_each_law(Effects& effects, const Visitor& visitor) {
+  for (auto& effect : effects) visit_law(effect, visitor);
+}
+
+/// Raises std::invalid_argument for a parameter of an effect that breaks its rule.
+template <class Scalar>
+void validate_effects(const std::vector<Effect<Scalar>>& effects) {
+  for_each_law(effects, [](const auto& law) { law.validate(); });
+}
+
 /// A copy of the effects, each having taken from the plant what it needs of it.
 ///
-/// Raises std::invalid_argument where the plant lacks that.
+/// Raises std::invalid_argument where the plant lacks that, and for a parameter that breaks its rule.
 template <class Scalar>
 std::vector<Effect<Scalar>> bind_effects(std::vector<Effect<Scalar>> effects, const PlantContext& plant) {
-  for (Effect<Scalar>& effect : effects)
-    std::visit(
-        [&]<class E>(E& law) {
-          if constexpr (HasBind<E>) law.bind(plant);
-        },
-        effect);
+  validate_effects(effects);
+  for_each_law(effects, [&](HasBind auto& law) { law.bind(plant); });
   return effects;
 }
 

@@ -1,4 +1,4 @@
-"""Effects that act for a spell of time: where one began and ended, found at once by the cumulated adjoint."""
+"""Effects that act in an interval of time: where one began and ended, found at once by the cumulated adjoint."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 
-LENGTHS = 40  # of spells, from SHORTEST to the whole log
+LENGTHS = 40  # of intervals, from SHORTEST to the whole log
 SHORTEST = 0.2  # s: what is shorter may be a single blow
-SPELLS = 8  # that are looked at exactly
+INTERVALS = 8  # that are looked at exactly
 MEDIAN = 0.4549  # of chi-square with one degree of freedom
 
 
-def is_spell(effect: Any) -> bool:
+def acts_in_interval(effect: Any) -> bool:
     """Whether an effect is a force between two moments."""
     moments = [f for f, role in effect.ROLES.items() if role["role"] == "shape" and role["quantity"] == "time"]
     return set(moments) == {"start", "stop"} and "force" in effect.HOOKS
@@ -30,11 +30,11 @@ def long_enough(shape: Mapping[str, Any]) -> bool:
     return not {"start", "stop"} <= set(shape) or bool(shape["stop"] - shape["start"] >= SHORTEST)
 
 
-def spells(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[list[Candidate], float]:
-    """The likeliest spells beside those of a grid, and how many independent ones were looked at."""
-    if not grid or not is_spell(EFFECTS[name]):
+def intervals(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[list[Candidate], float]:
+    """The likeliest intervals beside those of a grid, and how many independent ones were tried."""
+    if not grid or not acts_in_interval(EFFECTS[name]):
         return grid, float(max(1, len(grid)))
-    found, looked, start = list(grid), 0.0, 0
+    found, trials, start = list(grid), 0.0, 0
     for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
         n = len(source.log)
         force, _ = adjoint(source, filter_, along, evidence.model.axis.mass, evidence.free_residual[start : start + n])
@@ -49,10 +49,10 @@ def spells(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[list[C
             level = float(np.median(score)) / MEDIAN
             if level <= 0.0:
                 continue
-            looked += n / length
+            trials += n / length
             place = int(np.argmax(score))
             best.append((float(score[place]) / level, place, int(length)))
-        for _, place, length in sorted(best, reverse=True)[:SPELLS]:
+        for _, place, length in sorted(best, reverse=True)[:INTERVALS]:
             shape = {"start": float(time[place]), "stop": float(time[min(place + length, n - 1)])}
             found.append(replace(grid[0], shape={**grid[0].shape, **shape}))
-    return found, max(looked, float(len(grid)))
+    return found, max(trials, float(len(grid)))

@@ -14,7 +14,8 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Test, gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import width_floor
-from cogging.estimation.gauss_newton import Estimate, columns_of, fit, least_squares
+from cogging.estimation.gauss_newton import Estimate, columns_of, fit
+from cogging.estimation.statistics import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 
@@ -80,8 +81,10 @@ def beyond_tuning(evidence: Evidence, explained: list[FloatArray]) -> list[Float
 def likeliest(evidence: Evidence, columns: list[FloatArray]) -> tuple[Test, float]:
     """The likeliest of errors of 1-sigma 1, and ln det (I + curvature), which their mean likelihood is smaller by."""
     free = evidence.project(evidence.whitened(columns))
-    curvature = np.eye(len(free)) + free @ free.T / evidence.excess
-    amplitudes = np.asarray(np.linalg.solve(curvature, free @ evidence.free_residual / evidence.excess), np.float64)
+    curvature = np.eye(len(free)) + free @ free.T / evidence.overdispersion
+    amplitudes = np.asarray(
+        np.linalg.solve(curvature, free @ evidence.free_residual / evidence.overdispersion), np.float64
+    )
     statistic = float(amplitudes @ curvature @ amplitudes)
     test = Test(statistic, len(free), amplitudes, amplitudes @ free, np.full(len(free), np.inf))
     test = replace(test, statistic=min(statistic, evidence.bounded(test)))

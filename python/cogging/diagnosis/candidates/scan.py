@@ -12,7 +12,7 @@ import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.intervals import long_enough, spells
+from cogging.diagnosis.candidates.intervals import intervals, long_enough
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range, tables
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence, Test
@@ -36,17 +36,17 @@ class Finding:
         candidate: effect and shape.
         test: score test of its columns.
         amplitudes: what the effect would need, (p,); (1,) near 1 where the shape alone makes it.
-        looked: independent shapes that were tried.
-        log_chance: ln of the chance that noise alone shows as much anywhere in this scan.
-        score: 2 ln likelihood, less what the free parameters and the looking cost.
+        trials: number of independent shapes that were tried (the look-elsewhere effect).
+        log_p_value: ln of the probability that noise alone shows as much anywhere in this scan.
+        score: 2 ln likelihood, less what the free parameters and the number of trials cost.
         faint: whether it is a wave in the reading so small that rounding may have made it: no effect.
     """
 
     candidate: Candidate
     test: Test
     amplitudes: FloatArray
-    looked: float
-    log_chance: float
+    trials: float
+    log_p_value: float
     score: float
     faint: bool = False
 
@@ -61,7 +61,7 @@ class Finding:
 
 
 def judge(
-    evidence: Evidence, candidate: Candidate, columns: FloatArray, looked: float, exact: bool = False
+    evidence: Evidence, candidate: Candidate, columns: FloatArray, trials: float, exact: bool = False
 ) -> Finding | None:
     """Test one candidate; None where what it would take is not physical.
 
@@ -87,21 +87,21 @@ def judge(
     # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
     count = evidence.model.encoder.resolution if "reading" in EFFECTS[candidate.name].HOOKS else 0.0
     faint = len(amplitudes) > 1 and bool(np.linalg.norm(amplitudes) < COUNTS * count)
-    return _finding(candidate, test, amplitudes, looked, faint)
+    return _finding(candidate, test, amplitudes, trials, faint)
 
 
-def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, looked: float, faint: bool) -> Finding:
+def _finding(candidate: Candidate, test: Test, amplitudes: FloatArray, trials: float, faint: bool) -> Finding:
     shapes = sum(
         1
         for field, role in EFFECTS[candidate.name].ROLES.items()
         if role["role"] == "shape" and not isinstance(candidate.shape.get(field), list)
     )
-    looking = float(np.log(max(looked, 1.0)))
+    looking = float(np.log(max(trials, 1.0)))
     return Finding(
         candidate,
         test,
         amplitudes,
-        looked,
+        trials,
         min(0.0, log_survival(test.statistic, test.freedom) + looking),
         test.statistic - 2.0 * test.freedom - 2.0 * looking - shapes,
         faint,
@@ -112,7 +112,7 @@ def bounded(evidence: Evidence, finding: Finding) -> Finding:
     """The finding with what its statistic is worth when the level of the noise is known from few lines only."""
     value = min(finding.test.statistic, evidence.bounded(finding.test))
     return _finding(
-        finding.candidate, replace(finding.test, statistic=value), finding.amplitudes, finding.looked, finding.faint
+        finding.candidate, replace(finding.test, statistic=value), finding.amplitudes, finding.trials, finding.faint
     )
 
 
@@ -135,7 +135,7 @@ def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
         if finding.test.statistic <= PROMISING:
             return finding
         quiet = cleaned(evidence, finding)
-        again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.looked, exact=True)]
+        again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.trials, exact=True)]
         return max([finding, *again], key=lambda f: f.score)
 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
@@ -162,7 +162,7 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
     best: dict[tuple[str, bool], Finding] = {}
     wanted = list(EFFECTS if names is None else names)
     periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
-    _ = evidence.scales, evidence.excess  # made here once, not by every thread
+    _ = evidence.scales, evidence.overdispersion  # made here once, not by every thread
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         for waves in (True, False):  # the waves first: the others look at their periods too
             tried = [name for name in wanted if is_wave(EFFECTS[name]) == waves]
@@ -173,8 +173,8 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
                         best[kind] = finding
             for name in tried if waves else ():
                 wave = best.get((name, False))
-                if wave is not None and is_spatial_wave(EFFECTS[name]) and wave.log_chance < STANDS_OUT:
-                    periods[float(next(iter(wave.candidate.shape.values())))] = wave.looked
+                if wave is not None and is_spatial_wave(EFFECTS[name]) and wave.log_p_value < STANDS_OUT:
+                    periods[float(next(iter(wave.candidate.shape.values())))] = wave.trials
         faint = [finding for finding in best.values() if finding.faint]
         ranked = sorted((finding for finding in best.values() if not finding.faint), key=lambda f: -f.score)
         if not ranked:
@@ -191,19 +191,19 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
 
 def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
     if is_wave(EFFECTS[name]):
-        found, looked = peaks(evidence, name)
+        found, trials = peaks(evidence, name)
         found += beside_known(evidence, name)
-        first = sorted(judged(evidence, found, looked), key=lambda f: (f.faint, -f.score))
-        return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), looked)
+        first = sorted(judged(evidence, found, trials), key=lambda f: (f.faint, -f.score))
+        return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), trials)
     grid = list(candidates(evidence, name, list(periods)))
     chosen = [one for one in grid if one.shape.get("period") in periods]  # by the waves, which looked at many
-    others, looked = spells(evidence, name, [one for one in grid if one.shape.get("period") not in periods])
-    looked = max(looked, float(len(grid)))
-    results = judged(evidence, others, looked) + judged(evidence, chosen, looked + max(periods.values(), default=0.0))
+    others, trials = intervals(evidence, name, [one for one in grid if one.shape.get("period") not in periods])
+    trials = max(trials, float(len(grid)))
+    results = judged(evidence, others, trials) + judged(evidence, chosen, trials + max(periods.values(), default=0.0))
     if not grid or grid[0].amplitudes:
         return results
     # The sizes that the grid left free are where to begin: of a large delay a tenth is no small delay.
-    return judged(evidence, [begun(one) for one in results], looked, exact=True)
+    return judged(evidence, [begun(one) for one in results], trials, exact=True)
 
 
 def begun(finding: Finding) -> Candidate:
@@ -215,7 +215,7 @@ def begun(finding: Finding) -> Candidate:
     return finding.candidate
 
 
-def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact: bool = False) -> list[Finding]:
+def judged(evidence: Evidence, found: Sequence[Candidate], trials: float, exact: bool = False) -> list[Finding]:
     """Test candidates; those that cannot be simulated or are not physical are left out."""
     if not found:
         return []
@@ -224,9 +224,9 @@ def judged(evidence: Evidence, found: Sequence[Candidate], looked: float, exact:
     except (DivergedError, ValueError):
         if len(found) == 1:
             return []
-        return [f for one in found for f in judged(evidence, [one], looked, exact)]
+        return [f for one in found for f in judged(evidence, [one], trials, exact)]
     columns = evidence.whitened_each(made)
-    results = [judge(evidence, c, w, looked, exact) for c, w in zip(found, columns, strict=True)]
+    results = [judge(evidence, c, w, trials, exact) for c, w in zip(found, columns, strict=True)]
     return [result for result in results if result is not None]
 
 
@@ -268,7 +268,7 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding:
                     shape = {**finding.candidate.shape, field: moved}
                     if long_enough(shape):
                         tried.append(replace(finding.candidate, shape=shape))
-        better = [f for f in judged(evidence, tried, finding.looked, exact) if f.score > finding.score]
+        better = [f for f in judged(evidence, tried, finding.trials, exact) if f.score > finding.score]
         if better:
             finding = max(better, key=lambda f: f.score)
         else:

@@ -12,7 +12,8 @@ import numpy as np
 from cogging._core import EFFECTS
 from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.estimation.residuals import LINEAR_HOOKS, Innovations, quiet_plant
+from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
+from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
 TURNS = 3.0  # of a wave in the travel, at least, for its amplitude to change along it

@@ -14,7 +14,7 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.innovations import Innovations
 
 BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
 PEAKS = 5  # of each view of the spectrum, that are looked at exactly
@@ -88,7 +88,7 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
         for period in known_periods(evidence.model):
             statistic[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     even = levelled(statistic)
-    looked = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
+    trials = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
     found = []
     # Both views, for a few broad peaks may lift the level of their stretch, and loud stretches hide quiet ones.
     for view in (even, statistic) * PEAKS:
@@ -99,7 +99,7 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
         found.append(wave_of(evidence, name, value))
         near = np.abs(wave - wave[best]) < 1.0 / span
         even[near] = statistic[near] = 0.0
-    return found, looked
+    return found, trials
 
 
 def wave_of(evidence: Evidence, name: str, value: float) -> Candidate:

@@ -22,8 +22,11 @@ from cogging.diagnosis.evidence.noise_filter import (
     robust_rms,
     spectrum,
 )
-from cogging.estimation.gauss_newton import BLOCK, Estimate, columns_of, least_squares, whitening_filter
-from cogging.estimation.residuals import Innovations, quiet_plant
+from cogging.estimation.gauss_newton import Estimate, columns_of
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet_plant
+from cogging.estimation.statistics import least_squares
+from cogging.estimation.whitening import BLOCK, whitening_filter
 from cogging.identification.inverse_dynamics import fast_length
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
@@ -78,7 +81,7 @@ class Evidence:
         """
         return weighed(self.model, self.sources, self.parts, explained, self.memory)
 
-    def of_the_gap(self, tables: Sequence[FloatArray]) -> tuple[FloatArray, float]:
+    def unwhitened_fit(self, tables: Sequence[FloatArray]) -> tuple[FloatArray, float]:
         """Amplitudes (p,) of columns (p, n of a log) that make the gap itself smallest, and the share they explain.
 
         Nothing is whitened here: what is slow and large is taken for noise by filters, and hardly seen beside what is
@@ -122,7 +125,7 @@ class Evidence:
         for source, (parts, freedom) in zip(self.sources, self.freedom, strict=True):
             n = len(source.log)
             length = fast_length(n)
-            power = np.abs(np.fft.rfft(test.explained[start : start + n], length)) ** 2 / (length * self.excess)
+            power = np.abs(np.fft.rfft(test.explained[start : start + n], length)) ** 2 / (length * self.overdispersion)
             powers += [float(power[0]) + 2.0 * float(power[parts[0]].sum())]
             powers += [2.0 * float(power[part].sum()) for part in parts[1:]]
             freedoms += list(freedom)
@@ -154,8 +157,8 @@ class Evidence:
         return self.residual - (self.basis @ self.residual) @ self.basis
 
     @cached_property
-    def excess(self) -> float:
-        """By how much scores scatter more than white residuals would make them, at least 1.
+    def overdispersion(self) -> float:
+        """Variance of the scores over that which white residuals would give them, at least 1.
 
         From the periodogram below 60 Hz, where effects are: its median level over one. What the filters left
         correlated there would otherwise pass as signal.
@@ -208,9 +211,9 @@ class Evidence:
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
         deviations = np.full(len(columns), np.inf)
-        deviations[seen] = np.sqrt(np.diag(inverse) * self.excess) / left[seen]
+        deviations[seen] = np.sqrt(np.diag(inverse) * self.overdispersion) / left[seen]
         return Test(
-            float(score @ solution) / self.excess,
+            float(score @ solution) / self.overdispersion,
             int(good.sum()),
             amplitudes,
             amplitudes @ columns - (amplitudes @ shares) @ self.basis,

@@ -8,7 +8,7 @@ import numpy as np
 
 from cogging._core import whiten
 from cogging.arrays import FloatArray
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.innovations import Innovations
 from cogging.identification.inverse_dynamics import fast_length
 
 LINES = 12  # of a periodogram in a band of its level, at least

@@ -9,8 +9,10 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.diagnosis.evidence.evidence import Evidence, gather
 from cogging.diagnosis.evidence.noise_filter import CLIP, robust_rms
-from cogging.estimation.gauss_newton import Estimate, fit, whitening_filter
-from cogging.estimation.residuals import Innovations, moving_average
+from cogging.estimation.gauss_newton import Estimate, fit
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.statistics import moving_average
+from cogging.estimation.whitening import whitening_filter
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, role_of

@@ -10,7 +10,9 @@ from cogging.diagnosis.candidates.signatures import candidates, quantities, tabl
 from cogging.diagnosis.evidence.evidence import Evidence, orthonormal
 from cogging.diagnosis.naming.names import LOOK_ALIKE
 from cogging.diagnosis.search.search import Search
-from cogging.estimation.gauss_newton import SINGULAR, Estimate, Whitened, jackknife
+from cogging.estimation.gauss_newton import Estimate
+from cogging.estimation.jackknife import SINGULAR, jackknife
+from cogging.estimation.whitening import Whitened
 from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
@@ -71,7 +73,7 @@ def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
         role = law.ROLES[grid[0].amplitudes[0][0]]
         amplitude = moved * common / its / sizes[role["quantity"]]
         shared = common**2 / (its * power)
-        apart = moved**2 * power * (1.0 - shared) / evidence.excess
+        apart = moved**2 * power * (1.0 - shared) / evidence.overdispersion
         if shared > SHARED and apart < LOOK_ALIKE and role["low"] <= amplitude <= role["high"]:
             found.append(effect)
     return tuple(found)
@@ -91,7 +93,7 @@ def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray,
     left = evidence.residual + step @ columns
     blocks = Whitened(left, columns, evidence.block, np.zeros(0), 1.0)
     covariance, freedom = jackknife([blocks])
-    white = np.diag(inverse) / size**2 * evidence.excess
+    white = np.diag(inverse) / size**2 * evidence.overdispersion
     deviation = np.sqrt(np.maximum(np.diag(covariance), white))
     half = deviation * [student(float(one)) for one in freedom]
     p = len(estimate.paths)

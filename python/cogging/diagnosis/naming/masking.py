@@ -1,4 +1,4 @@
-"""What a fit that added effects says of what the model already had."""
+"""Masking: effects of the given model that stood for what was missing, and vanish once it is added."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
 
-VANISHED = 0.25  # of its size: below it, an effect of the model was standing in for what was missing
+VANISHED = 0.25  # of its size: below it, an effect of the model was masking what was missing
 
 
-def stood_in(nominal: Model, final: Model) -> list[str]:
+def masking_notes(nominal: Model, final: Model) -> list[str]:
     """Notes on effects of the given model that nearly vanish once the missing ones are in: they were hiding those.
 
     Args:

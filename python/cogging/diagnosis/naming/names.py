@@ -27,15 +27,15 @@ PERIODS_APART = 1.5  # in turns over the travel
 LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 
 
-def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
-    """The effect that was added at a place, with its alternatives; `left`: shapes of what no effect explains."""
+def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedEffect:
+    """The effect that was added at a place, with its alternatives; `residual_shapes`: of what no effect explains."""
     added = found.added[place]
     best = added.rivals[0]
     # What explains nearly the same rows is told apart by how well its form is known, not by noise alone.
     rivals = [r for r in added.rivals[1:] if r.score > best.score - margin(best, r) or unresolved(best, r, found)]
     prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
-    confidence = _confidence(added, odds, bool(left) or unexplained(found))
+    confidence = _confidence(added, odds, bool(residual_shapes) or unexplained(found))
     others = fully_named(found, place)
     confidence = round(0.5 * confidence, 3) if others else confidence
     known = parameters_of(found.estimate.model)
@@ -67,7 +67,7 @@ def named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
         values,
         where_of(effect, found.evidence),
         added.finding.test.statistic,
-        added.finding.log_chance,
+        added.finding.log_p_value,
     )
 
 
@@ -106,16 +106,16 @@ def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
 def unexplained(found: Search) -> bool:
     """Whether more was refused than was added: what explains most of these logs is then no effect as it is listed."""
     named = max(added.finding.test.statistic for added in found.added)
-    return any(one.log_chance < STRONG and one.test.statistic > named for one in found.unused)
+    return any(one.log_p_value < STRONG and one.test.statistic > named for one in found.unused)
 
 
-def _confidence(added: Added, odds: float, rest: bool) -> float:
+def _confidence(added: Added, odds: float, shapes_left: bool) -> float:
     """The stated chance that a name is right: odds against the rivals, less what else speaks against it."""
     chance = 1.0 / (1.0 + odds)
     check = added.confirmation
     if check is None:
         chance *= 0.93
-    elif check.foreseen < INFORMATIVE:
+    elif check.noncentrality < INFORMATIVE:
         chance *= 0.88
     elif abs(check.ratio - 1.0) > 2.0 * check.deviation:
         chance *= 0.8
@@ -123,7 +123,7 @@ def _confidence(added: Added, odds: float, rest: bool) -> float:
     generic = max((shape.score for shape in added.shapes), default=0.0)
     if generic > added.finding.score + FORMLESS:
         chance *= 0.7
-    if rest:
+    if shapes_left:
         chance *= 0.75
     if added.or_map:
         chance *= 0.8
@@ -147,12 +147,12 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
 
 
 def changed(
-    change: tuple[str, float, float, float], alternatives: tuple[str, ...], left: Sequence[Shape]
+    change: tuple[str, float, float, float], alternatives: tuple[str, ...], residual_shapes: Sequence[Shape]
 ) -> NamedEffect:
     """Mass, viscous or Coulomb friction beyond what the model states (level_changes.changes), as an effect."""
     name, size, half, beyond = change
     confidence = 0.97 if abs(beyond) > 5.0 else 0.86
-    if left:
+    if residual_shapes:
         confidence *= 0.8
     value = Value(size, "1", (size - half, size + half))
     return NamedEffect(

@@ -8,7 +8,7 @@ from typing import Any
 
 from cogging.diagnosis.naming.names import FORMLESS
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
-from cogging.diagnosis.residual.events import JUMPS, SPELLS, with_events
+from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, with_events
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shapes import Shape, shapes
 from cogging.diagnosis.result import NamedEffect
@@ -16,13 +16,13 @@ from cogging.diagnosis.search.search import LEFT_OVER, Search
 
 SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
-HALF = 0.5  # of the strongest effect: a rest that is as strong as that has a cause of its own
+HALF = 0.5  # of the strongest effect: a residual shape that is as strong as that has a cause of its own
 AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
 TOGETHER = -26.0  # the same of both at once, where each is below AGAIN
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
-SPELL = -12.0  # the same of spells of friction: what friction laws differ by comes in spells too
-SPELLS_TOGETHER = -60.0  # the same of both logs
+INTERVAL = -12.0  # the same of intervals of friction: what friction laws differ by comes and goes too
+INTERVALS_TOGETHER = -60.0  # the same of both logs
 LONELY = -100.0  # ln of the chance of a shape in time, which other motion need not show
 VARIANCE = -80.0  # ln of the chance of a burst at any frequency; where an encoder is coarse, the noise goes with speed
 BURST = -12.0  # the same of bursts: noise has its own
@@ -32,7 +32,7 @@ WEAKENED = 2.0  # what is left must then stand out by as many times the ln of th
 
 
 def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) -> dict[str, Any] | None:
-    """What no effect explains: a rest that is significant on these logs, and in the same coordinate on the others.
+    """What no effect explains: a residual shape, significant on these logs and in the same coordinate on the others.
 
     Or what an effect was taken for that hardly anybody would bet on, where a force of any shape explains more.
     """
@@ -41,11 +41,11 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
     if found.confirm_evidence is not None:
         again = with_events(found.confirm_evidence, shapes(found.confirm_evidence, plain=True))
         others = {shape.coordinate: weakened(shape, factor) for shape in again}
-    for shape in found.left:
+    for shape in found.residual_shapes:
         confirmed = standing(weakened(shape, factor), others.get(shape.coordinate), checked)
         if confirmed is not None:
             return _entry(shape, confirmed)
-    if JUMPS in others and others[JUMPS].log_chance < JUMP:
+    if JUMPS in others and others[JUMPS].log_p_value < JUMP:
         return _entry(others[JUMPS], True) | {"shape": f"on the other motion, {shape_text(others[JUMPS])}"}
     confidence = {effect.name: effect.confidence for effect in effects}
     for added in found.added:
@@ -57,7 +57,7 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
 
 def weakened(shape: Shape, factor: float) -> Shape:
     """The shape with the ln of its chance divided by a factor of at least 1."""
-    return replace(shape, log_chance=shape.log_chance / factor)
+    return replace(shape, log_p_value=shape.log_p_value / factor)
 
 
 def _bursts(found: Search, checked: bool, factor: float) -> dict[str, Any] | None:
@@ -101,13 +101,13 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
 
     None where both together do not show enough of it.
     """
-    mine = shape.log_chance
-    its = 0.0 if other is None else other.log_chance
+    mine = shape.log_p_value
+    its = 0.0 if other is None else other.log_p_value
     if shape.coordinate == JUMPS:
         both = max(mine, its) < AGAIN and mine + its < JUMPS_TOGETHER
         return its < AGAIN if mine < JUMP or both else None
-    if shape.coordinate == SPELLS:
-        both = max(mine, its) < SPELL and mine + its < SPELLS_TOGETHER
+    if shape.coordinate == FRICTION_INTERVALS:
+        both = max(mine, its) < INTERVAL and mine + its < INTERVALS_TOGETHER
         return True if both or (not checked and mine < LONELY) else None
     if its < AGAIN and mine < AGAIN and (mine < LEFT_OVER or mine + its < TOGETHER):
         return True
@@ -115,14 +115,15 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
     return False if once and mine < (LONELY if checked else LEFT_OVER) else None
 
 
-def verdict(effects: Sequence[NamedEffect], rest: dict[str, Any] | None) -> str:
+def verdict(effects: Sequence[NamedEffect], residual_shape: dict[str, Any] | None) -> str:
     """In one word: the contract's verdicts that need a search."""
     if not effects:
-        return "unlisted" if rest else "no_gap"
-    if rest is not None and (
-        all(e.confidence < SURE for e in effects) or rest["statistic"] > HALF * max(e.statistic for e in effects)
+        return "unlisted" if residual_shape else "no_gap"
+    if residual_shape is not None and (
+        all(e.confidence < SURE for e in effects)
+        or residual_shape["statistic"] > HALF * max(e.statistic for e in effects)
     ):
         return "unlisted"
     if any(e.alternatives or e.confidence < SURE for e in effects):
         return "ambiguous"
-    return "unlisted" if rest is not None else "named"
+    return "unlisted" if residual_shape is not None else "named"

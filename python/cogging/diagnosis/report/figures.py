@@ -10,7 +10,7 @@ import numpy as np
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.events import MOMENTS
 from cogging.diagnosis.residual.shapes import Shape
-from cogging.estimation.residuals import moving_average
+from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def coordinates_figure(gaps: Mapping[str, Series]) -> Figure:
     """The gap against position (each direction), velocity, acceleration, command, time and frequency.
 
     Args:
-        gaps: label -> rows of logs by name: gap (V), counts, time, position, velocity, acceleration, command.
+        gaps: label -> rows of logs by name: gap (V), mask, time, position, velocity, acceleration, command.
     """
     from matplotlib.figure import Figure
 
@@ -67,7 +67,7 @@ def _rows(series: Series, name: str, direction: float = 0.0) -> tuple[FloatArray
     values, gaps, blocks = [], [], []
     offset = 0.0
     for i, gap in enumerate(series["gap"]):
-        kept = np.asarray(series["counts"][i]) > 0
+        kept = np.asarray(series["mask"][i]) > 0
         if direction:
             kept = kept & (direction * np.asarray(series["velocity"][i]) > 0.0)
         block = np.floor((series["time"][i] - series["time"][i][0]) / BLOCK)
@@ -116,7 +116,7 @@ def draw_spectrum(axes: Any, gaps: Mapping[str, Series]) -> None:
     """Amplitude density of the gap of the longest log; rows at rest count as zero."""
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         i = int(np.argmax([len(gap) for gap in series["gap"]]))
-        frequency, density = spectrum(series["time"][i], np.where(series["counts"][i], series["gap"][i], 0.0))
+        frequency, density = spectrum(series["time"][i], np.where(series["mask"][i], series["gap"][i], 0.0))
         axes.loglog(frequency, density, color=colour, linewidth=1.0, label=label)
     axes.set(xlabel="frequency (Hz)", ylabel="gap (V/√Hz)")
 
@@ -149,11 +149,11 @@ def time_figure(gaps: Mapping[str, Series], log: int = 0) -> Figure:
     whole, near = figure.subplots(2, 1)
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         time, gap = series["time"][log] - series["time"][log][0], series["gap"][log]
-        gap = np.where(series["counts"][log], smoothed(gap, time), np.nan)
+        gap = np.where(series["mask"][log], smoothed(gap, time), np.nan)
         few = max(1, len(time) // POINTS)
         middle, low, high = envelope(time, gap, few)
         whole.fill_between(middle, low, high, color=colour, alpha=0.75, linewidth=0.3, label=label)
-        strip = liveliest(series["gap"][log], np.asarray(series["counts"][log]), len(time) // 12)
+        strip = liveliest(series["gap"][log], np.asarray(series["mask"][log]), len(time) // 12)
         near.plot(time[strip], gap[strip], color=colour, linewidth=0.8, label=label)
     whole.set(xlabel="time (s)", ylabel="gap (V)")
     near.set(xlabel="time (s), a twelfth of the log", ylabel="gap (V)")
@@ -166,9 +166,9 @@ def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
     return moving_average(values, round(SMOOTH / float(np.median(np.diff(time)))))
 
 
-def liveliest(gap: FloatArray, counts: Mask, rows: int) -> slice:
+def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
     """A stretch of that many rows in the middle of the log in which the axis moves most of the time."""
-    moving = np.concatenate([[0], np.cumsum(counts > 0)])
+    moving = np.concatenate([[0], np.cumsum(mask > 0)])
     starts = np.arange(0, max(1, len(gap) - rows), max(1, rows // 4))
     share = moving[np.minimum(starts + rows, len(gap))] - moving[starts]
     good = starts[share >= 0.95 * share.max()]

@@ -14,11 +14,11 @@ import numpy as np
 from cogging._core import EFFECTS
 from cogging.diagnosis.report.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnosis.report.words import term_text
-from cogging.diagnosis.residual.events import JUMPS, MOMENTS, SPELLS
-from cogging.estimation.residuals import moving_average
-from cogging.files import to_toml
+from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, MOMENTS
+from cogging.estimation.statistics import moving_average
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
+from cogging.outputs import to_toml
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -148,11 +148,11 @@ def law(name: str) -> str:
     return f"{plain(name.removesuffix('_change'))} of the axis differs from what the model states"
 
 
-def chance_text(log_chance: float) -> str:
+def chance_text(log_p_value: float) -> str:
     """A chance given as its logarithm, in words."""
-    exponent = -log_chance / np.log(10.0)
+    exponent = -log_p_value / np.log(10.0)
     if exponent < 2.0:
-        return f"in {100.0 * np.exp(log_chance):.0f} of 100 logs"
+        return f"in {100.0 * np.exp(log_p_value):.0f} of 100 logs"
     if exponent < 6.0:
         return f"in 1 of {10 ** int(exponent):,} logs"
     return "practically never, in less than 1 of a million logs"
@@ -167,7 +167,7 @@ def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
         "confidence": effect.confidence,
         "deviations": float(np.sqrt(max(effect.statistic, 0.0))),
         "statistic": effect.statistic,
-        "chance": chance_text(effect.log_chance),
+        "chance": chance_text(effect.log_p_value),
         "reasons": reasons,
         "where": where_words(effect.where),
         "alternatives": [{"name": name, "words": plain(name), "law": law(name)} for name in effect.alternatives],
@@ -235,7 +235,7 @@ def _next(result: Diagnosis) -> list[str]:
 def _of_unlisted(coordinate: str) -> str:
     if coordinate == JUMPS:
         return "Readings jump at the moments told: look at the scale, at the encoder's cable, and at the log's clock."
-    if coordinate == SPELLS:
+    if coordinate == FRICTION_INTERVALS:
         return "Friction comes and goes: repeat the motion, and see whether it comes back at the same places or times."
     return (
         f"What no known effect explains depends on {coordinate}: repeat the motion with that alone changed, and see "
@@ -274,7 +274,7 @@ def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
     series = result.series
     if "gap_before" not in series:
         return {}
-    shared = {name: series[name] for name in ("time", "position", "velocity", "counts")}
+    shared = {name: series[name] for name in ("time", "position", "velocity", "mask")}
     # A replayed gap is part of the logged command: against that, noise alone would look like a gain.
     replayed = result.gap.signal.startswith("command")
     shared["command"] = [

@@ -1,4 +1,4 @@
-"""Bursts: spells in which the residual is louder than it is elsewhere at that speed, whatever its form."""
+"""Bursts: intervals in which the residual is louder than it is elsewhere at that speed, whatever its form."""
 
 from __future__ import annotations
 
@@ -64,16 +64,16 @@ def variance_jumps(evidence: Evidence) -> float:
     Against what it is at that speed: where an encoder is coarse, the noise goes with speed.
     """
     power = evidence.free_residual**2
-    counts = evidence.residual != 0.0
+    mask = evidence.residual != 0.0
     speed = np.concatenate([np.abs(source.along.velocity) for source in evidence.sources])
-    edges = np.unique(np.quantile(speed[counts], np.linspace(0.0, 1.0, SPEEDS_OF_ROWS + 1)))
+    edges = np.unique(np.quantile(speed[mask], np.linspace(0.0, 1.0, SPEEDS_OF_ROWS + 1)))
     place = np.clip(np.searchsorted(edges, speed, side="right") - 1, 0, max(len(edges) - 2, 0))
-    rows = np.maximum(np.bincount(place, counts, minlength=SPEEDS_OF_ROWS), 1.0)
-    level = np.maximum(np.bincount(place, power * counts, minlength=SPEEDS_OF_ROWS) / rows, 1.0)
+    rows = np.maximum(np.bincount(place, mask, minlength=SPEEDS_OF_ROWS), 1.0)
+    level = np.maximum(np.bincount(place, power * mask, minlength=SPEEDS_OF_ROWS) / rows, 1.0)
     power = power / level[place]
     worst = 0.0
     for block in range(0, int(evidence.block[-1]) + 1, 3):
-        mine = (evidence.block >= block) & (evidence.block < block + 3) & counts
+        mine = (evidence.block >= block) & (evidence.block < block + 3) & mask
         n = int(mine.sum())
         if n >= 100:
             worst = min(worst, log_survival(float(power[mine].sum()), n))

@@ -13,12 +13,12 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
 from cogging.diagnosis.residual.shapes import Shape
 
-JUMPS, SPELLS = "jumps of the reading over time", "friction in spells of time"
-MOMENTS = (JUMPS, SPELLS)  # coordinates whose places are moments
+JUMPS, FRICTION_INTERVALS = "jumps of the reading over time", "friction in spells of time"
+MOMENTS = (JUMPS, FRICTION_INTERVALS)  # coordinates whose places are moments
 EVENTS_MAX = 12
 SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one
-LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of spells of friction
+LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of intervals of friction
 MEDIAN, HUNDREDTH = 0.4549, 6.635  # of chi-square with one degree of freedom: median, and 99 of 100 are below
 BLOWS = (0.002, 0.006, 0.02, 0.06)  # s, lengths of a force that may be taken for a jump
 COUNTS = 2.0  # of the encoder, that a jump must have: rounding alone makes it one count, now and then
@@ -26,11 +26,11 @@ COUNTS = 2.0  # of the encoder, that a jump must have: rounding alone makes it o
 
 def with_events(evidence: Evidence, found: Sequence[Shape]) -> list[Shape]:
     """Generic shapes and what happens at moments, the likeliest first."""
-    return sorted([*found, *events(evidence)], key=lambda shape: shape.log_chance)
+    return sorted([*found, *events(evidence)], key=lambda shape: shape.log_p_value)
 
 
 def events(evidence: Evidence) -> list[Shape]:
-    """Jumps of the reading and spells of friction, as shapes."""
+    """Jumps of the reading and intervals of other friction, as shapes."""
     forces, readings = [], []
     start = 0
     for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
@@ -40,7 +40,7 @@ def events(evidence: Evidence) -> list[Shape]:
         forces.append(force * np.sign(along.middle_velocity))
         readings.append(reading)
         start += n
-    return [shape for shape in (_jumps(evidence, readings), _spells(evidence, forces)) if shape is not None]
+    return [shape for shape in (_jumps(evidence, readings), _friction_intervals(evidence, forces)) if shape is not None]
 
 
 def level_of(score: FloatArray) -> float:
@@ -67,12 +67,12 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
             score[max(0, row - near) : row + near + 1] = 0.0
     chosen = sorted(chosen, reverse=True)[:EVENTS_MAX]
     found = _told(evidence, chosen, rows)
-    if found is None or found.log_chance > SUSPECTED:
+    if found is None or found.log_p_value > SUSPECTED:
         return found
     return _told(evidence, [one for one in chosen if not _is_blow(evidence, one[1], one[2])], rows)
 
 
-def _told(evidence: Evidence, chosen: Sequence[tuple[float, int, int]], looked: float) -> Shape | None:
+def _told(evidence: Evidence, chosen: Sequence[tuple[float, int, int]], trials: float) -> Shape | None:
     """Jumps in given rows of given logs, as a shape."""
     tables = []
     for number, source in enumerate(evidence.sources):
@@ -83,7 +83,7 @@ def _told(evidence: Evidence, chosen: Sequence[tuple[float, int, int]], looked: 
         tables.append(source.rows_of_readings(evidence.alongs[number], errors, evidence.model.axis.mass))
     times = [evidence.sources[n].log.time[row] - evidence.sources[n].log.time[0] for _, n, row in chosen]
     smallest = COUNTS * evidence.model.encoder.resolution
-    return _best(evidence, JUMPS, tables, times, looked, smallest)
+    return _best(evidence, JUMPS, tables, times, trials, smallest)
 
 
 def _is_blow(evidence: Evidence, number: int, row: int) -> bool:
@@ -104,10 +104,10 @@ def _is_blow(evidence: Evidence, number: int, row: int) -> bool:
     return max(told[1:]) > told[0]
 
 
-def _spells(evidence: Evidence, forces: list[FloatArray]) -> Shape | None:
-    """Spells in which friction is higher or lower: the strongest that do not overlap."""
+def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape | None:
+    """Intervals in which friction is higher or lower: the strongest that do not overlap."""
     found: list[tuple[float, int, int, int]] = []
-    looked = 0.0
+    trials = 0.0
     for number, (source, force) in enumerate(zip(evidence.sources, forces, strict=True)):
         total = np.concatenate([[0.0], np.cumsum(force * source.counts)])
         for seconds in LENGTHS:
@@ -118,7 +118,7 @@ def _spells(evidence: Evidence, forces: list[FloatArray]) -> Shape | None:
             level = level_of(score[score > 0.0])
             if level <= 0.0:
                 continue
-            looked += float(source.counts.sum()) / length
+            trials += float(source.counts.sum()) / length
             for _ in range(EVENTS_MAX):
                 row = int(np.argmax(score))
                 if score[row] <= 4.0 * level:
@@ -143,7 +143,7 @@ def _spells(evidence: Evidence, forces: list[FloatArray]) -> Shape | None:
         evidence.sources[n].log.time[row + length // 2] - evidence.sources[n].log.time[0]
         for _, n, row, length in chosen
     ]
-    return _best(evidence, SPELLS, tables, times, looked)
+    return _best(evidence, FRICTION_INTERVALS, tables, times, trials)
 
 
 def _best(
@@ -151,7 +151,7 @@ def _best(
     coordinate: str,
     tables: list[FloatArray],
     times: list[float],
-    looked: float,
+    trials: float,
     smallest: float = 0.0,
 ) -> Shape | None:
     """As many of the events, the strongest first, as are the least likely to be noise; none below the smallest."""
@@ -165,8 +165,8 @@ def _best(
         if test.freedom == 0:
             continue
         value = min(test.statistic, evidence.bounded(test))
-        chance = log_survival(value, test.freedom) + log_choices(looked, count) + float(np.log(EVENTS_MAX))
-        if best is None or chance < best.log_chance:
+        chance = log_survival(value, test.freedom) + log_choices(trials, count) + float(np.log(EVENTS_MAX))
+        if best is None or chance < best.log_p_value:
             order = np.argsort(times[:count])
             best = Shape(
                 coordinate,

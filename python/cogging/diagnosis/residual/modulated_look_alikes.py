@@ -16,7 +16,7 @@ from cogging.diagnosis.candidates.waves import Gain, is_spatial_wave, peaks
 from cogging.diagnosis.evidence.evidence import Evidence, Test, cosine
 from cogging.diagnosis.residual.shapes import Shape
 
-ALIKE = 0.5  # cosine between what a twin explains and what the finding does: else it is another effect
+ALIKE = 0.5  # cosine between what a look-alike explains and what the finding does: else it is another effect
 PEAKS = 4  # of each kind's spectrum
 PHASES = 8  # places in a period
 
@@ -31,17 +31,17 @@ def kinds(evidence: Evidence) -> dict[str, Gain]:
     }
 
 
-def twins(evidence: Evidence, finding: Finding) -> list[Shape]:
+def modulated_look_alikes(evidence: Evidence, finding: Finding) -> list[Shape]:
     """The best wave for each thing that it may go with, where it explains much the same as a finding.
 
-    Its T is on the finding's own scale: that of the finding, and by how much more or less the twin explains against the
-    same noise. None of what is no force along the travel.
+    Its T is on the finding's own scale: that of the finding, and by how much more or less the look-alike explains
+    against the same noise. None of what is no force along the travel.
     """
     effect = EFFECTS[finding.name]
     if not is_spatial_wave(effect) or "reading" in effect.HOOKS:
         return []
     quiet = cleaned(evidence, finding)
-    same = judged(quiet, [finding.candidate], finding.looked)
+    same = judged(quiet, [finding.candidate], finding.trials)
     if not same:
         return []
     power = max(float(quiet.free_residual @ quiet.free_residual), 1e-300)

@@ -12,7 +12,8 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Test
 from cogging.diagnosis.evidence.log_p_value import log_survival
-from cogging.estimation.residuals import Innovations, quiet_plant
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
 PHASES = 8  # places in a pitch
@@ -32,7 +33,7 @@ class Shape:
         places: where the shape is told, in the coordinate, (m,).
         force: V, the force that the model lacks there, (p,); for `position` first forward, then backward.
         deviation: 1-sigma of each, (p,).
-        log_chance: ln of the chance that noise alone shows as much in any of the coordinates.
+        log_p_value: ln of the probability that noise alone shows as much in any of the coordinates.
         share: of the whitened residual's power below 60 Hz that it explains.
     """
 
@@ -42,7 +43,7 @@ class Shape:
     places: FloatArray
     force: FloatArray
     deviation: FloatArray
-    log_chance: float
+    log_p_value: float
     share: float
 
     @property
@@ -140,14 +141,14 @@ def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = 
             if name not in usual or (plain and not is_answered(name)):
                 tables.setdefault(name, []).append(source.rows_of_forces(along, columns, model.axis.mass))
     power = low_power(evidence)
-    _ = evidence.excess, evidence.freedom  # made here once, not by every thread
+    _ = evidence.overdispersion, evidence.freedom  # made here once, not by every thread
 
     def shape(name: str) -> Shape | None:
         parts = tables[name]
         # Each log has its own places, but equally many unless a direction is missing.
         if len({len(part) for part in parts}) != 1:
             return None
-        amplitudes, share = evidence.of_the_gap(parts) if plain and not is_answered(name) else (np.empty(0), 0.0)
+        amplitudes, share = evidence.unwhitened_fit(parts) if plain and not is_answered(name) else (np.empty(0), 0.0)
         if name in usual and share <= PLAIN:
             return usual[name]
         first = evidence.test(evidence.whitened(parts))
@@ -176,7 +177,7 @@ def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         found = [one for one in threads.map(shape, tables) if one is not None]
     found += [one for one in known if one.coordinate not in tables]
-    return sorted(found, key=lambda one: one.log_chance)
+    return sorted(found, key=lambda one: one.log_p_value)
 
 
 def is_answered(coordinate: str) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
-from cogging.diagnosis.candidates.intervals import is_spell
+from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.scan import Finding
 from cogging.diagnosis.candidates.signatures import place, tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
@@ -22,7 +22,7 @@ from cogging.model.parameters import effect_paths
 
 PLACES, SHIFTS = 2000, 97  # along the travel, and of one cogging against another
 SHIFTED = 1.0 / 12.0  # of the longest period, from which the zeros differ
-INFORMATIVE = 10.0  # lambda that the confirm logs must be able to show, for their silence to count
+INFORMATIVE = 10.0  # noncentrality from which the silence of the confirm logs counts against an effect
 
 
 @dataclass(frozen=True)
@@ -30,36 +30,36 @@ class Confirmation:
     """An effect with frozen amplitudes on motion that had no part in the choice.
 
     Attributes:
-        foreseen: lambda that this motion can show.
-        ratio: of what it shows over what was foreseen, 1 where the effect is right.
-        gain: of 2 ln likelihood.
-        turn: rad, by which a wave had to be turned: the logs' zeros of position or time differ.
+        noncentrality: lambda, the expected T less its degrees of freedom on this motion if the effect is right.
+        ratio: effect shown by this motion over effect expected, 1 where the effect is right.
+        gain: increase of 2 ln likelihood.
+        turn: angle (rad) by which a wave had to be turned, since the logs' zeros of position or time differ.
     """
 
-    foreseen: float
+    noncentrality: float
     ratio: float
     gain: float
     turn: float = 0.0
 
     @property
     def deviation(self) -> float:
-        """1-sigma of the ratio, 0.15 at least for amplitudes that are estimates themselves."""
-        return float(np.hypot(1.0 / np.sqrt(max(self.foreseen, 1e-9)), 0.15))
+        """1-sigma of the ratio; at least 0.15, since the amplitudes are estimates themselves."""
+        return float(np.hypot(1.0 / np.sqrt(max(self.noncentrality, 1e-9)), 0.15))
 
     @property
     def refuted(self) -> bool:
-        """Whether the other motion speaks against it: it shows far less or more than foreseen, or is worse off."""
-        far = (3.0 if self.ratio < 1.0 else 10.0) * self.deviation  # more than foreseen may be a shape not quite right
-        return self.foreseen >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
+        """Whether the other motion speaks against it: it shows far less or more than expected, or fits worse."""
+        far = (3.0 if self.ratio < 1.0 else 10.0) * self.deviation  # more than expected may be a shape not quite right
+        return self.noncentrality >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
 
     @property
     def shown(self) -> float:
-        """T that this motion shows of the effect, chi-square with one degree of freedom where there is none."""
-        return self.ratio**2 * self.foreseen
+        """T of the effect on this motion, chi-square with one degree of freedom where there is no effect."""
+        return self.ratio**2 * self.noncentrality
 
     @property
-    def log_chance(self) -> float:
-        """ln of the chance that noise alone shows as much of it, or more; 0 where the other motion does not show it."""
+    def log_p_value(self) -> float:
+        """ln of the probability that noise alone shows as much or more; 0 where the other motion does not show it."""
         if not self.confirmed:
             return 0.0
         if self.turn:
@@ -69,13 +69,13 @@ class Confirmation:
     @property
     def confirmed(self) -> bool:
         """Whether the other motion shows it."""
-        return self.foreseen >= INFORMATIVE and not self.refuted
+        return self.noncentrality >= INFORMATIVE and not self.refuted
 
 
 def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str], *, quick: bool = False) -> Evidence:
     """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
 
-    Effects that the given model has are re-tuned too: they may have stood in for what was added.
+    Effects that the given model has are re-tuned too: they may have masked what was added.
 
     Args:
         logs: the other logs.
@@ -126,16 +126,16 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         if turn:
             rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
             amplitudes = rotation @ amplitudes
-        foreseen = amplitudes @ columns
-        size = float(foreseen @ foreseen) / evidence.excess
-        if size <= 0.0:
+        predicted = amplitudes @ columns
+        noncentrality = float(predicted @ predicted) / evidence.overdispersion
+        if noncentrality <= 0.0:
             continue
-        score = -float(foreseen @ evidence.free_residual) / evidence.excess
-        gain = 2.0 * score - size - (0.0 if turn == 0.0 else 4.0)
+        score = -float(predicted @ evidence.free_residual) / evidence.overdispersion
+        gain = 2.0 * score - noncentrality - (0.0 if turn == 0.0 else 4.0)
         if gain > best.gain:
-            best = Confirmation(size, score / size, gain, float(turn))
+            best = Confirmation(noncentrality, score / noncentrality, gain, float(turn))
     if not np.isfinite(best.gain):
         return Confirmation(0.0, 0.0, 0.0)
-    if best.refuted and is_spell(EFFECTS[finding.name]):  # what happened once need not happen again
+    if best.refuted and acts_in_interval(EFFECTS[finding.name]):  # what happened once need not happen again
         return Confirmation(0.0, 0.0, min(best.gain, 0.0))
     return best

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
-from cogging.diagnosis.discrepancy import gaps, source_of
+from cogging.diagnosis.discrepancy import discrepancies, source_of
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.search import PAYS, Search
 from cogging.logs.log import Log
@@ -21,28 +21,28 @@ class NoTerm(ValueError):
 
 
 def with_term(
-    found: Search, rest: dict[str, Any], model: Model, logs: Sequence[Log], others: Sequence[Log]
+    found: Search, residual_shape: dict[str, Any], model: Model, logs: Sequence[Log], others: Sequence[Log]
 ) -> tuple[Model, dict[str, Any]]:
-    """The model with a force at the nodes at which the rest is told, refitted, and what it makes of the gap.
+    """The model with a force at the nodes of the residual shape, refitted, and what it makes of the gap.
 
     Args:
         found: the search.
-        rest: what no effect explains (verdict.unlisted).
+        residual_shape: what no effect explains (verdict.unlisted).
         model: with all that was named.
         logs, others: given, and to confirm.
 
     Raises:
         NoTerm: no term has this coordinate, or it does not pay on the other motion.
     """
-    coordinate = str(rest["coordinate"])
+    coordinate = str(residual_shape["coordinate"])
     nodes, forces = f"{coordinate}_nodes", f"{coordinate}_forces"
     laws = [law for law in EFFECTS.values() if {nodes, forces} <= set(law.FIELDS)]
     if not laws:
         raise NoTerm(f"no empirical term is a function of {coordinate}: it is described, not added")
-    if "places" not in rest:
+    if "places" not in residual_shape:
         raise NoTerm("no empirical term stands for bursts: they are described, not added")
-    places = np.asarray(rest["places"], dtype=float)
-    shape = np.asarray(rest["force"], dtype=float)
+    places = np.asarray(residual_shape["places"], dtype=float)
+    shape = np.asarray(residual_shape["force"], dtype=float)
     if len(shape) == 2 * len(places):  # told apart by direction, of which the term knows nothing
         shape = shape.reshape(2, -1).mean(axis=0)
     term = laws[0](**{nodes: places.tolist(), forces: np.nan_to_num(shape).tolist()})
@@ -51,8 +51,8 @@ def with_term(
     own = [path for path in parameters_of(larger) if path.startswith(f"{prefix}.{forces}[")]
     try:
         tuned = with_levels(larger, [*found.nominal.paths, *own], [source_of(log, found.nominal.model) for log in logs])
-        before, after = (gap.rms for gap in gaps(logs, [model, tuned], replay=False))
-        elsewhere = [gap.rms for gap in gaps(others, [model, tuned], replay=False)] if others else None
+        before, after = (gap.rms for gap in discrepancies(logs, [model, tuned], replay=False))
+        elsewhere = [gap.rms for gap in discrepancies(others, [model, tuned], replay=False)] if others else None
     except (DivergedError, ValueError) as error:
         raise NoTerm(f"the model with an empirical term cannot be fitted: {error}") from None
     if after > before or (elsewhere is not None and elsewhere[1] > PAYS * elsewhere[0]):

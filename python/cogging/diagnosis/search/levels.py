@@ -8,8 +8,9 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.evidence.null import width_floor
-from cogging.estimation.gauss_newton import columns_of, least_squares
-from cogging.estimation.residuals import Innovations
+from cogging.estimation.gauss_newton import columns_of
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.statistics import least_squares
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
 
@@ -26,20 +27,20 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
     paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
     floors = width_floor(sources)
-    counts = [source.counts > 0 for source in sources]
-    if not paths or not any(rows.any() for rows in counts):
+    masks = [source.counts > 0 for source in sources]
+    if not paths or not any(rows.any() for rows in masks):
         return model
 
     def gap(one: Model) -> float:
-        return sum(float(np.sum(s.of([one])[0, rows] ** 2)) for s, rows in zip(sources, counts, strict=True))
+        return sum(float(np.sum(s.of([one])[0, rows] ** 2)) for s, rows in zip(sources, masks, strict=True))
 
     best = gap(model)
     for _ in range(ITERATIONS):
         known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, sources, scales)
-        right = np.concatenate([r[rows] for r, rows in zip(residuals, counts, strict=True)])
-        table = np.concatenate([c[:, rows] for c, rows in zip(columns, counts, strict=True)], axis=1)
+        right = np.concatenate([r[rows] for r, rows in zip(residuals, masks, strict=True)])
+        table = np.concatenate([c[:, rows] for c, rows in zip(columns, masks, strict=True)], axis=1)
         step = -least_squares(table, right)
         for halving in range(HALVINGS):
             values = {

@@ -20,7 +20,7 @@ def placebos(found: Search) -> tuple[Placebo, ...]:
     named = {added.finding.name for added in found.added}
     chosen: list[Finding] = []
     for finding in sorted(found.unused, key=lambda one: -one.test.statistic):
-        if finding.name in named or finding.log_chance < SUSPECTED:
+        if finding.name in named or finding.log_p_value < SUSPECTED:
             continue
         if any(alike(finding, other) > DISTINCT for other in chosen):
             continue

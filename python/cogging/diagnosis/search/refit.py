@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cogging.diagnosis.candidates.intervals import is_spell
+from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.scan import Finding, in_range
 from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.evidence import Evidence
@@ -65,7 +65,7 @@ def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], di
 
 def is_held(effect: Any, role: dict[str, Any]) -> bool:
     """Whether a fit leaves a parameter where the scan found it: an exponent, or an edge in time."""
-    return role["quantity"] == "exponent" or (role["quantity"] == "time" and is_spell(effect))
+    return role["quantity"] == "exponent" or (role["quantity"] == "time" and acts_in_interval(effect))
 
 
 def shape_paths(model: Model) -> set[str]:

@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
-from cogging.diagnosis.candidates.intervals import is_spell
+from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.map_errors import freed, map_error
 from cogging.diagnosis.candidates.scan import Finding, cleaned, judged, profiled, scan
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
-from cogging.diagnosis.discrepancy import follows, gaps
-from cogging.diagnosis.discrepancy import source_of as gap_source
+from cogging.diagnosis.discrepancy import discrepancies, follows
+from cogging.diagnosis.discrepancy import source_of as discrepancy_source
 from cogging.diagnosis.evidence.evidence import Evidence, cosine, gather
 from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.residual.events import with_events
-from cogging.diagnosis.residual.modulated_look_alikes import twins
+from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
 from cogging.diagnosis.search.confirmation import INFORMATIVE, Confirmation, confirmation, retuned
 from cogging.diagnosis.search.levels import with_levels
@@ -34,7 +34,7 @@ HINTED = -3.0  # the same, from which the confirm logs are asked
 POSSIBLE = -1.5  # the same, from which a rival counts
 JOINT = -15.0  # the same for both logs together, where that alone is not enough
 UNSHOWN = -20.0  # the same for what the confirm logs cannot show
-SLIPPERY = -60.0  # the same for a level of friction or a spell of force: odd friction near rest looks like them
+SLIPPERY = -60.0  # the same for a level of friction or a force in an interval: odd friction near rest looks like them
 LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
 NEAR_BEST = -5.0  # the same for a rival of what stands by itself
 RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
@@ -83,7 +83,8 @@ class Search:
         tuned: the nominal model with levels tuned to its gap (with_levels).
         estimate: fit with all that was added, and its evidence.
         added, refused: effects in the order in which they were tried; the refused with the reason.
-        first_shapes, left: generic shapes, and events, of what is missing in the nominal and in the last model.
+        nominal_shapes: generic shapes, and events, of what is missing in the nominal model.
+        residual_shapes: the same of the last model.
         unused: the last scan, of which nothing was added.
         confirm_evidence: the confirm logs under the last model, None without.
     """
@@ -95,8 +96,8 @@ class Search:
     evidence: Evidence
     added: list[Added]
     refused: list[tuple[Finding, str]]
-    first_shapes: list[Shape]
-    left: list[Shape]
+    nominal_shapes: list[Shape]
+    residual_shapes: list[Shape]
     unused: list[Finding]
     confirm_evidence: Evidence | None
 
@@ -134,7 +135,7 @@ def search(
             return None
 
     confirm_evidence = elsewhere()
-    levels = [gap_source(log, nominal.model) for log in logs]
+    levels = [discrepancy_source(log, nominal.model) for log in logs]
     tuned_nominal = tuned_before = with_levels(nominal.model, nominal.paths, levels)
     by_loop: bool | None = None
     added: list[Added] = []
@@ -150,9 +151,9 @@ def search(
         first_shapes = first_shapes or with_events(evidence, left)
         # A strong effect in the residual is taken for noise by the filters: look again without the best explanation.
         best = max(findings, key=lambda f: f.score, default=None)
-        if best is not None and best.log_chance < 0.6 * DETECTED:
+        if best is not None and best.log_p_value < 0.6 * DETECTED:
             raw, evidence = evidence, cleaned(evidence, best)
-            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_chance < POSSIBLE}
+            near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_p_value < POSSIBLE}
             sharper, still_faint = told_apart(profiled(raw, scan(evidence, sorted(near))))
             findings = [*sharper, *(f for f in findings if f.name not in near)]
             faint = [*still_faint, *(f for f in faint if f.name not in near)]
@@ -172,7 +173,7 @@ def search(
         other_power = low_power(confirm_evidence) if confirm_evidence is not None else 0.0
         worth = worths(estimate, evidence, findings)
         for finding in sorted(findings, key=lambda f: -worth.get(f.name, f.score if not worth else 0.0)):
-            if finding.log_chance > (HINTED if confirm else DETECTED) or finding.name in barred:
+            if finding.log_p_value > (HINTED if confirm else DETECTED) or finding.name in barred:
                 continue
             if is_rounding(finding, faint):
                 continue
@@ -184,8 +185,8 @@ def search(
             if check is not None and check.refuted:
                 refused.append((finding, f"other motion shows {check.ratio:.2f} of what was foreseen"))
                 continue
-            if check is not None and check.foreseen < INFORMATIVE and finding.log_chance > needed(finding):
-                refused.append((finding, f"the other motion cannot show it (lambda {check.foreseen:.1f})"))
+            if check is not None and check.noncentrality < INFORMATIVE and finding.log_p_value > needed(finding):
+                refused.append((finding, f"the other motion cannot show it (lambda {check.noncentrality:.1f})"))
                 continue
             if check is None or check.confirmed:
                 step = (finding, check)
@@ -206,7 +207,7 @@ def search(
         if confirm and (check is None or check.turn == 0.0):
             kept = with_levels_of(tuned_before, fitted.model, nominal.paths)
             if by_loop is None:
-                by_loop = replay and follows(gaps(logs, [tuned_nominal], replay=True)[0], logs, tuned_nominal)
+                by_loop = replay and follows(discrepancies(logs, [tuned_nominal], replay=True)[0], logs, tuned_nominal)
             tuned_or_none, growth = that_pays(logs, confirm, tuned_before, tuned, kept, by_loop)
             if tuned_or_none is None:
                 refused.append((chosen, growth))
@@ -217,7 +218,9 @@ def search(
         or_map = wrong_map is not None and wrong_map.rivals(
             step_rivals[0].score, max(2.0 * RIVAL, FORM * wrong_map.statistic)
         )
-        added.append(Added(chosen, step_rivals, [*left, *twins(evidence, chosen)], check, tuned, or_map))
+        added.append(
+            Added(chosen, step_rivals, [*left, *modulated_look_alikes(evidence, chosen)], check, tuned, or_map)
+        )
         evidence = gather(estimate, evidence.sources, memory=evidence.memory)
         confirm_evidence = elsewhere()
     known = left if evidence is looked_at else ()
@@ -255,9 +258,9 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
         check: on the other motion.
         power, other_power: of the residuals below 60 Hz, of the logs and of the other motion (low_power).
     """
-    if finding.log_chance <= DETECTED:
+    if finding.log_p_value <= DETECTED:
         return finding.test.statistic >= WORTH * power
-    if check is None or finding.log_chance + check.log_chance > JOINT:
+    if check is None or finding.log_p_value + check.log_p_value > JOINT:
         return False
     return check.shown >= WORTH * other_power
 
@@ -265,7 +268,7 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
 def needed(finding: Finding) -> float:
     """ln of the chance by which an effect must stand out where the confirm logs cannot show it."""
     effect = EFFECTS[finding.name]
-    return SLIPPERY if is_spell(effect) or "friction_level" in effect.HOOKS else UNSHOWN
+    return SLIPPERY if acts_in_interval(effect) or "friction_level" in effect.HOOKS else UNSHOWN
 
 
 def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
@@ -283,11 +286,11 @@ def that_pays(
     then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the replayed
     loop where it is asked for (`replay`) and can be had.
     """
-    other = gaps(confirm, [before, tuned, kept], replay=replay)
+    other = discrepancies(confirm, [before, tuned, kept], replay=replay)
     if other[1].rms <= PAYS * other[0].rms:
         return tuned, ""
     if other[2].rms < other[0].rms:
-        own = gaps(logs, [before, kept], replay=replay)
+        own = discrepancies(logs, [before, kept], replay=replay)
         if own[1].rms <= PAYS * own[0].rms:
             return kept, ""
     return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"
@@ -303,7 +306,7 @@ def worths(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) 
     plain = gather(estimate, evidence.sources, memory=evidence.memory, plain=True)
     worth = {}
     for finding in findings:
-        if finding.log_chance < DETECTED:
+        if finding.log_p_value < DETECTED:
             again = judged(plain, [finding.candidate], 1.0)
             worth[finding.name] = again[0].test.statistic if again else 0.0
     return worth
@@ -323,12 +326,12 @@ def choose(
     One that was refused because it does not pay (`unpaid`) is not chosen again, but what comes in its place may be it.
     """
     reach = max(REACH, FORM * best.test.statistic)
-    seen = NEAR_BEST if best.log_chance < DETECTED else POSSIBLE
+    seen = NEAR_BEST if best.log_p_value < DETECTED else POSSIBLE
     near = [
         f
         for f in findings
         if f is best
-        or (f.score > best.score - reach and f.name not in barred and f.log_chance < seen and alike(f, best) > LIKE)
+        or (f.score > best.score - reach and f.name not in barred and f.log_p_value < seen and alike(f, best) > LIKE)
     ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from cogging._core import CoggingModel, Plant, PointToPoint
 from cogging.arrays import FloatArray
-from cogging.files import to_toml, write_text
+from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.lu2008.reproduce import (
     AXES,

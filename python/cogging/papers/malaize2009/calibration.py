@@ -15,7 +15,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.design.observer import design_observer
-from cogging.files import to_toml, write_text
+from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, accuracy, pid, plant, problem, run
 from cogging_command import run_command

@@ -29,8 +29,8 @@ from cogging._core import (
     closed_loop,
 )
 from cogging.design.observer import ObserverDesign, design_observer, largest_decay_rate
-from cogging.files import write_bytes
 from cogging.logs.log import Log
+from cogging.outputs import write_bytes
 from cogging.papers.malaize2009.setup import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
 from cogging_command import run_command
 

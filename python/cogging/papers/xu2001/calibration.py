@@ -15,7 +15,7 @@ import numpy as np
 
 from cogging._core import DivergedError, Pid
 from cogging.arrays import FloatArray
-from cogging.files import to_toml, write_text
+from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.xu2001.setup import INDEXES, SETS, TABLE_1, Unknowns, indexes, pid_parameters, run, to_dict
 from cogging_command import run_command

@@ -29,9 +29,9 @@ from cogging._core import (
     closed_loop,
 )
 from cogging.arrays import FloatArray
-from cogging.files import write_bytes
 from cogging.logs.log import Log
 from cogging.model.model import Controller
+from cogging.outputs import write_bytes
 from cogging.papers.xu2001.setup import (
     DURATION,
     INDEXES,

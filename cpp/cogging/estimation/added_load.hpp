@@ -15,9 +15,9 @@
 #include <span>
 #include <vector>
 
+#include "cogging/estimation/observer_loop.hpp"
 #include "cogging/plant/axis.hpp"
 #include "cogging/plant/coupling.hpp"
-#include "cogging/simulation/observer_loop.hpp"
 
 namespace cogging {
 

@@ -8,10 +8,10 @@
 #include <variant>
 #include <vector>
 
-#include "cogging/simulation/added_force.hpp"
-#include "cogging/simulation/added_load.hpp"
+#include "cogging/estimation/added_force.hpp"
+#include "cogging/estimation/added_load.hpp"
+#include "cogging/estimation/observer_loop.hpp"
 #include "cogging/simulation/batch.hpp"
-#include "cogging/simulation/observer_loop.hpp"
 
 namespace cogging {
 
@@ -26,19 +26,17 @@ inline bool friction_decides(const CouplingParameters& coupling, const AxisParam
 /// Whether what an effect adds to a plant can be told along the plant's prediction: forces, a command and a load of
 /// its own can, a bristle and errors of the reading cannot, nor what has a memory beside a bristle or a load.
 inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect) {
-  bool has_states = false;
-  for (const Effect<double>& other : plant.effects)
-    std::visit([&]<class E>(const E&) { has_states = has_states || HasBristle<E> || HasCoupling<E>; }, other);
-  return std::visit(
-      [&]<class E>(const E& law) {
-        if constexpr (HasCoupling<E>)
-          if (friction_decides(law.coupling(), plant.axis)) return false;
-        if constexpr (HasBristle<E> || HasReading<E, double>)
-          return false;
-        else
-          return !(has_states && (alters_command<E> || HasCoupling<E>));
-      },
-      effect);
+  bool has_states = false, addable = true;
+  for_each_law(plant.effects, [&](const HasState auto&) { has_states = true; });
+  visit_law(effect, [&](const HasCoupling auto& law) {
+    if (has_states || friction_decides(law.coupling(), plant.axis)) addable = false;
+  });
+  visit_law(effect, [&](const AltersCommand auto&) {
+    if (has_states) addable = false;
+  });
+  visit_law(effect, [&](const HasBristle auto&) { addable = false; });
+  visit_law(effect, [&](const HasReading<double> auto&) { addable = false; });
+  return addable;
 }
 
 /// What each effect adds to the innovations of a plant, m, per size of it: one row of the log's length an effect.
@@ -74,16 +72,12 @@ inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, 
     const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity, loop.stop());
     run_batch(loads.size(), threads, loop.stop(), [&](std::size_t job) {
       const std::size_t effect = loads[job];
-      std::visit(
-          [&]<class E>(const E& law) {
-            if constexpr (HasCoupling<E>) {
-              const CouplingParameters coupling = law.coupling();
-              double* out = innovation.data() + effect * rows;
-              if (!coupling.rigid()) pass_load(coupling, plant.axis, loop, along.slope_velocity, force, out);
-              for (std::size_t k = 0; k < rows; ++k) out[k] /= sizes[effect];
-            }
-          },
-          effects[effect]);
+      visit_law(effects[effect], [&](const HasCoupling auto& law) {
+        const CouplingParameters coupling = law.coupling();
+        double* out = innovation.data() + effect * rows;
+        if (!coupling.rigid()) pass_load(coupling, plant.axis, loop, along.slope_velocity, force, out);
+        for (std::size_t k = 0; k < rows; ++k) out[k] /= sizes[effect];
+      });
     });
   }
   return innovation;

@@ -1,4 +1,4 @@
-"""What the package gave when golden_values.json was written; `python tests/golden.py small` rewrites that file.
+"""What the package gave when values.json was written; `python -m tests.golden.small` rewrites that file.
 
 Figures are compared within 1e-9, since another compiler may round another last bit.
 """
@@ -8,8 +8,8 @@ import json
 
 import pytest
 
-import golden_small
-from golden_comparison import compare
+from tests.golden import small as golden_small
+from tests.golden.comparison import compare
 
 VALUES = json.loads(golden_small.FILE.read_text())
 

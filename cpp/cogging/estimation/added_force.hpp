@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
+#include "cogging/estimation/prediction.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/plant/recorded_amplifier.hpp"
-#include "cogging/simulation/prediction.hpp"
 
 namespace cogging {
 
 /// Whether an effect changes what reaches the motor: by shape, delay or lag.
 template <class E>
-inline constexpr bool alters_command = HasShapeCommand<E, double> || HasCommandDelay<E> || HasLag<E>;
+concept AltersCommand = HasShapeCommand<E, double> || HasCommandDelay<E> || HasLag<E>;
 
 class AddedForce {
  public:
@@ -42,26 +42,28 @@ class AddedForce {
   /// ObserverLoop::pass) how early in each interval it does; both per `size` of it.
   void add(Effect<double> effect, double size, std::span<double> force, std::span<double> excess) const {
     const double share = 1.0 / size;
-    StopCheck check(stop_);
-    std::visit(
-        [&]<class E>(E& law) {
-          if constexpr (HasBind<E>) law.bind(context_);
-          for (std::size_t k = 0; k < rows_.size(); ++k) {
-            check.row();
-            [[maybe_unused]] const Row& row = rows_[k];
-            double sum = 0.0;
-            if constexpr (HasForce<E, double>) sum += law.force(row.motion);
-            if constexpr (HasFrictionLevel<E, double>)  // friction never pushes
-              sum -= (std::max(row.friction_level + law.friction_level(row.motion), 0.0) -
-                      std::max(row.friction_level, 0.0)) *
-                     row.motion.direction;
-            if constexpr (HasCommandGain<E, double>)
-              sum += law.command_gain(row.motion.position, row.motion.time) * row.acting.mean;
-            force[k] += sum * share;
-          }
-          if constexpr (alters_command<E>) add_command(effect, share, force, excess);
-        },
-        effect);
+    visit_law(effect, [&](HasBind auto& law) { law.bind(context_); });
+    const auto add_pushes = [&](const auto& push) {  // push(row), V
+      StopCheck check(stop_);
+      for (std::size_t k = 0; k < rows_.size(); ++k) {
+        check.row();
+        force[k] += push(rows_[k]) * share;
+      }
+    };
+    visit_law(effect, [&](const HasForce<double> auto& law) {
+      add_pushes([&](const Row& row) { return law.force(row.motion); });
+    });
+    visit_law(effect, [&](const HasFrictionLevel<double> auto& law) {
+      add_pushes([&](const Row& row) {  // friction never pushes
+        const double level = std::max(row.friction_level + law.friction_level(row.motion), 0.0);
+        return -(level - std::max(row.friction_level, 0.0)) * row.motion.direction;
+      });
+    });
+    visit_law(effect, [&](const HasCommandGain<double> auto& law) {
+      add_pushes(
+          [&](const Row& row) { return law.command_gain(row.motion.position, row.motion.time) * row.acting.mean; });
+    });
+    visit_law(effect, [&](const AltersCommand auto&) { add_command(effect, share, force, excess); });
     force.back() = force[force.size() - 2];
   }
 

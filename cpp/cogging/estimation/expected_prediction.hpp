@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "cogging/simulation/added_effect.hpp"
-#include "cogging/simulation/prediction.hpp"
+#include "cogging/estimation/added_effect.hpp"
+#include "cogging/estimation/prediction.hpp"
 
 namespace cogging {
 
@@ -20,14 +20,9 @@ namespace cogging {
 inline Prediction expected_prediction(const Plant<double>& plant, const Recording& log,
                                       const PredictionOptions& options, bool with_slopes) {
   const auto has_play = [](const Effect<double>& effect) {
-    return std::visit(
-        []<class E>(const E& law) {
-          if constexpr (HasPlay<E>)
-            return !law.coupling().rigid();
-          else
-            return false;
-        },
-        effect);
+    bool loose = false;
+    visit_law(effect, [&](const HasPlay auto& law) { loose = !law.coupling().rigid(); });
+    return loose;
   };
   const auto loose = std::find_if(plant.effects.begin(), plant.effects.end(), has_play);
   if (loose == plant.effects.end()) return predict(plant, log, options, with_slopes);
@@ -45,11 +40,7 @@ inline Prediction expected_prediction(const Plant<double>& plant, const Recordin
   Prediction result;
   for (const double share : play_shares) {
     Plant<double> other = plant;
-    std::visit(
-        [share]<class E>(E& law) {
-          if constexpr (HasPlay<E>) law.gap *= share;
-        },
-        other.effects[static_cast<std::size_t>(place)]);
+    visit_law(other.effects[static_cast<std::size_t>(place)], [share](HasPlay auto& law) { law.gap *= share; });
     const bool first = result.innovation.empty();
     Prediction one = predict(other, log, options, with_slopes && first);
     if (first) {

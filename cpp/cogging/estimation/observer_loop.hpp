@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "cogging/estimation/prediction.hpp"
 #include "cogging/simulation/batch.hpp"
-#include "cogging/simulation/prediction.hpp"
 
 namespace cogging {
 

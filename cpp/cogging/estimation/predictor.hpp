@@ -1,0 +1,140 @@
+#pragma once
+// A log held for many predictions along it: innovations of plants, and what small changes add to them.
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cogging/estimation/added_effect.hpp"
+#include "cogging/estimation/expected_prediction.hpp"
+#include "cogging/estimation/observer_loop.hpp"
+#include "cogging/estimation/prediction.hpp"
+#include "cogging/simulation/batch.hpp"
+
+namespace cogging {
+
+/// One step ahead along a log: a plant is driven by the recorded command and held to the recorded position by an
+/// observer; the innovation (m) is what the plant did not foresee.
+///
+/// Tables have one row for each plant, force or effect and one entry a row of the log. Each call may be given a stop
+/// request; it then throws Interrupted where that asks for it. `threads` as in run_batch.
+class Predictor {
+ public:
+  /// time (s, strictly increasing), position (m) and command (V) of every row.
+  ///
+  /// Raises std::invalid_argument for columns of different lengths, time that does not increase, a NaN or an infinity
+  /// in one of them, options that are out of range.
+  Predictor(std::vector<double> time, std::vector<double> position, std::vector<double> command,
+            const PredictionOptions& options = {})
+      : time_(std::move(time)), position_(std::move(position)), command_(std::move(command)), options_(options) {
+    require(position_.size() == rows(), "position", "must be as long as time", static_cast<double>(position_.size()));
+    require(command_.size() == rows(), "command", "must be as long as time", static_cast<double>(command_.size()));
+    require(rows() >= 2, "time", "must have at least 2 rows", static_cast<double>(rows()));
+    require_positive("bandwidth", options.bandwidth);
+    require_positive("gap", options.gap);
+    require_finite("initial_velocity", options.initial_velocity);
+    require(options.steps_per_sample >= 1 && options.steps_per_sample <= 1000, "steps_per_sample",
+            "must be from 1 to 1000", options.steps_per_sample);
+    require_finite("time", time_);
+    require_finite("position", position_);
+    require_finite("command", command_);
+    for (std::size_t k = 1; k < rows(); ++k)
+      require(time_[k] > time_[k - 1], "time", "must be strictly increasing", time_[k]);
+  }
+
+  std::size_t rows() const { return time_.size(); }
+  Recording log() const { return {time_, position_, command_}; }
+
+  /// The prediction along the log, with slopes.
+  Prediction predict(const Plant<double>& plant, StopRequest* stop = nullptr) const {
+    return expected_prediction(plant, log(), options(stop), true);
+  }
+
+  /// Innovations of many plants, m: (plants, rows).
+  std::vector<double> innovations(const std::vector<Plant<double>>& plants, unsigned threads,
+                                  StopRequest* stop = nullptr) const {
+    return table(plants.size(), threads, stop,
+                 [&](std::size_t i) { return expected_prediction(plants[i], log(), options(stop), false).innovation; });
+  }
+
+  /// Command that acts plus all forces, V, of many plants along a motion given half-way between rows: (plants, rows).
+  std::vector<double> net_forces(const std::vector<Plant<double>>& plants, std::span<const double> middle_position,
+                                 std::span<const double> middle_velocity, unsigned threads,
+                                 StopRequest* stop = nullptr) const {
+    require_length("middle_position", middle_position);
+    require_length("middle_velocity", middle_velocity);
+    return table(plants.size(), threads, stop,
+                 [&](std::size_t i) { return net_force(plants[i], log(), middle_position, middle_velocity, stop); });
+  }
+
+  /// What small forces (V, (count, rows)) and errors of the reading (m, the same shape, or empty: none) add to the
+  /// innovations along a prediction of this log, m: (count, rows). `mass` in V/(m/s^2).
+  std::vector<double> propagate(const Prediction& along, double mass, std::size_t count, std::span<const double> forces,
+                                std::span<const double> reading_errors, unsigned threads,
+                                StopRequest* stop = nullptr) const {
+    require(forces.size() == count * rows(), "forces", "must be (count, rows)", static_cast<double>(forces.size()));
+    require(reading_errors.empty() || reading_errors.size() == forces.size(), "reading_errors",
+            "must have the shape of forces", static_cast<double>(reading_errors.size()));
+    require_positive("mass", mass);
+    const ObserverLoop loop(along, log(), options(stop));
+    return pass_all(loop, mass, count, forces.data(), reading_errors.empty() ? nullptr : reading_errors.data(),
+                    threads);
+  }
+
+  /// The transpose of propagate: by how much forces and errors of the reading move sum(weight innovation).
+  Adjoint propagate_transposed(const Prediction& along, double mass, std::span<const double> weight,
+                               StopRequest* stop = nullptr) const {
+    require_length("weight", weight);
+    require_positive("mass", mass);
+    return pass_transposed(ObserverLoop(along, log(), options(stop)), mass, weight);
+  }
+
+  /// What each effect would add to the innovations of a plant per size of it, m, to first order along a prediction of
+  /// that plant: (effects, rows).
+  ///
+  /// Raises std::invalid_argument for an effect that is not valid or not addable (see is_addable), for sizes that are
+  /// not one an effect.
+  std::vector<double> added(const Prediction& along, const Plant<double>& plant,
+                            const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
+                            unsigned threads, StopRequest* stop = nullptr) const {
+    require(sizes.size() == effects.size(), "sizes", "must be as many as effects", static_cast<double>(sizes.size()));
+    for (const double size : sizes) require_positive("sizes", size);
+    for (const Effect<double>& effect : effects)
+      visit_law(effect, [&](const auto& law) {
+        law.validate();
+        require(is_addable(plant, effect), law.name, "must be predicted as a whole in this plant, added", 1);
+      });
+    const ObserverLoop loop(along, log(), options(stop));
+    return added_by(effects, sizes, plant, along, log(), loop, threads);
+  }
+
+ private:
+  PredictionOptions options(StopRequest* stop) const {
+    PredictionOptions options = options_;
+    options.stop = stop;
+    return options;
+  }
+
+  void require_length(std::string_view name, std::span<const double> column) const {
+    require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
+  }
+
+  // Rows of a table, one a job, made by row(i).
+  template <class Row>
+  std::vector<double> table(std::size_t count, unsigned threads, StopRequest* stop, const Row& row) const {
+    std::vector<double> values(count * rows());
+    run_batch(count, threads, stop, [&](std::size_t i) {
+      const std::vector<double> made = row(i);
+      std::copy(made.begin(), made.end(), values.begin() + static_cast<std::ptrdiff_t>(i * rows()));
+    });
+    return values;
+  }
+
+  std::vector<double> time_, position_, command_;
+  PredictionOptions options_;
+};
+
+}  // namespace cogging

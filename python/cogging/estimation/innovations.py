@@ -1,0 +1,216 @@
+"""Residuals by one-step prediction: command and position alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cogging._core import Plant, Prediction, Predictor
+from cogging.arrays import FloatArray
+from cogging.estimation.residuals import quiet_plant, steps_needed
+from cogging.estimation.rows_in_motion import SETTLED, START, settling, since
+from cogging.estimation.statistics import moving_average
+from cogging.logs.log import Log
+from cogging.model.difference_steps import central, one_sided
+from cogging.model.model import Model
+from cogging.model.parameters import Parameter, Scales, effect_at
+
+WIDE = 0.03  # of a parameter: the step of a difference quotient through contacts
+
+#: What acts on the axis through a force or the gain of the command alone, without a memory.
+LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
+
+
+class Innovations:
+    """Residuals by one-step prediction: command and position alone, no controller, no reference.
+
+    The plant is driven by the recorded command and held to the reading by an observer of fixed gain; what it did not
+    foresee is turned into the constant force that would leave the same innovation, M (2 pi bandwidth)^2 innovation.
+
+    Rows count when the axis moves faster than `rest`, does so since six time constants of the observer, and the
+    record is continuous: at rest, friction takes any force up to its level and shows nothing.
+
+    Args:
+        log: with at least time, position and command.
+        model: gives mass and friction width for the scaling; what is judged is given to `of`.
+        bandwidth: of the observer, Hz.
+        rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
+        quick_starts: rows count sooner after a start that is quicker than the observer (see settling).
+    """
+
+    def __init__(
+        self,
+        log: Log,
+        model: Model,
+        *,
+        bandwidth: float = 20.0,
+        rest: float | None = None,
+        steps_per_sample: int | None = None,
+        quick_starts: bool = False,
+    ) -> None:
+        self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
+        steps = np.diff(log.time)
+        sample_time = float(np.median(steps))
+        plant = quiet_plant(model)
+        if steps_per_sample is None:
+            steps_per_sample = steps_needed(model, sample_time)
+        self.initial_velocity = initial_velocity(log)
+        self.predictor = Predictor(
+            log.time,
+            log.position,
+            log.command,
+            bandwidth=bandwidth,
+            gap=max(5.0 * sample_time, 0.1 / bandwidth),
+            initial_velocity=self.initial_velocity,
+            steps_per_sample=steps_per_sample,
+        )
+        self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
+        self.along = self.predictor.predict(plant)
+        self.velocity = self.along.velocity
+        smooth = max(1, round(0.1 / bandwidth / sample_time))
+        speed = np.abs(moving_average(self.velocity, smooth))
+        speed_max = float(speed.max())
+        self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
+        turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
+        still = (np.abs(self.velocity) < self.rest) | turned
+        self.settle = settle = SETTLED / (2.0 * np.pi * bandwidth)
+        broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
+        waits = settling(still, log.time, self.velocity, self.rest, bandwidth) if quick_starts else settle
+        counts = ~(since(still, log.time) < waits) & ~(since(broken, log.time) < max(START, settle))
+        self.counts = counts.astype(float)
+        acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
+        self.scales = Scales(
+            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
+            position=float(np.ptp(log.position)) or 1.0,
+            velocity=speed_max or 1.0,
+            acceleration=float(np.quantile(np.abs(acceleration), 0.99)) or 1.0,
+            time=float(log.time[-1] - log.time[0]),
+            sample_time=sample_time,
+        )
+
+    def of(self, models: Sequence[Model]) -> FloatArray:
+        """Residuals (V) of each model, (models, n).
+
+        Raises:
+            DivergedError: a prediction diverged.
+        """
+        return self.scale * self.predictor.innovations([quiet_plant(model) for model in models])
+
+    def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
+        """Residual (n,) and derivatives (p, n) by the parameters.
+
+        Parameters of forces are differentiated along the prediction and passed through the observer's loop; those with
+        a memory, of the amplifier or of the encoder by central differences of whole predictions.
+
+        Raises:
+            ValueError: a parameter that no step may move.
+        """
+        plant = quiet_plant(model)
+        along = self.predictor.predict(plant)
+        columns = np.zeros((len(parameters), len(self.log)))
+        indexes = range(len(parameters))
+        forces = [i for i in indexes if is_force(model, parameters[i].path)]
+        readings = [i for i in indexes if is_reading(model, parameters[i].path)]
+        others = [i for i in indexes if i not in forces and i not in readings]
+        if forces:
+            steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in forces]
+            plants = [quiet_plant(step.above) for step in steps]
+            columns[forces] = self.rows_of_plants(along, plant, plants, [step.span for step in steps])
+        if readings:
+            steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in readings]
+            errors = [reading_difference(step.above, model, along.position) / step.span for step in steps]
+            columns[readings] = self.rows_of_readings(along, np.array(errors), plant.axis.mass)
+        if others:
+            steps = [central(model, parameters[i], step_through(model, parameters[i], scales)) for i in others]
+            table = self.of([side for step in steps for side in (step.above, step.below)])
+            columns[others] = (table[0::2] - table[1::2]) / np.array([step.span for step in steps])[:, None]
+        return self.scale * along.innovation, columns
+
+    def rows_of_plants(
+        self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
+    ) -> FloatArray:
+        """What the residuals gain, to first order, from a plant to others that differ in forces alone, (p, n).
+
+        Args:
+            along: prediction of `plant` on this log.
+            plant: (without quantiser and noise, as the others: see quiet_plant).
+            others: p of them. One of another mass counts by the acceleration that its forces make.
+            spans: what each row is divided by, (p,): rows are V per unit of it.
+        """
+        force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
+        # The same acceleration, as a force on the plant's own mass.
+        force *= (plant.axis.mass / np.array([p.axis.mass for p in (plant, *others)]))[:, None]
+        force = (force[1:] - force[:1]) / np.asarray(spans)[:, None]
+        return self.rows_of_forces(along, force, plant.axis.mass)
+
+    def rows_of_effects(
+        self, along: Prediction, plant: Plant, effects: Sequence[Any], units: Sequence[float]
+    ) -> FloatArray:
+        """What the residuals gain, to first order, when each effect joins a plant, V per unit of it, (p, n).
+
+        Only the effect's own law is evaluated, so this is much quicker than `rows_of_plants`.
+
+        Args:
+            along: prediction of `plant` on this log.
+            plant: (see quiet_plant).
+            effects: p of them, each such that `Predictor.is_addable`.
+            units: what each row is divided by, (p,), above 0.
+
+        Raises:
+            ValueError: an effect that is not addable.
+        """
+        rows = np.asarray(self.predictor.added(along, plant, effects, units))
+        rows *= self.scale
+        return rows
+
+    def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
+        """What small forces (V, one an interval, (p, n)) add to the residuals of a prediction, V, (p, n)."""
+        return np.asarray(self.scale * self.predictor.propagate(along, mass, forces))
+
+    def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
+        """What small errors of the reading (m, one a row, (p, n)) add to the residuals of a prediction, V, (p, n)."""
+        return np.asarray(self.scale * self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
+
+
+def is_force(model: Model, path: str) -> bool:
+    """Whether a parameter acts through a force or the gain of the command alone, without a memory."""
+    if not path.startswith("effects."):
+        return True
+    return set(effect_at(model, path).HOOKS) <= LINEAR_HOOKS
+
+
+def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
+    """The step of a difference quotient; wide for what has states: contacts make the residual jump in the small."""
+    step = scales.step(parameter)
+    if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
+        return max(step, WIDE * abs(parameter.value))
+    return step
+
+
+def is_reading(model: Model, path: str) -> bool:
+    """Whether a parameter is that of a wave in the encoder's reading: an error that is small and comes and goes.
+
+    One that grows along the travel (a scale) is nearly what mass and friction do, and is predicted exactly instead.
+    """
+    if not path.startswith("effects."):
+        return False
+    effect = effect_at(model, path)
+    return "reading" in effect.HOOKS and "period" in effect.FIELDS
+
+
+def reading_difference(model: Model, other: Model, position: FloatArray) -> FloatArray:
+    """By how much the encoder of one model reads more than that of another with the same effects, m, (n,)."""
+    difference = np.zeros(len(position))
+    for mine, its in zip(model.effects, other.effects, strict=True):
+        if "reading" in mine.HOOKS:
+            difference += mine.reading_at(position) - its.reading_at(position)
+    return difference
+
+
+def initial_velocity(log: Log) -> float:
+    """Slope in the first row of the parabola through the first readings, m/s."""
+    few = max(6, min(len(log) // 10, round(0.02 / float(np.median(np.diff(log.time))))))
+    time, position = log.time[:few] - log.time[0], log.position[:few] - log.position[0]
+    return float(np.polyfit(time / time[-1], position, 2)[1] / time[-1])

@@ -1,0 +1,76 @@
+"""Residuals by replaying the closed loop from the reference alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import DivergedError, Sampled, closed_loop
+from cogging.arrays import FloatArray
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import quiet, steps_needed
+from cogging.logs.log import Log
+from cogging.model.model import Model
+from cogging.threads import on_threads
+
+
+class Replay:
+    """Residuals by closed-loop replay from the reference alone: logged less simulated command, V.
+
+    The quantiser and the noise are off in the replay. It starts at the first reading, with the speed of the first.
+
+    Raises:
+        ValueError: the log has no reference, the model no controller, or the rows are not evenly spaced.
+    """
+
+    def __init__(self, log: Log, model: Model, *, added_command: npt.ArrayLike | None = None) -> None:
+        if log.reference is None:
+            raise ValueError("reference: must be in the log to replay it, got none")
+        if model.controller is None:
+            raise ValueError("controller: must be given to replay a log, got a model without [controller]")
+        steps = np.diff(log.time)
+        sample_time = 1.0 / model.controller.sample_rate
+        if np.abs(log.time - log.time[0] - np.arange(len(log)) * sample_time).max() > 0.5 * sample_time:
+            raise ValueError(
+                f"time: must be evenly spaced by the controller's 1 / sample_rate = {sample_time:g} s to be replayed, "
+                f"got steps from {steps.min():g} to {steps.max():g} s"
+            )
+        self.log, self.added_command = log, None if added_command is None else np.asarray(added_command, dtype=float)
+        time = np.arange(len(log)) * sample_time
+        self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
+        self.duration = float(time[-1])
+        seen = Innovations(log, model)
+        self.counts, self.scales, self.velocity = seen.counts, seen.scales, seen.velocity
+        self.initial_velocity = seen.initial_velocity if abs(seen.initial_velocity) > seen.rest else 0.0
+
+    def run(self, model: Model) -> dict[str, FloatArray]:
+        """The simulated columns of one model."""
+        model = quiet(model)
+        # A run may leave the travel, but what an effect takes from the travel stays.
+        effects = tuple(effect.resolved(model.axis, model.cogging) for effect in model.effects)
+        axis = model.axis.replace(travel=[-np.inf, np.inf])
+        steps = steps_needed(model, 1.0 / model.make_controller().sample_rate)
+        return closed_loop(
+            model.replace(axis=axis, effects=effects).plant(),
+            model.make_controller(),
+            self.reference,
+            duration=self.duration,
+            initial_position=float(self.log.position[0]),
+            initial_velocity=self.initial_velocity,
+            added_command=self.added_command,
+            steps_per_sample=steps,
+        )
+
+    def of(self, models: Sequence[Model]) -> FloatArray:
+        """Residuals (V) of each model, (models, n).
+
+        Raises:
+            DivergedError: a replay diverged.
+        """
+        runs = on_threads(self.run, models)
+        commands = np.array([run["command"] for run in runs])
+        if not np.isfinite(commands).all():
+            raise DivergedError("the replay diverged")
+        return np.asarray(self.log.command - commands)

@@ -1,0 +1,66 @@
+"""Residuals made white: an autoregressive filter, and the columns of a fit through it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import autoregression, whiten
+from cogging.arrays import FloatArray
+from cogging.estimation.residuals import Residuals
+
+BLOCK = 0.2  # s, length of the blocks over which scores are summed: above it, nothing is taken to be correlated
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only.
+
+    Attributes:
+        residual: (n,).
+        columns: d residual / d parameter, (p, n).
+        block: number of the block of each row, (n,).
+        coefficients: of the autoregressive filter.
+        rms: of the whitened residual before division, V.
+    """
+
+    residual: FloatArray
+    columns: FloatArray
+    block: npt.NDArray[np.int64]
+    coefficients: FloatArray
+    rms: float
+
+
+class NothingCounts(ValueError):
+    """No row of a log shows the axis in motion for long enough."""
+
+
+def order_for(log: Residuals) -> int:
+    """Order of the whitening filter: 20 ms of memory, from 12 to 48 coefficients."""
+    return int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))
+
+
+def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
+    """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
+    counted = np.abs(residual[log.counts > 0])
+    if not len(counted):
+        raise NothingCounts("log: must have rows in motion, got an axis that rests or keeps turning back")
+    limit = 6.0 * 1.4826 * float(np.median(counted))
+    clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
+    return np.asarray(autoregression(clipped, log.counts, order=order_for(log)))
+
+
+def whitened(
+    log: Residuals, residual: FloatArray, columns: FloatArray, coefficients: FloatArray | None = None
+) -> Whitened:
+    """Whiten a residual and its columns, and keep the rows that count."""
+    if coefficients is None:
+        coefficients = whitening_filter(log, residual)
+    table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
+    rows = log.counts > 0
+    rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
+    rms = rms if rms > 0 else 1.0
+    block = np.floor(log.log.time[rows] / BLOCK).astype(np.int64)
+    return Whitened(table[0, rows] / rms, table[1:, rows] / rms, block, coefficients, rms)

@@ -1,0 +1,1 @@
+"""Programs without Python, built from the headers alone."""
