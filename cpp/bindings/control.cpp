@@ -6,6 +6,7 @@
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 #include "cogging/control/speed.hpp"
+#include "controller_state.hpp"
 
 using namespace cogging;
 
@@ -35,6 +36,7 @@ py::class_<C> bind_controller(py::module_& module, const char* name, const std::
            "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "
            "own, cut at the limit.")
       .def("copy", [](const C& c) { return c; }, "A controller in the same state.");
+  bind_state(bound);
   constexpr const char* command_doc =
       "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).";
   if constexpr (LooksAhead<C>)

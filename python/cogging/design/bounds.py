@@ -20,6 +20,7 @@ from cogging._core import (
     desired_compensation_condition,
     friction_slope_max,
 )
+from cogging.calls import told_constructor
 from cogging.design.disturbance_range import disturbance_range
 from cogging.design.observer import ObserverDesign, ObserverProblem
 from cogging.design.pid import pid_gains
@@ -36,6 +37,7 @@ NO_DISTURBANCE = (
 )
 
 
+@told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounds(ByValue):
     """Between which numbers an axis lies, and the controllers designed for all of it.

@@ -26,11 +26,13 @@ from cogging._core import (
     performance,
 )
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.design.bounds import Bounds
 from cogging.design.drawn_machines import drawn_machines
 from cogging.design.observer import design_observer
 from cogging.model.intervals import Interval, Intervals
 from cogging.model.model import Controller, Model
+from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from
 from cogging.threads import on_threads
 from cogging.values import ByValue
@@ -147,6 +149,7 @@ class ErrorPrediction(ByValue):
         }
 
 
+@takes(model=MODEL, reference=REFERENCE)
 def predict_error(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cogging.calls import takes
 from cogging.diagnosis.discrepancy import discrepancies, floor_of, follows, source_of
 from cogging.diagnosis.evidence.given_logs import Logs, read_logs
 from cogging.diagnosis.experiment.separating import separating
@@ -35,12 +36,14 @@ from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
 from cogging.progress import Progress, steps
+from cogging.simulation.arguments import LOGS, MODEL
 
 SECONDS_MIN = 1.0  # of motion
 ROWS_MIN = 500
 WHERE = -7.0  # ln of the chance from which a coordinate is told
 
 
+@takes(logs=LOGS, model=MODEL, confirm=LOGS)
 def diagnose(
     logs: Logs,
     model: Model | str | os.PathLike[str],

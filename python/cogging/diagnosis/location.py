@@ -11,6 +11,7 @@ import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.diagnosis.candidates.scan import Finding, judged, sharpen
 from cogging.diagnosis.candidates.signatures import tables
 from cogging.diagnosis.candidates.waves import is_wave, peaks, refine
@@ -24,6 +25,7 @@ from cogging.estimation.statistics import moving_average
 from cogging.log_check.audit import check_against_model
 from cogging.model.model import Model
 from cogging.outputs import finite
+from cogging.simulation.arguments import LOGS, MODEL
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -137,6 +139,7 @@ class Location(ByValue):
         return coordinates_figure({"as re-tuned": self.series})
 
 
+@takes(logs=LOGS, model=MODEL)
 def locate_gap(
     logs: Logs,
     model: Model | str | os.PathLike[str],

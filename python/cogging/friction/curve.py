@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
+from cogging.calls import takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.values import ByValue
 
@@ -82,7 +83,7 @@ class FrictionCurve(ByValue):
     notes: tuple[str, ...]
 
     def _brief(self) -> str:
-        return f"best {self.best.name} of {len(self.models)} laws, {len(self.velocity)} points"
+        return f"{self.best.name} of {len(self.models)} laws, {self.best.held_out_rms:.3g} V rms at speeds left out"
 
     def __getitem__(self, name: str) -> FrictionModel:
         """The model of this name.
@@ -110,6 +111,7 @@ class FrictionCurve(ByValue):
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
 
+@takes()
 def fit_friction_curve(
     velocity: npt.ArrayLike,
     force: npt.ArrayLike,

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import AxisParameters, DivergedError
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
@@ -27,6 +28,7 @@ from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, role_of, with_values
 from cogging.progress import Progress, steps
+from cogging.simulation.arguments import LOGS, MODEL
 
 FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which ...
@@ -37,6 +39,7 @@ SPREAD = 0.1  # of their sizes, by which they are apart
 STAGES = ("inverse dynamics", "output error", "logs one by one")
 
 
+@takes(logs=LOGS, model=MODEL)
 def identify(
     logs: Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str],

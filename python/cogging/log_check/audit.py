@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.files import InputError
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.logs.log import Log, require_sizes
 from cogging.model.model import Model
+from cogging.simulation.arguments import LOG, MODEL_ALONE, MODEL_OR_NONE
 from cogging.values import ByValue
 
 JITTER = 0.01  # of the median step
@@ -107,6 +109,7 @@ class Audit(ByValue):
         return "\n".join(lines + _controller_lines(self.controller))
 
 
+@takes(log=LOG, model=MODEL_OR_NONE)
 def audit(log: Log, model: Model | None = None) -> Audit:
     """Look at a log, and at the controller that a model states (see check_controller).
 
@@ -281,6 +284,7 @@ def _controller_lines(check: ControllerCheck | None) -> list[str]:
     return lines + [f"note: {note}" for note in check.notes]
 
 
+@takes(log=LOG, model=MODEL_ALONE)
 def check_against_model(log: Log, model: Model, name: str = "log") -> None:
     """Refuse a log whose units cannot be those of the model: asked about, not guessed.
 

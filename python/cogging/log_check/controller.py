@@ -10,11 +10,13 @@ import numpy as np
 
 from cogging._core import replay_controller
 from cogging.arrays import FloatArray, Mask
+from cogging.calls import takes
 from cogging.files import LARGEST
 from cogging.log_check.controller_samples import LONG, Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
 from cogging.model.model import CONTROLLERS, Model
+from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
@@ -71,6 +73,7 @@ class ControllerCheck(ByValue):
         return f"{self.type} {verdict} the command{left}"
 
 
+@takes(log=LOG, model=MODEL_ALONE)
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 

@@ -10,10 +10,12 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
+from cogging.calls import takes
 from cogging.log_check.controller import fit_samples, least_squares, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
+from cogging.simulation.arguments import LOG
 
 Columns = dict[str, FloatArray]
 
@@ -35,6 +37,7 @@ class RecoveredController(NamedTuple):
         return f"RecoveredController({self.parameters!r}, leaves {self.residual_rms:.3g} V rms)"
 
 
+@takes(log=LOG)
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.
 

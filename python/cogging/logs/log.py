@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.arrays import FloatArray
+from cogging.calls import PATHS, takes, told_constructor
 from cogging.files import LARGEST, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.outputs import sidecar, target_of, to_toml, write_files
@@ -29,6 +30,7 @@ ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 
 
+@told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Log(ByValue):
     """One run of an axis, measured or simulated: one row a sample.
@@ -237,6 +239,7 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
+@takes(path=PATHS)
 def read_log(
     path: str | os.PathLike[str],
     *,

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.logs.log import Log
+from cogging.simulation.arguments import LOG
 from cogging.values import ByValue
 
 OVERSAMPLING = 8  # frequencies between two that the travel tells apart
@@ -41,6 +43,7 @@ class TrackingSpectrum(ByValue):
         return f"{', '.join(lines) or 'no line'}; noise {1e6 * self.noise:.3g} um"
 
 
+@takes(log=LOG)
 def tracking_spectrum(
     log: Log, *, shortest_period: float = 2e-3, most: int = 8, share: float = 0.15
 ) -> TrackingSpectrum:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.mapping.result import CrossValidation, HarmonicAmplitude, MapFit
 from cogging.mapping.scan import Scan, read_scan
 from cogging.mapping.spectrum import FLOOR, HarmonicSpectrum, Line
@@ -24,6 +25,7 @@ SIGNIFICANT = 3.0  # standard errors from which a trend is kept
 TREND_TRAVEL = 2.0  # pitches: over a shorter travel a trend looks like the first harmonic and is not tried
 
 
+@takes()
 def fit_map(
     position: npt.ArrayLike,
     force: npt.ArrayLike,

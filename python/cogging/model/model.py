@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -33,6 +33,7 @@ from cogging._core import (
     SpeedParameters,
     SplineHarmonics,
 )
+from cogging.calls import told_constructor
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
@@ -66,6 +67,7 @@ STEPS_MAX = 10_000  # a sample, of those that may be asked for
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
+@told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Model(ByValue):
     """An axis as a model file describes it: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects.
@@ -89,7 +91,7 @@ class Model(ByValue):
 
     axis: AxisParameters
     cogging: CoggingModel | None = None
-    effects: tuple[Any, ...] = ()
+    effects: Sequence[Any] = ()
     encoder: EncoderParameters = field(default_factory=EncoderParameters)
     noise: NoiseParameters = field(default_factory=NoiseParameters)
     controller: ControllerParameters | None = None
@@ -104,6 +106,8 @@ class Model(ByValue):
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
             raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
         object.__setattr__(self, "effects", tuple(self.effects))
+        intervals = {path: (float(low), float(high)) for path, (low, high) in self.intervals.items()}
+        object.__setattr__(self, "intervals", intervals)
 
     def _brief(self) -> str:
         told = [f"mass {self.axis.mass:.6g} V/(m/s^2)"]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import AxisParameters, CoggingModel
+from cogging.calls import Kind, takes
 from cogging.model.model import Model
 
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
@@ -111,6 +112,7 @@ class Scales:
         return 1e-3 * max(size, 0.1 * self.of(parameter.unit))
 
 
+@takes(model=Kind((Model,), "a Model"))
 def parameters_of(model: Model, *, together: bool = False) -> dict[str, Parameter]:
     """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects.
 

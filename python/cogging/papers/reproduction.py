@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 
+from cogging.calls import takes
 from cogging.papers.result import Reproduction
 from cogging.progress import Progress, steps
 
@@ -12,6 +13,7 @@ from cogging.progress import Progress, steps
 PAPERS = ("lu2008", "malaize2009", "xu2001")
 
 
+@takes()
 def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Reproduce the experiments of a paper: its tables beside ours, and its figures.
 
@@ -28,6 +30,7 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
     return _run(f"cogging.papers.{paper}.reproduce", "reproduce", paper, out, progress)
 
 
+@takes()
 def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.
 

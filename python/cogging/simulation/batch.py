@@ -8,8 +8,10 @@ from typing import overload
 
 from cogging import _core
 from cogging._core import Plant, Reference
+from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.model import Controller
+from cogging.simulation.arguments import MOTION
 from cogging.values import ByValue
 
 
@@ -57,6 +59,7 @@ class Batch(ByValue, Sequence[Log]):
         return self.logs[which]
 
 
+@takes(reference=MOTION)
 def closed_loop_batch(
     plants: Sequence[Plant],
     controllers: Sequence[Controller],

@@ -7,10 +7,13 @@ import numpy.typing as npt
 
 from cogging import _core
 from cogging._core import Plant, Reference
+from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.model import Controller
+from cogging.simulation.arguments import MOTION, PLANT
 
 
+@takes(plant=PLANT, reference=MOTION)
 def closed_loop(
     plant: Plant,
     controller: Controller,

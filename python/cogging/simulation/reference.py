@@ -19,6 +19,7 @@ from cogging._core import (
     Sine,
     SineParameters,
 )
+from cogging.calls import PATHS, takes
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
@@ -35,6 +36,7 @@ TYPES = (*REFERENCES, "sampled")
 SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
 
 
+@takes(path=PATHS)
 def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
     """Read a reference file (TOML): the motion and its `duration` (s; 0 = the motion's own end).
 

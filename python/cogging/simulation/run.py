@@ -10,11 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
+from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.model import CONTROLLERS, Controller, Model
+from cogging.simulation.arguments import LOG, MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 
 
+@takes(model=MODEL, reference=REFERENCE)
 def simulate(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
@@ -88,6 +91,7 @@ def simulate(
     return Log.of(columns, metadata)
 
 
+@takes(log=LOG)
 def repeat(log: Log) -> Log:
     """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
 
