@@ -150,9 +150,18 @@ def design_observer(problem: ObserverProblem) -> ObserverDesign:
     Args:
         problem: periods, velocities, position loop, decay rate and pole radius.
 
+    Returns:
+        The gains and what is certain about them.
+
     Raises:
         ValueError: no gain is feasible; offers the largest feasible decay rate.
         ImportError: cvxpy is not installed; names the extra.
+
+    Example:
+        >>> problem = cogging.ObserverProblem(periods=[0.05], velocity_min=0.05, velocity_max=0.2)
+        >>> design = cogging.design_observer(problem)
+        >>> bool(design.inequality_margin < 0.0 and design.slowest_pole < -problem.decay_rate)
+        True
     """
     design = _solve(problem)
     if design is None:

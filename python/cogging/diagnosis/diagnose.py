@@ -71,9 +71,18 @@ def diagnose(
             the confirm logs larger. It is no effect of the vocabulary, and the result's gap is that without it.
         progress: True shows a line of what is being done, a function is told each step in words.
 
+    Returns:
+        Verdict, missing effects with confidence and parameters, and the patched model; print it to read them.
+
     Raises:
         ValueError: a log or model that cannot be used, or a confirm log with rows of a given one.
         InputError: a file that cannot be read.
+
+    Example:
+        >>> short = cogging.Log(log.time[:400], log.position[:400], log.command[:400])
+        >>> result = cogging.diagnose(short, model)
+        >>> print(result.verdict, result.notes[-1])
+        insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
     if not isinstance(model, Model):
         model = Model.read(model)

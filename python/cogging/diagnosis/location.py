@@ -149,9 +149,17 @@ def locate_gap(
     The model is re-tuned first, as far as its statement allows; what is left is tested against a force of any shape in
     each coordinate and against waves in place and in time. No effect is named.
 
+    Returns:
+        Shares of the gap by coordinate, and what repeats itself in place or time; print it to read them.
+
     Raises:
         ValueError: a log or model that cannot be used.
         InputError: a file that cannot be read.
+
+    Example:
+        >>> where = cogging.locate_gap(log, model)
+        >>> where.significant
+        ()
     """
     if not isinstance(model, Model):
         model = Model.read(model)

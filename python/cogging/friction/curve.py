@@ -144,8 +144,17 @@ def fit_friction_curve(
         same_speed: |v| this close (relative to the lowest of them) are one speed.
         confidence: of the intervals.
 
+    Returns:
+        The laws that the points suffice for, and which of them is best; print it to read them.
+
     Raises:
         ValueError: names the field, the rule and the value.
+
+    Example:
+        >>> v = np.concatenate([-np.linspace(0.05, 1.0, 12), np.linspace(0.05, 1.0, 12)])
+        >>> curve = cogging.fit_friction_curve(v, 0.15 * np.sign(v) + 0.2 * v)
+        >>> print(f"{curve.models[0].name}: {curve.models[0].parameters['viscous'].value:.3f} V/(m/s)")
+        coulomb_viscous: 0.200 V/(m/s)
     """
     _require(_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
     _require(_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)

@@ -75,10 +75,19 @@ def identify(
         names: of the logs, for the text.
         progress: True shows a bar, a function is told each stage in words.
 
+    Returns:
+        The fitted model, its parameters with intervals and what the logs cannot tell; print it to read them.
+
     Raises:
         InputError: a file that cannot be used, a log whose units cannot be those of the model.
         ValueError: a free parameter that the model has not, no logs, a log that is too short or at rest, a cut-off or
             rest that breaks its rule.
+
+    Example:
+        >>> prior = model.replace(axis=model.axis.replace(mass=0.1))
+        >>> found = cogging.identify(log, prior, free=["axis.mass", "axis.viscous"])
+        >>> print(f"{found['axis.mass'].value:.3f} V/(m/s^2), determined: {found['axis.mass'].determined}")
+        0.120 V/(m/s^2), determined: True
     """
     if not isinstance(model, Model):
         model = Model.read(model)

@@ -116,8 +116,20 @@ def audit(log: Log, model: Model | None = None) -> Audit:
     Speeds are slopes of position over time across 20 ms, accelerations slopes of those, so that neither the encoder's
     quantum nor jitter is differentiated row by row; gaps are left out.
 
+    Args:
+        log: at least two rows.
+        model: whose controller is compared with the log; None: nothing is compared.
+
+    Returns:
+        The facts; print it to read them.
+
     Raises:
         ValueError: fewer than two rows.
+
+    Example:
+        >>> found = cogging.audit(log, model)
+        >>> print(f"{found.rate:.0f} Hz, {found.gaps} gaps: {found.controller.reproduces}")
+        5000 Hz, 0 gaps: True
     """
     if len(log) < 2:
         raise ValueError(f"log: must have at least 2 rows, got {len(log)}")
@@ -298,6 +310,13 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
 
     Raises:
         InputError: names the column, the figures and the scale to state.
+
+    Example:
+        >>> in_mm = cogging.Log(log.time, 1e3 * log.position, log.command)
+        >>> cogging.check_against_model(in_mm, model)
+        Traceback (most recent call last):
+            ...
+        cogging.files.InputError: log: position: spans ... but the model's travel is 0.51 m: give ...
     """
     try:
         require_sizes(log)

@@ -85,6 +85,18 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     Samples without a row are put on the line between their neighbours where they are few on end, and rows whose command
     hangs on them are not compared; after a longer gap the integral is another constant. Single readings that the
     controller did not see, and commands that it did not give, are left out: where that alone explains them.
+
+    Args:
+        log: with a reference.
+        model: that states the controller.
+
+    Returns:
+        How far the two commands agree; None where the model states no controller.
+
+    Example:
+        >>> other = model.replace(controller=model.controller.replace(kp=9000.0))
+        >>> cogging.check_controller(log, other).reproduces
+        True
     """
     if model.controller is None or model.controller_type is None:
         return None

@@ -46,6 +46,17 @@ def recover_controller(log: Log) -> RecoveredController | None:
     width that is searched for. Accepted when it leaves at most 0.5 % of the rms command and no gain is negative; gains
     that contribute less than 0.1 % are set to zero. The simpler of two that fit alike is taken. What the log lacks, or
     has as single values that leave and return, is gone over as check_controller does.
+
+    Args:
+        log: with a reference, of at least 200 rows.
+
+    Returns:
+        Type and parameters of the controller, or None.
+
+    Example:
+        >>> found = cogging.recover_controller(log)
+        >>> print(f"{found.type}, kp {found.parameters.kp:.0f} V/m")
+        pid, kp 9600 V/m
     """
     if log.reference is None or len(log) < FEWEST_ROWS:
         return None

@@ -249,8 +249,23 @@ def read_log(
 ) -> Log:
     """Read a log from a file (see columns.read_columns for formats and arguments), and `PATH.toml` if it is there.
 
+    Args:
+        path: of a CSV, MATLAB, ASAM MDF or Parquet file.
+        columns: names in the file by the names of a log: `{"position": "qm"}`.
+        scale: factors on columns, by the names of a log: `{"position": 1e-3}` for mm.
+        rows: the data rows to take, from 0.
+
+    Returns:
+        The log.
+
     Raises:
         InputError: the file cannot be used, has fewer than two rows, or `time` is not strictly increasing.
+
+    Example:
+        >>> log.write("log.csv")
+        >>> in_mm = cogging.read_log("log.csv", scale={"position": 1e3})
+        >>> [len(in_mm) == len(log), bool(abs(in_mm.position[9] / log.position[9] - 1e3) < 1e-6)]
+        [True, True]
     """
     table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows)
     time = table["time"]

@@ -59,8 +59,16 @@ def tracking_spectrum(
         most: at most so many periods are proposed.
         share: of the strongest line's amplitude that a further one must have, beside standing above the noise.
 
+    Returns:
+        The spectrum, and the periods that it proposes to cancel, strongest first.
+
     Raises:
         ValueError: no reference, or no stretch of constant speed three shortest periods long.
+
+    Example:
+        >>> spectrum = cogging.tracking_spectrum(log)
+        >>> [f"{1e3 * period:.0f} mm" for period in spectrum.periods]
+        ['49 mm', '25 mm']
     """
     stretches = _stretches(log, shortest_period)
     travel = max((float(np.ptp(x)) for x, _ in stretches), default=0.0)

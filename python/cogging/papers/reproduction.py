@@ -22,8 +22,17 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
         out: folder into which `<paper>.json` and the figures are written; None writes nothing.
         progress: True shows a bar, a function is told each step as it is done.
 
+    Returns:
+        Tables beside the printed ones, and figures; print it to read the tables.
+
     Raises:
         ValueError: the paper is not one of PAPERS.
+
+    Example:
+        >>> cogging.reproduce("lu2009")
+        Traceback (most recent call last):
+            ...
+        ValueError: paper: must be one of lu2008, malaize2009, xu2001, got 'lu2009'
     """
     if paper not in PAPERS:
         raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}")
@@ -37,6 +46,12 @@ def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = F
     Args:
         out: folder into which `comparison.json` and the figure are written; None writes nothing.
         progress: True shows a bar, a function is told each step as it is done.
+
+    Returns:
+        The table and its figure.
+
+    Example:
+        >>> result = cogging.compare()  # doctest: +SKIP
     """
     return _run("cogging.papers.comparison", "compare", "comparison", out, progress)
 

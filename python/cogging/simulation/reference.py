@@ -40,8 +40,20 @@ SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_ac
 def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
     """Read a reference file (TOML): the motion and its `duration` (s; 0 = the motion's own end).
 
+    Args:
+        path: of the file.
+
+    Returns:
+        The motion, and the duration that the file states, s; 0 where it states none.
+
     Raises:
         InputError: the file cannot be used; names file, line, field, rule and value.
+
+    Example:
+        >>> with open("sine.toml", "w") as file:
+        ...     _ = file.write('type = "sine"\\namplitude = 0.02\\nduration = 3.0')
+        >>> cogging.read_reference("sine.toml")
+        (Sine(amplitude=0.02 m), 3.0)
     """
     document = read_toml(path)
     try:

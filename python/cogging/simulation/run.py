@@ -49,10 +49,18 @@ def simulate(
         initial_velocity: m/s.
         added_command: V, (n,), added to what the controller computes: test pulses.
 
+    Returns:
+        The log, with the true motion beside the readings, and in its metadata what `repeat` needs.
+
     Raises:
         ValueError: an argument breaks its rule, the reference leaves the travel, no controller is known, or the plant
             is so fast beside its sample time that it needs more than 1e5 steps a sample: the message says how fast.
         DivergedError: the run left the travel by half its length, or is not finite; says when and where.
+
+    Example:
+        >>> log = cogging.simulate(model, move, seed=1)
+        >>> print(f"{len(log)} rows, largest error {1e6 * abs(log.error).max():.0f} um")
+        13201 rows, largest error 28 um
     """
     if not isinstance(model, Model):
         model = Model.read(model)
@@ -95,8 +103,18 @@ def simulate(
 def repeat(log: Log) -> Log:
     """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
 
+    Args:
+        log: that `simulate` made, or that was read from a file it was written to.
+
+    Returns:
+        The same run once more.
+
     Raises:
         ValueError: the log was not simulated, or its controller was given as an object, which a log does not hold.
+
+    Example:
+        >>> bool((cogging.repeat(log).position == log.position).all())
+        True
     """
     told = log.metadata
     for name in ("model", "reference", "seed"):
