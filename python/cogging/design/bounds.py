@@ -57,6 +57,13 @@ class Bounds(ByValue):
         disturbance_estimate: V, at rest in mid-travel.
         fallbacks: which parameters' intervals did not come from `[bounds]` of the model, in words.
         notes: what is not within the disturbance, and where it is a guess.
+
+    Example:
+        >>> bounds = cogging.Bounds.of(model)
+        >>> bounds
+        Bounds(mass [0.112944, 0.127056] V/(m/s^2), ...)
+        >>> cogging.Dcarc(bounds.adaptive_robust(bandwidth=100.0))
+        Dcarc(error_gain=100 1/s, ...)
     """
 
     model: Model = field(repr=False)

@@ -79,6 +79,10 @@ class ObserverProblem(ByValue):
     Raises:
         ValueError: a period <= 0 or none, velocity_min <= 0 or >= velocity_max, decay_rate < 0 or not below omega's
             slowest pole, another number that is not above 0.
+
+    Example:
+        >>> cogging.ObserverProblem(periods=[0.05, 0.025], velocity_min=0.05, velocity_max=0.4)
+        ObserverProblem(periods [0.05, 0.025] m, 0.05 to 0.4 m/s, omega 120 1/s, decay_rate 3 1/s)
     """
 
     periods: Sequence[float]

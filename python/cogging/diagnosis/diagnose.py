@@ -79,7 +79,7 @@ def diagnose(
         InputError: a file that cannot be read.
 
     Example:
-        >>> short = cogging.Log(log.time[:400], log.position[:400], log.command[:400])
+        >>> short = cogging.Log(log.time[:600], log.position[:600], log.command[:600])
         >>> result = cogging.diagnose(short, model)
         >>> print(result.verdict, result.notes[-1])
         insufficient_excitation the axis moves for ... s only: at rest, friction hides every force

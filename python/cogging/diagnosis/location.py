@@ -149,6 +149,10 @@ def locate_gap(
     The model is re-tuned first, as far as its statement allows; what is left is tested against a force of any shape in
     each coordinate and against waves in place and in time. No effect is named.
 
+    Args:
+        logs: one or several, or their files.
+        model: what is believed, or its file.
+
     Returns:
         Shares of the gap by coordinate, and what repeats itself in place or time; print it to read them.
 

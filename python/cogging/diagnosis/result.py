@@ -119,7 +119,7 @@ class Diagnosis(ByValue):
         separating_experiment: the motion that would tell the alternatives apart, or None.
         model: refitted, with the effects that were found.
         nominal: refitted, without them.
-        where: the gap before anything was named, by coordinate, the likeliest first.
+        where: the gap before anything was named, by coordinate, the likeliest first; where_text: the same in words.
         ledger: the effects that were tried.
         placebo: what terms that explain nothing would have gained.
         notes: in words.

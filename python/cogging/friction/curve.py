@@ -28,6 +28,12 @@ class FrictionModel(ByValue):
         held_out_rms: V, of the errors at speeds that were left out of the fit, each in turn.
         held_out_standard_error: V, of that rms, from its scatter between speeds.
         gain: 1 - held_out_rms over that of Coulomb + viscous.
+
+    Example:
+        >>> v = np.linspace(0.05, 1.0, 12)
+        >>> law = cogging.fit_friction_curve(v, 0.15 + 0.2 * v)["coulomb_viscous"]
+        >>> round(float(law.force(-0.5)), 3)
+        -0.25
     """
 
     name: str

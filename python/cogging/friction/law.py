@@ -29,7 +29,13 @@ STARTS = 24  # of the search, speeds on a logarithmic scale
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionParameter(ByValue):
-    """A fitted value with its interval, in its unit; the bounds are infinite where the points do not tell."""
+    """A fitted value with its interval, in its unit; the bounds are infinite where the points do not tell.
+
+    Attributes:
+        value: as fitted.
+        low, high: ends of the interval.
+        unit: SI and V.
+    """
 
     value: float
     low: float

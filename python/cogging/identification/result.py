@@ -89,6 +89,11 @@ class Identification(ByValue):
         estimator: whose values are reported: "inverse_dynamics" or "output_error".
         controller: what is to be said of a stated controller, one line a log.
         notes: what else is to be said of the logs, such as rows that stand in several of them.
+
+    Example:
+        >>> found = cogging.identify(log, model, free=["axis.mass"])
+        >>> found.parameters[0].path, found.model.axis.mass == found["axis.mass"].value
+        ('axis.mass', True)
     """
 
     model: Model

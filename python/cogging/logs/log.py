@@ -42,7 +42,7 @@ class Log(ByValue):
         time: s, strictly increasing, (n,).
         position: m, encoder reading at `time`.
         command: V, computed from that reading, applied from `time` and held until the next row.
-        reference: m, or None; its derivatives (m/s, m/s^2) likewise.
+        reference: m, or None; reference_velocity (m/s) and reference_acceleration (m/s^2) likewise.
         true_position: m, the plant's own; None in a measured log. Likewise true_velocity, m/s.
         estimates: what the controller believed, (n, p), where it was asked for.
         metadata: what a CSV cannot hold: model, reference, version and seed of a simulated log.
@@ -50,6 +50,10 @@ class Log(ByValue):
     Raises:
         ValueError: a column is missing, not of real numbers, of another shape or length than `time`, has a masked
             entry or one that is not finite, or `time` is not strictly increasing; names column, row, rule and value.
+
+    Example:
+        >>> cogging.Log(time=[0.0, 0.001, 0.002], position=[0.0, 1e-6, 3e-6], command=[0.1, 0.1, 0.0])
+        Log(3 rows, 0.002 s at 1000 Hz, 0 to 3e-06 m)
     """
 
     time: FloatArray

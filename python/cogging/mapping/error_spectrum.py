@@ -27,6 +27,10 @@ class TrackingSpectrum(ByValue):
         noise: m, the median amplitude once the proposed lines are taken out.
         resolution: 1/m, one over the travel at constant speed: closer lines cannot be told apart.
         periods: m, proposed for cancellation, strongest first; period_amplitudes: m.
+
+    Example:
+        >>> cogging.tracking_spectrum(log)
+        TrackingSpectrum(49.21 mm ... um, ...; noise ... um)
     """
 
     frequency: FloatArray

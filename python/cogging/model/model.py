@@ -87,6 +87,13 @@ class Model(ByValue):
             logs do not determine the parameter.
         steps_per_sample: the fewest integration steps between two samples of a simulated run; it takes as many more
             as its accuracy needs.
+
+    Example:
+        >>> axis = cogging.AxisParameters(mass=0.12, viscous=0.2, travel=[0.0, 0.5])
+        >>> cogging.Model(axis, effects=[cogging.effects.CableSpring(stiffness=0.4)])
+        Model(mass 0.12 V/(m/s^2), cable_spring)
+        >>> cogging.Model.from_dict(model.to_dict()) == model
+        True
     """
 
     axis: AxisParameters

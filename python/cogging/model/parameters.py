@@ -123,6 +123,7 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
 
     Args:
         model: any.
+        together: also what moves the cogging as a whole, such as the gain and phase of a harmonic.
 
     Returns:
         Every number of the model that can be fitted, by its path.
