@@ -68,8 +68,10 @@ class MapFit(ByValue):
             control point in `unexcited` is the prior's.
         amplitudes: one entry a harmonic.
         offset: V, at the centre of the travel; offset_standard_error likewise.
-        coulomb, coulomb_standard_error: V, half of the difference of the two directions; None where the scan goes one way only.
-        trend, trend_standard_error: V/m; 0 with the standard error 0 where it is within 3 standard errors of none and therefore left out.
+        coulomb, coulomb_standard_error: V, half of the difference of the two directions; None where the scan goes one
+            way only.
+        trend, trend_standard_error: V/m; both 0 where the trend is within 3 standard errors of none and therefore left
+            out.
         residual_rms: V, of the averaged points.
         noise: V rms of one averaged point, from the median of the residual's spectrum; where residual_rms is larger,
             the scan has structure that the model lacks.
