@@ -152,14 +152,19 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
         if word not in known:
             return f"{name}: {word}: is no argument of it; {did_you_mean(word, known)}"
     values = {place.name: value for place, value in zip(places, given, strict=False)} | dict(named)
+    return f"{name}: {_wrong_argument(known, values)}"
+
+
+def _wrong_argument(known: Mapping[str, Parameter], values: Mapping[str, Any]) -> str:
+    """What is wrong with the arguments of a call whose names are known."""
     for word, value in values.items():
         rule = broken_rule(known[word].annotation, value)
         if rule:
-            return f"{name}: {word}: must be {rule}, got {described(value)}"
-    for parameter in parameters:
+            return f"{word}: must be {rule}, got {described(value)}"
+    for parameter in known.values():
         if parameter.needed and parameter.name not in values:
-            return f"{name}: {parameter.name}: must be given, got nothing"
-    return f"{name}: these arguments do not go together: {', '.join(values) or 'none'}"
+            return f"{parameter.name}: must be given, got nothing"
+    return f"these arguments do not go together: {', '.join(values) or 'none'}"
 
 
 def signature(doc: str) -> tuple[str, list[Parameter]]:
@@ -202,15 +207,17 @@ def broken_rule(annotation: str, value: Any) -> str:
         return "" if _sequence_fits(annotation, kinds, value) else _in_words(annotation, kinds)
     if "ArrayLike" in annotation or "NDArray" in annotation:
         return "" if _numeric(value) else "an array of real numbers"
+    return "" if _fits(annotation, kinds, value) else _in_words(annotation, kinds)
+
+
+def _fits(annotation: str, kinds: Sequence[str], value: Any) -> bool:
     if kinds:
-        fits = any(one.__name__ in kinds for one in type(value).__mro__)
-    elif "SupportsInt" in annotation:
-        fits = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    elif "SupportsFloat" in annotation:
-        fits = isinstance(value, int | float | np.number)
-    else:
-        fits = isinstance(value, {"str": str, "bool": bool, "bytes": bytes}.get(annotation, object))
-    return "" if fits else _in_words(annotation, kinds)
+        return any(one.__name__ in kinds for one in type(value).__mro__)
+    if "SupportsInt" in annotation:
+        return isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if "SupportsFloat" in annotation:
+        return isinstance(value, int | float | np.number)
+    return isinstance(value, {"str": str, "bool": bool, "bytes": bytes}.get(annotation, object))
 
 
 def _sequence_fits(annotation: str, kinds: Sequence[str], value: Any) -> bool:

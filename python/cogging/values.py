@@ -43,23 +43,19 @@ class ByValue:
 def same(one: Any, other: Any) -> bool:
     """Whether two values have the same type and content; numbers that are no number are equal to each other."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        return bool(
-            isinstance(one, np.ndarray)
-            and isinstance(other, np.ndarray)
-            and one.shape == other.shape
-            and np.array_equal(one, other, equal_nan=one.dtype.kind == "f" and other.dtype.kind == "f")
-        )
+        return type(one) is type(other) and _same_arrays(one, other)
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         return one.keys() == other.keys() and all(same(value, other[key]) for key, value in one.items())
-    if type(one) is not type(other):
-        return bool(one == other)
-    if isinstance(one, list | tuple):
+    if type(one) is type(other) and isinstance(one, list | tuple):
         return len(one) == len(other) and all(map(same, one, other))
-    if dataclasses.is_dataclass(one) and not isinstance(one, ByValue):
-        return all(same(getattr(one, field.name), getattr(other, field.name)) for field in dataclasses.fields(one))
-    if isinstance(one, float) and one != one:
-        return bool(other != other)
-    return bool(one == other)
+    if dataclasses.is_dataclass(one) and type(one).__eq__ is not ByValue.__eq__:
+        return type(one) is type(other) and same(vars(one), vars(other))
+    return bool(one == other) or (one is not None and one != one and other != other)
+
+
+def _same_arrays(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> bool:
+    numbers = one.dtype.kind == "f" and other.dtype.kind == "f"
+    return one.shape == other.shape and bool(np.array_equal(one, other, equal_nan=numbers))
 
 
 def brief(value: Any, unit: str = "") -> str:
@@ -71,10 +67,14 @@ def brief(value: Any, unit: str = "") -> str:
         return repr(value)
     if isinstance(value, int | float | np.number):
         return f"{value:.6g}{unit}"
+    return _brief_collection(value, unit)
+
+
+def _brief_collection(value: Any, unit: str) -> str:
     if isinstance(value, Mapping):
         return f"{len(value)} of {{{', '.join(map(str, list(value)[:SHOWN]))}{', ...' * (len(value) > SHOWN)}}}"
-    if isinstance(value, list | tuple):
-        if len(value) <= SHOWN and all(isinstance(entry, int | float | str | np.number) for entry in value):
-            return f"[{', '.join(brief(entry) for entry in value)}]{unit}"
-        return f"{len(value)} entries"
-    return type(value).__name__
+    if not isinstance(value, list | tuple):
+        return type(value).__name__
+    if len(value) <= SHOWN and all(isinstance(entry, int | float | str | np.number) for entry in value):
+        return f"[{', '.join(brief(entry) for entry in value)}]{unit}"
+    return f"{len(value)} entries"
