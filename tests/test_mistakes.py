@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging import _core
 from tests.fixtures.examples import LOG, MODEL, MOVE, PLANT
 
 CLASSES = sorted(name for name in cogging.__all__ if inspect.isclass(getattr(cogging, name)))
@@ -68,10 +69,35 @@ MISTAKES = {
         lambda: cogging.closed_loop(MODEL, MODEL.make_controller(), SINE),
         r"closed_loop: plant: must be a Plant, got a Model: simulate\(model, reference\) runs one",
     ),
+    "one controller for a batch": (
+        lambda: cogging.closed_loop_batch([PLANT], MODEL.make_controller(), SINE),
+        r"closed_loop_batch: controllers: must be a list, got a Pid",
+    ),
+    "something else in a batch": (
+        lambda: cogging.closed_loop_batch([MODEL], [MODEL.make_controller()], SINE),
+        r"closed_loop_batch: plants: must be a list, each a Plant, got a list",
+    ),
+    "a time in words": (
+        lambda: cogging.closed_loop_batch([PLANT], [MODEL.make_controller()], SINE, duration="1 s"),
+        r"closed_loop_batch: duration: must be a number, got '1 s'",
+    ),
+    "gains for a loop's controller": (
+        lambda: cogging.closed_loop(PLANT, MODEL.controller, SINE),
+        r"controller: PidParameters\.command must be given, got nothing: a controller is an object with",
+    ),
     "a replaced field": (lambda: MODEL.axis.replace(mas=1.0), r"AxisParameters: mas: is no .* did you mean mass\?"),
     "a paper": (lambda: cogging.reproduce("lu2009"), r"paper: must be one of lu2008, .* got 'lu2009'"),
     "a shown progress": (lambda: cogging.identify(LOG, MODEL, progress="yes"), r"progress: must be True, False or a"),
 }
+
+
+def test_what_is_told_in_one_line_has_one_signature():
+    """`cogging.calls.signature` reads one; a function of the core with several would be told of by the first alone."""
+    functions = [value for value in vars(_core).values() if inspect.isbuiltin(value)]
+    kinds = [value for value in vars(_core).values() if inspect.isclass(value)]
+    docs = [inspect.getdoc(value) or "" for value in (*functions, *(kind.__init__ for kind in kinds))]
+    assert len(docs) > 40
+    assert not [doc for doc in docs if "Overloaded function." in doc]
 
 
 @pytest.mark.parametrize("name", MISTAKES)

@@ -15,14 +15,14 @@ import cogging
 PACKAGE = Path(cogging.__file__).parent
 TESTS = Path(__file__).parent
 #: What every room may use.
-BASE = {"_core", "arrays", "calls", "core_values", "cpp_library", "effects", "files", "outputs", "progress"}
-BASE |= {"shown", "threads", "values"}
+BASE = {"_core", "arrays", "calls", "core_values", "cpp_library", "effects", "files", "linear", "outputs"}
+BASE |= {"progress", "shown", "threads", "values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "report", "location", "result", "search", "patched"]
-DIAGNOSIS += ["experiment", "naming", "diagnose"]
+DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
+DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 
@@ -112,6 +112,22 @@ def test_the_order_within_diagnosis():
             if used.startswith("cogging.diagnosis."):
                 own, other = (name.split(".")[2] for name in (module, used))
                 assert DIAGNOSIS.index(other) <= DIAGNOSIS.index(own), f"{module} uses {used}"
+
+
+def test_a_report_only_renders():
+    """A result, its location and their pages rest on nothing that fits, predicts or tests."""
+    shown = {name for name in GRAPH if name.startswith("cogging.diagnosis.report.")}
+    shown |= {f"cogging.diagnosis.{name}" for name in ("result", "location", "entries")}
+    assert len(shown) > 6
+    todo, seen = set(shown), set()
+    while todo:
+        name = todo.pop()
+        seen.add(name)
+        todo |= {used for used in GRAPH.get(name, ()) if used.startswith("cogging.diagnosis.")} - seen
+    held = {f"cogging.diagnosis.residual{name}" for name in ("", ".shape", ".location_words")}
+    assert seen <= shown | held | {"cogging.diagnosis", "cogging.diagnosis.report"}
+    estimation = {used for name in seen for used in GRAPH.get(name, ()) if used.startswith("cogging.estimation")}
+    assert estimation <= {"cogging.estimation.statistics"}  # the moving average of a drawn trace
 
 
 def test_rooms_are_all_there():

@@ -27,11 +27,38 @@ void bind_basis(py::module_& module);
 void bind_reference(py::module_& module);
 void bind_plant(py::module_& module);
 void bind_control(py::module_& module);
+void bind_own_controllers(py::module_& module);
 void bind_simulation(py::module_& module);
 void bind_estimation(py::module_& module);
 void bind_table(py::module_& module);
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// The name of a class by that in files: constant_force -> ConstantForce.
+inline std::string class_name(std::string_view name) {
+  std::string result;
+  bool start = true;
+  for (char letter : name) {
+    if (letter == '_') {
+      start = true;
+      continue;
+    }
+    result += start ? static_cast<char>(letter - 'a' + 'A') : letter;
+    start = false;
+  }
+  return result;
+}
+
+/// Calls visit<T>() for each alternative of a variant, in order: how lists of effects, controllers, motions are read.
+template <class Variant>
+struct Alternatives;
+template <class... T>
+struct Alternatives<std::variant<T...>> {
+  template <class Visitor>
+  static void for_each(Visitor&& visit) {
+    (visit.template operator()<T>(), ...);
+  }
+};
 
 /// A numpy array that takes over the vector's memory.
 inline py::array_t<double> to_array(std::vector<double>&& values, std::vector<py::ssize_t> shape = {}) {
@@ -148,4 +175,35 @@ py::class_<Struct> bind_parameters(py::module_& module, const std::string& class
       py::pickle([to_dict](const Struct& self) { return to_dict(self); },
                  [](const py::dict& values) { return py::type::of<Struct>()(**values).template cast<Struct>(); }));
   return bound;
+}
+
+/// Binds the parameter struct of a class that stands in a list, unless it is bound already, and gives its type. It is
+/// called as it says itself, or after the class: PidParameters.
+template <class Listed>
+py::object bind_parameters_of(py::module_& module) {
+  using Struct = typename Listed::Parameters;
+  std::string name = class_name(Listed::name) + "Parameters";
+  if constexpr (requires { Struct::name; }) name = class_name(Struct::name) + "Parameters";
+  if (py::hasattr(module, name.c_str())) return module.attr(name.c_str());
+  std::string doc = "Parameters of " + class_name(Listed::name) + ".";
+  if constexpr (requires { Struct::description; }) doc = Struct::description;
+  return bind_parameters<Struct>(module, name, doc);
+}
+
+/// What every class of a list says of itself, and its place in it and in the module's part of that name.
+template <class Listed>
+void enlist(py::module_& module, const char* part, py::dict& list, py::object bound) {
+  py::module_ names = module.attr(part);
+  const std::string name = class_name(Listed::name);
+  bound.attr("NAME") = std::string(Listed::name);
+  names.attr(name.c_str()) = bound;
+  names.attr("__all__").cast<py::list>().append(name);
+  if constexpr (requires { typename Listed::Parameters; }) {
+    const py::object parameters = bind_parameters_of<Listed>(module);
+    bound.attr("PARAMETERS") = parameters;
+    const std::string struct_name = parameters.attr("__name__").cast<std::string>();
+    if (!py::hasattr(names, struct_name.c_str())) names.attr("__all__").cast<py::list>().append(struct_name);
+    names.attr(struct_name.c_str()) = parameters;
+  }
+  list[py::str(std::string(Listed::name))] = bound;
 }

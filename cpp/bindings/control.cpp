@@ -1,11 +1,7 @@
 #include "bindings.hpp"
-#include "cogging/control/adaptive_robust.hpp"
-#include "cogging/control/cascade.hpp"
+#include "cogging/control/compiled.hpp"
 #include "cogging/control/desired_compensation_condition.hpp"
-#include "cogging/control/observer_based.hpp"
-#include "cogging/control/output_feedback_adaptive_robust.hpp"
-#include "cogging/control/pid.hpp"
-#include "cogging/control/speed.hpp"
+#include "cogging/control/list.hpp"
 #include "controller_state.hpp"
 
 using namespace cogging;
@@ -18,10 +14,16 @@ A sample is refused whose reading or reference is not finite, or 1e12 and more: 
 `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
 of the next reading are taken over all samples that have passed.)";
 
+// What one controller has and no other.
 template <class C>
-py::class_<C> bind_controller(py::module_& module, const char* name, const std::string& doc) {
-  static_assert(Controller<C, double>);
-  py::class_<C> bound(module, name, (doc + refusal).c_str());
+void bind_special(py::class_<C>&) {}
+
+void bind_special(py::class_<OutputFeedbackArc<>>& bound);
+
+template <class C>
+void bind_controller(py::module_& module, py::dict& controllers) {
+  bind_parameters_of<C>(module);
+  py::class_<C> bound(module, class_name(C::name).c_str(), (std::string(C::description) + refusal).c_str());
   bound.def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
       .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
       .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
@@ -35,11 +37,15 @@ py::class_<C> bind_controller(py::module_& module, const char* name, const std::
       .def("update", &C::update, py::arg("applied"),
            "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "
            "own, cut at the limit.")
-      .def("copy", [](const C& c) { return c; }, "A controller in the same state.");
+      .def(
+          "copy", [](const C& c) { return c; }, "A controller in the same state.")
+      .def("__copy__", [](const C& c) { return c; })
+      .def("__deepcopy__", [](const C& c, const py::dict&) { return c; }, py::arg("memo"));
   bind_state(bound);
   constexpr const char* command_doc =
       "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).";
-  if constexpr (LooksAhead<C>)
+  if constexpr (LooksAhead<C>) {
+    bound.def_property_readonly("preview", &C::preview, "how far ahead the second reference is, s");
     bound.def(
         "command",
         [](C& c, const std::array<double, 3>& reference, const std::array<double, 3>& ahead, double reading) {
@@ -48,7 +54,7 @@ py::class_<C> bind_controller(py::module_& module, const char* name, const std::
         py::kw_only(), py::arg("reference"), py::arg("ahead"), py::arg("reading"),
         "The command (V) of this sample from the reference now and `preview` s ahead (each m, m/s, m/s^2) and encoder "
         "reading (m).");
-  else
+  } else {
     bound.def(
         "command",
         [](C& c, double position, double velocity, double acceleration, double reading) {
@@ -56,55 +62,20 @@ py::class_<C> bind_controller(py::module_& module, const char* name, const std::
         },
         py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
         py::arg("reference_acceleration") = 0.0, py::arg("reading"), command_doc);
-  return bound;
+    bound.def(
+        "command",
+        [](C& c, const std::array<double, 3>& reference, double reading) {
+          return c.command({reference[0], reference[1], reference[2]}, reading);
+        },
+        py::arg("reference"), py::arg("reading"), command_doc);
+  }
+  bind_special(bound);
+  enlist<C>(module, "controllers", controllers, bound);
 }
 
-}  // namespace
-
-void bind_control(py::module_& module) {
-  bind_parameters<PidParameters<>>(module, "PidParameters", "Gains and feedforward of a Pid.");
-  bind_controller<Pid<>>(module, "Pid", R"(PID with feedforward, from positions only.
-
-u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading - reference. The sum
-includes the current sample and starts at zero; e_prev = e in the first sample. With a command limit the sum does not
-take up an error that pushes further into it.)");
-
-  bind_parameters<CascadeParameters<>>(module, "CascadeParameters", "Gains and feedforward of a Cascade.");
-  bind_controller<Cascade<>>(
-      module, "Cascade",
-      "u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.");
-
-  bind_parameters<SpeedParameters<>>(module, "SpeedParameters", "Gain, delay and feedforward of a Speed.");
-  bind_controller<Speed<>>(module, "Speed", R"(A velocity loop, from positions only.
-
-w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
-sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
-before the first sample: the mean over the sample of the held w after the exact delay. What is held in a sample that is
-refused is w, which goes through the delay as ever.)");
-
-  bind_parameters<AdaptiveRobustParameters<>>(
-      module, "AdaptiveRobustParameters",
-      "Gains, bounds and initial estimates of Arc and Dcarc (Lu et al. 2008, eq. 11 to 30).");
-  bind_controller<Arc<>>(module, "Arc", R"(Adaptive robust control (Lu et al. 2008, eq. 15 to 23).
-
-u = -phi^T theta_hat - k_s1 p + u_s2 with p = e' + k_1 e, the regressor phi at the measured state;
-theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscous, coulomb, d_n, then A_r.)");
-  bind_controller<Dcarc<>>(module, "Dcarc",
-                           R"(Desired compensation adaptive robust control (Lu et al. 2008, eq. 24 to 30).
-
-As Arc, with the regressor on the reference in place of the measured state. Estimates: mass, viscous, coulomb, d_n,
-then A_r.)");
-
-  bind_parameters<OutputFeedbackArcParameters<>>(
-      module, "OutputFeedbackArcParameters",
-      "Observer, gains, bounds and robust terms of an OutputFeedbackArc (Xu and Yao 2001, eq. 8 to 50).");
+void bind_special(py::class_<OutputFeedbackArc<>>& bound) {
   using Ofarc = OutputFeedbackArc<>;
-  bind_controller<Ofarc>(module, "OutputFeedbackArc", R"(Output-feedback adaptive robust control (Xu and Yao 2001).
-
-u = u* + coulomb S(reference velocity): filters (18), state estimate (13), two backstepping steps (25) to (47),
-adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading. The
-filters of the applied command go on through samples that are refused; that of the readings makes up for them behind.)")
-      .def_property_readonly("z_1", &Ofarc::z_1, "y - q_d of the last sample, m")
+  bound.def_property_readonly("z_1", &Ofarc::z_1, "y - q_d of the last sample, m")
       .def_property_readonly("z_2", &Ofarc::z_2, "lambda_2 - alpha_1 of the last sample")
       .def_property_readonly("filters", &Ofarc::filters, "eta, lambda, psi: array of six")
       .def("velocity_state", &Ofarc::velocity_state, py::arg("theta"),
@@ -128,16 +99,17 @@ filters of the applied command go on through samples that are refused; that of t
           py::kw_only(), py::arg("position"), py::arg("eta_1"), py::arg("eta_2"), py::arg("psi_2"),
           py::arg("reference"), py::arg("reference_velocity"), py::arg("theta"),
           "alpha_1 (eq. 25, 27) as `value`, and its partial derivatives by the name of the argument.");
+}
 
-  bind_parameters<ObserverBasedParameters<>>(
-      module, "ObserverBasedParameters",
-      "Periods and gains of an ObserverBased (Malaize and Levine 2009, eq. 2, 6, 8).");
-  bind_controller<ObserverBased<>>(module, "ObserverBased", R"(Observer-based cancellation (Malaize and Levine 2009).
+}  // namespace
 
-Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
-Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
-were refused x_hat and nu_hat start anew from the readings at both ends.)")
-      .def_property_readonly("preview", &ObserverBased<>::preview, "how far ahead the second reference is, s");
+void bind_control(py::module_& module) {
+  py::module_ names =
+      module.def_submodule("controllers", "Every controller that a model file may name, with its parameters.");
+  names.attr("__all__") = py::list();
+  py::dict controllers;
+  Alternatives<AnyController<>>::for_each([&]<class C>() { bind_controller<C>(module, controllers); });
+  module.attr("CONTROLLERS") = controllers;
 
   module.def(
       "desired_compensation_matrix",

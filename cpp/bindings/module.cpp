@@ -33,15 +33,14 @@ void tell_of_memory(std::exception_ptr thrown) {
 template <class... Self>
 py::cpp_function told_in_one_line(const py::object& bound, const std::string& name, const Self&... self) {
   const std::string doc = bound.attr("__doc__").cast<std::string>();
-  const auto call = [bound, doc](const py::args& given, const py::kwargs& named) -> py::object {
+  const std::string untaken = bound.attr("__name__").cast<std::string>() + "(): incompatible ";  // pybind11's words
+  const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
     try {
       return bound(*given, **named);
     } catch (py::error_already_set& error) {
       if (!error.matches(PyExc_TypeError)) throw;
       const auto text = py::str(error.value()).cast<std::string>();
-      if (text.find("incompatible constructor arguments") == std::string::npos &&
-          text.find("incompatible function arguments") == std::string::npos)
-        throw;
+      if (!text.starts_with(untaken)) throw;
       const auto line = py::module_::import("cogging.calls").attr("told")(doc, given, named).cast<std::string>();
       throw py::type_error(line);
     }
@@ -75,6 +74,7 @@ PYBIND11_MODULE(_core, module) {
   bind_reference(module);
   bind_plant(module);
   bind_control(module);
+  bind_own_controllers(module);
   bind_simulation(module);
   bind_estimation(module);
   bind_table(module);

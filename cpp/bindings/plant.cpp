@@ -6,21 +6,6 @@ using namespace cogging;
 
 namespace {
 
-// constant_force -> ConstantForce
-std::string class_name(std::string_view name) {
-  std::string result;
-  bool start = true;
-  for (char letter : name) {
-    if (letter == '_') {
-      start = true;
-      continue;
-    }
-    result += start ? static_cast<char>(letter - 'a' + 'A') : letter;
-    start = false;
-  }
-  return result;
-}
-
 // Which of the plant's questions it answers.
 template <class E>
 py::tuple hooks_of() {

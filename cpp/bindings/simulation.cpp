@@ -1,26 +1,34 @@
 #include "bindings.hpp"
-#include "cogging/control/adaptive_robust.hpp"
-#include "cogging/control/cascade.hpp"
-#include "cogging/control/observer_based.hpp"
-#include "cogging/control/output_feedback_adaptive_robust.hpp"
-#include "cogging/control/pid.hpp"
-#include "cogging/control/speed.hpp"
 #include "cogging/estimation/replay_controller.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
+#include "own_controller.hpp"
 #include "without_gil.hpp"
 
 using namespace cogging;
 
 namespace {
 
-using AnyController = std::variant<Pid<>, Cascade<>, Speed<>, Arc<>, Dcarc<>, OutputFeedbackArc<>, ObserverBased<>>;
+// Calls loop(controller, stop request) with the controller that was given: one of Python is run with the lock.
+template <class Loop>
+auto close(const GivenController& controller, StopRequest* stop, const Loop& loop) {
+  return std::visit(
+      [&]<class C>(const C& c) {
+        if constexpr (std::is_same_v<C, PythonController>)
+          return with_gil(stop, [&](StopRequest* turns) { return loop(c, turns); });
+        else
+          return loop(c, stop);
+      },
+      controller);
+}
 
-Log<> run(const Plant<>& plant, const AnyController& controller, const Reference& reference, RunOptions options,
-          StopRequest* stop) {
-  options.stop = stop;
-  return std::visit([&](const auto& c) { return closed_loop<double>(plant, c, reference, options); }, controller);
+Log<> run(const Plant<>& plant, const GivenController& controller, const Reference& reference, RunOptions options,
+          StopRequest* request) {
+  return close(controller, request, [&](const auto& c, StopRequest* stop) {
+    options.stop = stop;
+    return closed_loop<double>(plant, c, reference, options);
+  });
 }
 
 // Every column becomes a numpy array without copying.
@@ -69,14 +77,14 @@ milliseconds after another thread has set it.)")
 
   module.def(
       "closed_loop",
-      [](const Plant<>& plant, const AnyController& controller, const Reference& reference, double duration,
+      [](const Plant<>& plant, const py::object& controller, const Reference& reference, double duration,
          std::uint64_t seed, int steps_per_sample, bool record_estimates, std::optional<double> initial_position,
          double initial_velocity,
          const std::optional<Array>& added_command) -> std::map<std::string, py::array_t<double>> {
         const RunOptions options = options_of(duration, seed, steps_per_sample, record_estimates, initial_position,
                                               initial_velocity, added_command);
-        return to_columns(
-                   without_gil([&](StopRequest* stop) { return run(plant, controller, reference, options, stop); }))
+        const GivenController given = take_controller(controller);
+        return to_columns(without_gil([&](StopRequest* stop) { return run(plant, given, reference, options, stop); }))
             .cast<std::map<std::string, py::array_t<double>>>();
       },
       py::arg("plant"), py::arg("controller"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
@@ -90,24 +98,30 @@ duration (s): 0 = the reference's own end. Between samples the command is held a
 steps of fourth order: `steps_per_sample`, or as many more as keep what they err by below 1e-6 of the motion. The axis
 starts at rest on the reference unless told otherwise.
 `added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
+The controller is one of the core, a CompiledController, or any object that is a cogging.Controller, whose deep copy is
+called in every row with Python's lock held.
 
 Raises:
+    TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
     ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
         needs more than 1e5 steps (the message says how fast).
+    ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
     DivergedError: the state left the travel by half its length or is not finite; says when and where.)");
 
   module.def(
       "closed_loop_batch",
-      [](const std::vector<Plant<>>& plants, const std::vector<AnyController>& controllers, const Reference& reference,
+      [](const std::vector<Plant<>>& plants, const std::vector<py::object>& controllers, const Reference& reference,
          double duration, const std::vector<std::uint64_t>& seeds, int steps_per_sample, unsigned threads) {
         require(controllers.size() == plants.size(), "controllers", "must be one for each plant",
                 static_cast<double>(controllers.size()));
         require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
                 static_cast<double>(seeds.size()));
+        std::vector<GivenController> given;
+        for (const py::object& controller : controllers) given.push_back(take_controller(controller));
         std::vector<Log<>> logs(plants.size());
         without_gil([&](StopRequest* stop) {
           run_batch(plants.size(), threads, stop, [&](std::size_t i) {
-            logs[i] = run(plants[i], controllers[i], reference,
+            logs[i] = run(plants[i], given[i], reference,
                           options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0), stop);
           });
         });
@@ -119,11 +133,11 @@ Raises:
       py::arg("plants"), py::arg("controllers"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
       py::arg("seeds") = std::vector<std::uint64_t>{}, py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
       "Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the "
-      "number.");
+      "number. Controllers of Python's run one at a time, beside those of the core and compiled ones.");
 
   module.def(
       "replay_controller",
-      [](const AnyController& controller, const Array& time, const Array& reference,
+      [](const py::object& controller, const Array& time, const Array& reference,
          const std::optional<Array>& reference_velocity, const std::optional<Array>& reference_acceleration,
          const Array& position, const std::optional<Array>& applied) {
         const auto optional = [](const std::optional<Array>& column) {
@@ -132,13 +146,12 @@ Raises:
         const std::vector<double> times = to_vector(time), positions = to_vector(reference),
                                   velocities = optional(reference_velocity),
                                   accelerations = optional(reference_acceleration), readings = to_vector(position),
-                                  given = optional(applied);
-        return to_array(without_gil([&](StopRequest* stop) {
-          return std::visit(
-              [&](const auto& c) {
-                return replay_controller(c, times, positions, velocities, accelerations, readings, given, stop);
-              },
-              controller);
+                                  told = optional(applied);
+        const GivenController given = take_controller(controller);
+        return to_array(without_gil([&](StopRequest* request) {
+          return close(given, request, [&](const auto& c, StopRequest* stop) {
+            return replay_controller(c, times, positions, velocities, accelerations, readings, told, stop);
+          });
         }));
       },
       py::arg("controller"), py::kw_only(), py::arg("time"), py::arg("reference"),

@@ -50,6 +50,13 @@ class PythonSignals final : public cogging::StopRequest {
     return raised;
   }
 
+  /// Ends the work on all threads with an exception that ends whatever raises it: KeyboardInterrupt, SystemExit. With
+  /// the lock held.
+  void end_with(const pybind11::error_already_set& error) {
+    if (!raised_) raised_.emplace(error);
+    stopped_.store(true, std::memory_order_relaxed);
+  }
+
   /// Throws what the handler raised, or KeyboardInterrupt where the flag was set; with the lock held.
   [[noreturn]] void raise() {
     if (raised_) throw *raised_;
@@ -75,5 +82,34 @@ std::invoke_result_t<const Work&, cogging::StopRequest*> without_gil(const Work&
     return work(static_cast<cogging::StopRequest*>(&signals));
   } catch (const cogging::Interrupted&) {
     signals.raise();
+  }
+}
+
+/// Lets Python's other threads have the lock for a moment whenever a loop that holds it asks whether to end.
+class GivesTurns final : public cogging::StopRequest {
+ public:
+  explicit GivesTurns(cogging::StopRequest& request) : request_(request) {}
+
+  bool requested(std::chrono::steady_clock::time_point now) override {
+    pybind11::gil_scoped_release release;
+    return request_.requested(now);
+  }
+
+ private:
+  cogging::StopRequest& request_;
+};
+
+/// Inside without_gil, on any of its threads: runs work(stop request) that calls Python throughout, with the lock. A
+/// KeyboardInterrupt out of it, as all that is no Exception, ends the work on all threads.
+template <class Work>
+auto with_gil(cogging::StopRequest* signals, const Work& work) {
+  pybind11::gil_scoped_acquire acquire;
+  GivesTurns turns(*signals);
+  try {
+    return work(static_cast<cogging::StopRequest*>(&turns));
+  } catch (const pybind11::error_already_set& error) {
+    if (error.matches(PyExc_Exception)) throw;
+    static_cast<PythonSignals*>(signals)->end_with(error);
+    throw cogging::Interrupted();
   }
 }

@@ -1,7 +1,8 @@
 #pragma once
 // A pack of independent lanes that behaves like a number: the hot code runs many machines at once with it.
-// Lanes share what decides the course of a step: the event times, one smooth friction law (the exact one, with
-// sticking, runs on `double` alone), and whether there is a current loop. A run ends when one lane diverges.
+// Lanes share what decides the course of a step: the event times, that friction is smooth (the exact one, with
+// sticking, runs on `double` alone), and whether there is a current loop; where they do not, a plant of them is
+// refused. A run ends when one lane diverges.
 
 #include <array>
 #include <cstddef>

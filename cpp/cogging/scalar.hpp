@@ -86,12 +86,16 @@ inline void scatter(double* table, int index, double value) {
   table[index] = value;
 }
 
-/// S(v) = (2/pi) atan(v / width); width = 0 is sgn(v), with sgn(0) = 0.
+/// S(v) = (2/pi) atan(v / width); width = 0 is sgn(v), with sgn(0) = 0. Each lane by its own width.
 template <class Scalar>
 Scalar smooth_sign(const Scalar& velocity, const Scalar& width) {
   constexpr double two_over_pi = 0.63661977236758134308;
-  if (all(width > 0.0)) return two_over_pi * atan(velocity / width);
-  return sign(velocity);
+  const auto smooth = width > 0.0;
+  if (all(smooth)) return two_over_pi * atan(velocity / width);
+  if constexpr (lanes_of<Scalar> == 1)
+    return sign(velocity);
+  else
+    return select(smooth, two_over_pi * atan(velocity / select(smooth, width, Scalar(1.0))), sign(velocity));
 }
 
 }  // namespace cogging

@@ -7,37 +7,25 @@ take_signals_of_module("cogging")  # before what takes long to import
 import importlib.metadata
 
 from cogging import effects
+from cogging._core import controllers as _controllers
+from cogging._core import references as _references
+from cogging._core.controllers import *  # noqa: F403  (the lists stand in the core alone)
+from cogging._core.references import *  # noqa: F403
 from cogging._core import (
+    CONTROLLERS,
     EFFECTS,
-    AdaptiveRobustParameters,
-    Arc,
+    REFERENCES,
     AxisParameters,
     BSpline,
-    Cascade,
-    CascadeParameters,
     CoggingModel,
-    Dcarc,
+    CompiledController,
+    ControllerError,
     DivergedError,
     EncoderParameters,
-    FilteredSine,
-    FilteredSineParameters,
     NoiseParameters,
-    ObserverBased,
-    ObserverBasedParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
     Performance,
-    Pid,
-    PidParameters,
     Plant,
-    PointToPoint,
-    PointToPointParameters,
     Reference,
-    Sampled,
-    Sine,
-    SineParameters,
-    Speed,
-    SpeedParameters,
     SplineHarmonics,
     cogging_slope_max,
     desired_compensation_condition,
@@ -48,16 +36,18 @@ from cogging._core import (
     replay_controller,
 )
 from cogging.core_values import as_values
-from cogging.log_check.audit import Audit, audit, check_against_model
+from cogging.log_check.audit import Audit, audit
+from cogging.log_check.unit_check import check_against_model
 from cogging.design.bounds import Bounds
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.recovery import RecoveredController, recover_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
-from cogging.diagnosis.location import locate_gap
-from cogging.design.error_prediction import ErrorPrediction, predict_error
+from cogging.diagnosis.locate import locate_gap
 from cogging.cpp_library import get_cmake_dir, get_include
+from cogging.design.predicted_error import ErrorPrediction
+from cogging.design.error_prediction import predict_error
 from cogging.files import InputError
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
@@ -67,6 +57,7 @@ from cogging.identification.identify import identify
 from cogging.logs.log import Log, read_log
 from cogging.mapping.fit import fit_map
 from cogging.mapping.result import MapFit
+from cogging.model.controller import Controller, ReferencePoint
 from cogging.model.model import Model
 from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers.reproduction import compare
@@ -83,25 +74,23 @@ as_values()
 __version__ = importlib.metadata.version("cogging")
 
 __all__ = [
+    "CONTROLLERS",
     "EFFECTS",
-    "AdaptiveRobustParameters",
-    "Arc",
+    "REFERENCES",
     "Audit",
     "AxisParameters",
     "BSpline",
     "Batch",
     "Bounds",
-    "Cascade",
-    "CascadeParameters",
     "CoggingModel",
+    "CompiledController",
+    "Controller",
     "ControllerCheck",
-    "Dcarc",
+    "ControllerError",
     "Diagnosis",
     "DivergedError",
     "EncoderParameters",
     "ErrorPrediction",
-    "FilteredSine",
-    "FilteredSineParameters",
     "FrictionCurve",
     "FrictionModel",
     "FrictionParameter",
@@ -112,25 +101,13 @@ __all__ = [
     "MapFit",
     "Model",
     "NoiseParameters",
-    "ObserverBased",
-    "ObserverBasedParameters",
     "ObserverDesign",
     "ObserverProblem",
-    "OutputFeedbackArc",
-    "OutputFeedbackArcParameters",
     "Performance",
-    "Pid",
-    "PidParameters",
     "Plant",
-    "PointToPoint",
-    "PointToPointParameters",
     "RecoveredController",
     "Reference",
-    "Sampled",
-    "Sine",
-    "SineParameters",
-    "Speed",
-    "SpeedParameters",
+    "ReferencePoint",
     "SplineHarmonics",
     "TrackingSpectrum",
     "audit",
@@ -168,6 +145,8 @@ __all__ = [
     "simulate",
     "tracking_spectrum",
 ]
+__all__ += _controllers.__all__
+__all__ += _references.__all__
 
 
 def __dir__() -> list[str]:

@@ -20,6 +20,7 @@ C = TypeVar("C")
 ALIKE = 0.6  # of two words, from which one is taken for the other mistyped
 MANY = 12  # names that are listed where none is alike
 PATH: tuple[type, ...] = (str, os.PathLike)
+ANYTHING = re.compile(r"\[(object|typing\.Any)\]")  # a list whose entries the core looks at itself: controllers
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -228,6 +229,8 @@ def _sequence_fits(annotation: str, kinds: Sequence[str], value: Any) -> bool:
         return False
     if kinds:
         return all(any(one.__name__ in kinds for one in type(entry).__mro__) for entry in value)
+    if ANYTHING.search(annotation):
+        return True
     wanted = int | np.integer if "SupportsInt" in annotation else int | float | np.number
     return all(isinstance(entry, wanted) for entry in value)
 
@@ -247,6 +250,8 @@ def _in_words(annotation: str, kinds: Sequence[str]) -> str:
         names = "an effect" if len(kinds) > MANY else " or ".join(named)
         return f"a list, each {names}" if several else names
     size = re.search(r"FixedSize\((\d+)\)", annotation)
+    if ANYTHING.search(annotation):
+        return "a list"
     if several:
         whole = "whole " if "SupportsInt" in annotation else ""
         return f"{size.group(1) if size else 'a list of'} {whole}numbers"

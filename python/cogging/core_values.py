@@ -140,8 +140,8 @@ def _reduced(self: Any) -> Any:
 def as_values() -> None:
     """Let the classes of the core be compared, shown, copied and pickled."""
     for kind in (*vars(_core).values(), *vars(_core.effects).values()):
-        if not isinstance(kind, type) or issubclass(kind, Exception):
-            continue
+        if not isinstance(kind, type) or issubclass(kind, Exception) or kind is _core.CompiledController:
+            continue  # the last is compared by the core, which alone sees its functions
         struct, parameters = hasattr(kind, "FIELDS"), hasattr(kind, "parameters")
         if not (struct or parameters or kind.__name__ in MADE_OF):
             continue

@@ -98,7 +98,7 @@ def _reference() -> dict[str, Any]:
     kinds = []
     for kind, (struct, made) in REFERENCES.items():
         entry = _tagged("type", kind, made.__doc__ or "", _fields(struct) | {"duration": duration})
-        if kind != "point_to_point":  # a motion without an end of its own
+        if not math.isfinite(made(struct()).end):
             entry["required"].append("duration")
         kinds.append(entry)
     kinds.append(_tagged("type", "sampled", "a motion given by samples", _described(SAMPLED) | {"duration": duration}))

@@ -167,11 +167,23 @@ def test_no_function_takes_an_uninitialised_object(kind):
         "CoggingModel",
         "AxisParameters",
         "SplineHarmonics",
-        "Pid",
         "Prediction",
         "Sine",
     )
     assert tried > 0 or not wanted
+
+
+@pytest.mark.parametrize("kind", [*cogging.CONTROLLERS.values(), cogging.CompiledController])
+def test_no_run_takes_an_uninitialised_controller(kind):
+    """Runs take any object as a controller, which no signature tells."""
+    plant, motion, time = VALUES["Plant"], VALUES["Sine"], np.linspace(0.0, 1.0, 4)
+    for run in (
+        lambda: cogging.closed_loop(plant, raw(kind), motion),
+        lambda: cogging.closed_loop_batch([plant], [raw(kind)], motion),
+        lambda: cogging.replay_controller(raw(kind), time=time, reference=time, position=time),
+    ):
+        with pytest.raises(TypeError, match="must be initialised"):
+            run()
 
 
 def takes(annotation, kind):

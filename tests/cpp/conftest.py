@@ -80,8 +80,9 @@ def programs(cmake):
 
 
 @pytest.fixture(scope="session")
-def prefix(cmake, programs):
+def prefix(cmake):
     """A folder in which the library is installed, as `cmake --install` does."""
     folder = cmake.folder / "prefix"
-    cmake.run(cmake.cmake, "--install", programs.parents[1], "--prefix", folder)
+    built = cmake.build(ROOT, "library")
+    cmake.run(cmake.cmake, "--install", built, "--prefix", folder)
     return folder

@@ -134,7 +134,6 @@ void effects(const std::variant<E...>*) {
 
 void plant() {
   spoil_each_field("axis", AxisParameters<>{}, [](const auto& q) { Axis<> made(q, {}); });
-  spoil_each_field("axis in lanes", AxisParameters<Lanes<4>>{}, [](const auto& q) { Axis<Lanes<4>> made(q, {}); });
   spoil_each_field("noise", NoiseParameters{}, [](const auto& q) { ForceNoise made(q, 1e-3, 1); });
   spoil_each_field("encoder", EncoderParameters{}, [](const auto& q) {
     const Plant<> machine{.axis = {}, .cogging = {}, .effects = {}, .encoder = q, .noise = {}};

@@ -3,19 +3,19 @@
 
 #include "cogging/lanes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "cogging/control/adaptive_robust.hpp"
-#include "cogging/control/cascade.hpp"
-#include "cogging/control/observer_based.hpp"
-#include "cogging/control/output_feedback_adaptive_robust.hpp"
-#include "cogging/control/pid.hpp"
-#include "cogging/control/speed.hpp"
+#include "cogging/control/list.hpp"
 #include "cogging/reference/point_to_point.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 
@@ -194,21 +194,22 @@ double spread(const Four& value) {
 
 // Prints the largest difference of any column between the lanes and the single runs, and how far the lanes
 // lie apart.
-template <class FourController, class OneController, class FourParameters, class OneParameters>
-void compare(const char* name, const FourParameters& four_parameters, const OneParameters& one_parameters) {
+template <class FourController, class OneController, class FourParameters, class OneParameters, class PlantOf>
+void compare(const char* name, const FourParameters& four_parameters, const OneParameters& one_parameters,
+             const PlantOf& plant) {
   const PointToPoint reference(motion);
   RunOptions options;
   options.seed = 3;
   options.steps_per_sample = 2;
   options.record_estimates = true;
   const std::vector<Machine> list = machines();
-  const Log<Four> four =
-      closed_loop<Four>(plant_of<Four>(list), FourController(four_parameters(list)), reference, options);
+  const Log<Four> four = closed_loop<Four>(plant.template operator()<Four>(list), FourController(four_parameters(list)),
+                                           reference, options);
   double worst = 0.0, apart = 0.0;
   for (std::size_t lane = 0; lane < width; ++lane) {
     const std::vector<Machine> alone{list[lane]};
-    const Log<double> one =
-        closed_loop<double>(plant_of<double>(alone), OneController(one_parameters(alone)), reference, options);
+    const Log<double> one = closed_loop<double>(plant.template operator()<double>(alone),
+                                                OneController(one_parameters(alone)), reference, options);
     const auto column = [&](const std::vector<Four>& pack, const std::vector<double>& single) {
       if (pack.size() != single.size()) worst = INFINITY;
       for (std::size_t k = 0; k < single.size(); ++k) {
@@ -235,19 +236,55 @@ auto ask(C& controller, const ReferencePoint& now, const ReferencePoint& ahead, 
     return controller.command(now, reading);
 }
 
+// What makes a controller's memory matter, by the fields that it has.
+template <class Parameters>
+void tune(Parameters& q) {
+  q.command_limit = 2.0;
+  if constexpr (requires { q.mass_adaptation; }) {
+    q.mass_adaptation = 1.0;
+    q.viscous_adaptation = q.coulomb_adaptation = 10.0;
+    q.disturbance_adaptation = 1000.0;
+    q.cogging_harmonics = {1, 2, 3};
+    q.cogging_control_points = 13;
+    q.cogging_adaptation = 100.0;
+    q.epsilon = 0.1;
+  } else if constexpr (requires { q.kp; }) {
+    q.sample_rate = 5000.0;
+    q.kp = 100.0;
+  } else if constexpr (requires { q.observer_gain_slope; }) {
+    q.sample_rate = 5000.0;
+    q.delay = 0.00033;
+    q.velocity_min = 0.1;
+    q.observer_gain = {300.0, 3e4, 1e6, 1e4, -2e4};
+  } else if constexpr (requires { q.coulomb; }) {
+    q.coulomb = 0.1;
+  }
+  if constexpr (requires { q.feedforward_velocity; }) {
+    q.mass = 0.12;
+    q.coulomb = 0.1;
+    q.viscous = 0.2;
+    q.feedforward_velocity = "measured";
+    if constexpr (requires { q.delay; }) q.delay = 0.00053;
+  }
+  if constexpr (requires { q.ki; }) q.ki = 1e4;
+  if constexpr (requires { q.kd; }) q.kd = 40.0;
+  if constexpr (requires { q.kv; }) q.kv = 40.0;
+}
+
 // Each lane loses readings of its own, in the first samples and later, singly and in gaps that are bridged and not;
 // some references are lost to all. Prints the largest difference of commands, estimates and counts to the single runs
 // (an infinity where one is no number), and how many samples were refused.
-template <template <class> class Kind, class Parameters>
-void lose_readings(const char* name, const Parameters& parameters) {
+template <class FourController, class OneController>
+void lose_readings() {
+  const std::string name(OneController::name);
   std::mt19937_64 engine(7);
   const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1.0p-53; };
-  typename Kind<Four>::Parameters four_parameters;
-  typename Kind<double>::Parameters one_parameters;
-  parameters(four_parameters);
-  parameters(one_parameters);
-  Kind<Four> four(four_parameters);
-  std::vector<Kind<double>> ones(width, Kind<double>(one_parameters));
+  typename FourController::Parameters four_parameters;
+  typename OneController::Parameters one_parameters;
+  tune(four_parameters);
+  tune(one_parameters);
+  FourController four(four_parameters);
+  std::vector<OneController> ones(width, OneController(one_parameters));
   double worst = 0.0;
   const auto compare_to = [&](const Four& pack, std::size_t lane, double single) {
     const double difference = std::abs(pack.lane[lane] - single);
@@ -277,46 +314,15 @@ void lose_readings(const char* name, const Parameters& parameters) {
         compare_to(four.estimates()[i], lane, ones[lane].estimates()[i]);
     }
   }
-  std::printf("%s_lost_difference %.17g\n%s_lost %.17g\n", name, worst, name, four.samples_refused().lane[0]);
+  std::printf("%s_lost_difference %.17g\n%s_lost %.17g\n", name.c_str(), worst, name.c_str(),
+              four.samples_refused().lane[0]);
 }
 
-template <class Scalar>
-using PlainDcarc = AdaptiveRobust<Scalar, true>;
-template <class Scalar>
-using PlainArc = AdaptiveRobust<Scalar, false>;
-
-void lose_readings_of_all() {
-  const auto adapts = [](auto& q) {
-    q.mass_adaptation = 1.0;
-    q.viscous_adaptation = q.coulomb_adaptation = 10.0;
-    q.disturbance_adaptation = 1000.0;
-    q.cogging_harmonics = {1, 2, 3};
-    q.cogging_control_points = 13;
-    q.cogging_adaptation = 100.0;
-    q.epsilon = 0.1;
-    q.command_limit = 2.0;
-  };
-  const auto loops = [](auto& q) {
-    q.sample_rate = 5000.0;
-    q.kp = 100.0;
-    q.mass = 0.12;
-    q.coulomb = 0.1;
-    q.viscous = 0.2;
-    q.feedforward_velocity = "measured";
-    q.command_limit = 2.0;
-  };
-  lose_readings<PlainDcarc>("dcarc", adapts);
-  lose_readings<PlainArc>("arc", adapts);
-  lose_readings<Pid>("pid", [&](auto& q) { loops(q), q.ki = 1e4, q.kd = 40.0; });
-  lose_readings<Cascade>("cascade", [&](auto& q) { loops(q), q.kv = 40.0; });
-  lose_readings<Speed>("speed", [&](auto& q) { loops(q), q.delay = 0.00053; });
-  lose_readings<OutputFeedbackArc>("output_feedback_arc", [](auto& q) { q.coulomb = 0.1, q.command_limit = 2.0; });
-  lose_readings<ObserverBased>("observer_based", [](auto& q) {
-    q.sample_rate = 5000.0;
-    q.delay = 0.00033;
-    q.velocity_min = 0.1;
-    q.observer_gain = {300.0, 3e4, 1e6, 1e4, -2e4};
-  });
+// Every controller of the list.
+template <std::size_t... i>
+void lose_readings_of_all(std::index_sequence<i...>) {
+  (lose_readings<std::variant_alternative_t<i, AnyController<Four>>, std::variant_alternative_t<i, AnyController<>>>(),
+   ...);
 }
 
 // Effects with a state run on single machines alone, and say so.
@@ -332,6 +338,56 @@ void refusals() {
     }
   }
   std::printf("refused %d\n", refused);
+}
+
+bool is_sharp(const Machine& m) {
+  return m.coulomb > 0.2;
+}
+
+// Of machines in one pack some have a sharp sign, others a smooth one: in a controller's belief each its own; in the
+// plant only where a machine has no friction, as what sticks runs alone.
+template <class Scalar>
+AdaptiveRobustParameters<Scalar> mixed_parameters_of(const std::vector<Machine>& list) {
+  AdaptiveRobustParameters<Scalar> q = parameters_of<Scalar>(list);
+  q.coulomb_width = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb_width; });
+  return q;
+}
+
+template <class Scalar>
+Plant<Scalar> mixed_plant_of(const std::vector<Machine>& list) {
+  AxisParameters<Scalar> axis = plant_of<Scalar>(list).axis;
+  axis.coulomb = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb; });
+  axis.coulomb_width = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb_width; });
+  return {axis, CoggingModel<Scalar>{}, {}, EncoderParameters{0.5e-6, 1e-7}, NoiseParameters{}};
+}
+
+template <class Make>
+bool is_refused(const char* told, const Make& make) {
+  try {
+    make();
+  } catch (const std::invalid_argument& error) {
+    return std::string(error.what()).rfind(told, 0) == 0;
+  }
+  return false;
+}
+
+void mixed_widths() {
+  const auto mixed = []<class Scalar>(const std::vector<Machine>& list) { return mixed_plant_of<Scalar>(list); };
+  compare<Dcarc<Four>, Dcarc<double>>("mixed", mixed_parameters_of<Four>, mixed_parameters_of<double>, mixed);
+  const std::vector<Machine> list = machines();
+  std::printf("mixed_sharp %d\n", int(std::count_if(list.begin(), list.end(), is_sharp)));
+  AxisParameters<Four> axis = mixed_plant_of<Four>(list).axis;
+  CoulombAsymmetry<Four> asymmetry;  // a friction level of an effect is friction in every lane
+  asymmetry.difference = 0.01;
+  ActuatorLag<Four> lag;
+  lag.time_constant = of<Four>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.lag; });
+  bool refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}, {asymmetry}); });
+  refused = is_refused("actuator_lag: ", [&] { Amplifier<Four>({lag}, 1e-3); }) && refused;
+  axis.coulomb = 0.1;
+  refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}); }) && refused;
+  axis.coulomb_width = 0.0;
+  refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}); }) && refused;
+  std::printf("mixed_refused %d\n", refused);
 }
 
 // In units of the last place of the exact value, from the library's long double.
@@ -369,10 +425,12 @@ void elementary_functions() {
 }  // namespace
 
 int main() {
-  compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>);
-  compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>);
-  compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>);
-  lose_readings_of_all();
+  const auto full = []<class Scalar>(const std::vector<Machine>& list) { return plant_of<Scalar>(list); };
+  compare<Dcarc<Four>, Dcarc<double>>("dcarc", parameters_of<Four>, parameters_of<double>, full);
+  compare<Arc<Four>, Arc<double>>("arc", parameters_of<Four>, parameters_of<double>, full);
+  compare<Pid<Four>, Pid<double>>("pid", pid_of<Four>, pid_of<double>, full);
+  mixed_widths();
+  lose_readings_of_all(std::make_index_sequence<std::variant_size_v<AnyController<>>>());
   refusals();
   elementary_functions();
 }

@@ -24,7 +24,7 @@ def printed(cmake, programs):
     return {name: float(value) for name, value in (line.split() for line in output.splitlines())}
 
 
-@pytest.mark.parametrize("controller", ["dcarc", "arc", "pid"])
+@pytest.mark.parametrize("controller", ["dcarc", "arc", "pid", "mixed"])
 def test_lanes_give_the_bits_of_single_runs(printed, controller):
     assert printed[controller + "_rows"] > 5000
     assert printed[controller + "_difference"] == 0.0
@@ -39,6 +39,12 @@ def test_a_lane_that_loses_readings_leaves_the_others_alone(printed, controller)
 
 def test_effects_with_a_state_are_refused_in_lanes(printed):
     assert printed["refused"] == 3
+
+
+def test_lanes_of_mixed_friction_width(printed):
+    """Each lane by its own width where that can be (with "mixed" above), else refused; a current loop alike."""
+    assert 1 <= printed["mixed_sharp"] <= 3
+    assert printed["mixed_refused"] == 1
 
 
 def test_elementary_functions(printed):

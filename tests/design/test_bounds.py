@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.design.bounds import periods_of, pitch_and_harmonics
+from cogging.design.cogging_periods import periods_of, pitch_and_harmonics
 from cogging.model.intervals import Intervals
-from cogging.papers.lu2008 import reproduce as lu2008
+from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.xu2001 import setup as xu2001_setup
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1 / 900, travel=[0.0, 0.51])

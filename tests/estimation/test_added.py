@@ -81,8 +81,8 @@ def compared(log, model, effect):
     assert source.predictor.is_addable(plant, effect)
     quick = source.rows_of_effects(along, plant, [effect], [1.0])[0]
     before, after = source.of([model, joined(model, effect)])
-    counts = source.counts > 0.0
-    quick, whole = quick[counts], (after - before)[counts]
+    mask = source.mask > 0.0
+    quick, whole = quick[mask], (after - before)[mask]
     size, expected = np.linalg.norm(quick), np.linalg.norm(whole)
     return quick @ whole / (size * expected), size / expected, np.linalg.norm(quick - whole) / expected
 

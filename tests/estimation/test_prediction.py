@@ -96,8 +96,8 @@ def test_rows_about_a_turn_between_two_samples_do_not_count():
     assert len(turns) > 10
     assert (np.abs(velocity[turns]) > source.rest).any()
     for turn in turns:
-        assert not source.counts[turn : turn + round(source.settle / 1e-3)].any()
-    assert source.counts.any()
+        assert not source.mask[turn : turn + round(source.settle / 1e-3)].any()
+    assert source.mask.any()
 
 
 @pytest.mark.parametrize(("acceleration", "quick"), [(20.0, True), (4.0, True), (0.5, False)])
@@ -130,7 +130,7 @@ def test_quick_starts_only_add_rows(columns):
     time, position, command = columns
     model = Model(axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.01))
     log = cogging.Log(time, position, command)
-    usual, quick = (Innovations(log, model, quick_starts=flag).counts for flag in (False, True))
+    usual, quick = (Innovations(log, model, quick_starts=flag).mask for flag in (False, True))
     assert (quick >= usual).all()
     assert quick.sum() > usual.sum()
 

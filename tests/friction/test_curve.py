@@ -4,13 +4,11 @@ import os
 
 import numpy as np
 import pytest
-from scipy import stats
 from scipy.optimize import least_squares
 
 import cogging
 from cogging import fit_friction_curve
 from cogging.friction.law import Law
-from cogging.model.intervals import student
 from tests.fixtures import tro2021
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)
@@ -157,11 +155,6 @@ def test_rows_of_one_speed_are_one_point():
     assert len(curve.velocity) == 32
     assert curve.speed.max() == 15
     assert curve.best.name == "direction_stribeck"
-
-
-@pytest.mark.parametrize("degrees", [2, 5, 25, 200])
-def test_student(degrees):
-    assert student(degrees) == pytest.approx(stats.t.ppf(0.975, degrees), rel=0.04 if degrees < 5 else 2e-3)
 
 
 def test_summary():

@@ -9,8 +9,9 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.log_check.audit import encoder_quantum, find_outliers
-from cogging.log_check.controller import linear_regressors
+from cogging.log_check.controller_gains import linear_regressors
+from cogging.log_check.encoder_quantum import encoder_quantum
+from cogging.log_check.outliers import find_outliers
 from cogging.model.model import CONTROLLERS
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5])

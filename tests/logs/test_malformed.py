@@ -434,8 +434,8 @@ def test_what_is_mutated_can_be_read(name, originals, tmp_path):
         ("raise RuntimeError('two\\nlines')", "got RuntimeError: two lines"),
         ("raise OSError(28, 'No space left')", "cannot be read: no room for temporary files: No space left"),
         (
-            "raise ModuleNotFoundError('no', name='scipy')",
-            "needs scipy to read a MATLAB file: pip install 'cogging[matlab]'",
+            "raise ModuleNotFoundError('no', name='h5py')",
+            "needs h5py to read a MATLAB file: pip install 'cogging[matlab]'",
         ),
     ],
 )

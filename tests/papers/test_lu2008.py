@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from cogging.papers.lu2008 import calibration as lu2008_calibration
-from cogging.papers.lu2008 import reproduce as lu2008
+from cogging.papers.lu2008 import reproduce as lu2008_reproduce
+from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.lu2008 import study as lu2008_study
 
 # Committed values, um: e_inf and e_2 of C1, C2, C3.
@@ -27,7 +28,7 @@ def logs():
 
 @pytest.mark.parametrize("name", ["X", "Y"])
 def test_tables_are_those_committed_and_near_the_papers(name, logs):
-    table = lu2008.table(lu2008.AXES[name], logs[name])
+    table = lu2008_reproduce.table(lu2008.AXES[name], logs[name])
     print(f"\n{table.text()}")
     rows = {(row.controller, row.index): row for row in table.rows}
     for controller, (maximum, rms) in zip(lu2008.CONTROLLERS, COMMITTED[name], strict=True):
@@ -84,6 +85,6 @@ def test_the_map_is_what_its_docstring_says():
 
 def test_progress_tells_each_step():
     told = []
-    result = lu2008.reproduce(told.append)
-    assert tuple(told) == lu2008.STEPS
+    result = lu2008_reproduce.reproduce(told.append)
+    assert tuple(told) == lu2008_reproduce.STEPS
     assert "calibrated" in result.text()

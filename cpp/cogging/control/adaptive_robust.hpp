@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -19,6 +20,9 @@ namespace cogging {
 /// What both laws are built from. Bounds and rates are belief: nothing here is read from a plant.
 template <class Scalar = double>
 struct AdaptiveRobustParameters {
+  static constexpr std::string_view name = "adaptive_robust";
+  static constexpr std::string_view description =
+      "Gains, bounds and initial estimates of Arc and Dcarc (Lu et al. 2008, eq. 11 to 30).";
   using Bounds = std::array<double, 2>;
 
   double sample_rate = 5000.0;  // Hz
@@ -126,13 +130,13 @@ struct AdaptiveRobustParameters {
   }
 
  private:
-  static void check_estimate(const std::string& name, const Scalar& value, const Bounds& bounds, double adaptation) {
-    require_ordered(name + "_bounds", bounds[0], bounds[1], true);
+  static void check_estimate(const std::string& label, const Scalar& value, const Bounds& bounds, double adaptation) {
+    require_ordered(label + "_bounds", bounds[0], bounds[1], true);
     const std::string rule =
-        "must lie within " + name + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]";
-    require(value >= bounds[0], name, rule, value);
-    require(value <= bounds[1], name, rule, value);
-    require_not_negative(name + "_adaptation", adaptation);
+        "must lie within " + label + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]";
+    require(value >= bounds[0], label, rule, value);
+    require(value <= bounds[1], label, rule, value);
+    require_not_negative(label + "_adaptation", adaptation);
   }
 };
 
@@ -152,6 +156,16 @@ template <class Scalar, bool desired_compensation>
 class AdaptiveRobust {
  public:
   using Parameters = AdaptiveRobustParameters<Scalar>;
+  static constexpr std::string_view name = desired_compensation ? "dcarc" : "arc";
+  static constexpr std::string_view description =
+      desired_compensation ? R"(Desired compensation adaptive robust control (Lu et al. 2008, eq. 24 to 30).
+
+As Arc, with the regressor on the reference in place of the measured state. Estimates: mass, viscous, coulomb, d_n,
+then A_r.)"
+                           : R"(Adaptive robust control (Lu et al. 2008, eq. 15 to 23).
+
+u = -phi^T theta_hat - k_s1 p + u_s2 with p = e' + k_1 e, the regressor phi at the measured state;
+theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscous, coulomb, d_n, then A_r.)";
   static constexpr int plain = 4;  // mass, viscous, coulomb, disturbance come before the cogging coefficients
 
   explicit AdaptiveRobust(const Parameters& parameters = {})

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 
 #include "cogging/control/controller.hpp"
@@ -13,6 +14,8 @@ namespace cogging {
 
 template <class Scalar = double>
 struct CascadeParameters {
+  static constexpr std::string_view description = "Gains and feedforward of a Cascade.";
+
   double sample_rate = 1000.0;  // Hz
   Scalar kp = 0.0;              // 1/s
   Scalar kv = 0.0;              // V/(m/s)
@@ -49,6 +52,9 @@ template <class Scalar = double>
 class Cascade {
  public:
   using Parameters = CascadeParameters<Scalar>;
+  static constexpr std::string_view name = "cascade";
+  static constexpr std::string_view description =
+      "u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.";
 
   explicit Cascade(const Parameters& parameters = {})
       : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {}

@@ -7,11 +7,13 @@
 #include <numbers>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/sample_guard.hpp"
+#include "cogging/delay_line.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
@@ -21,6 +23,9 @@ namespace cogging {
 /// Forces are accelerations in the paper; `mass` carries them over to the command unit.
 template <class Scalar = double>
 struct ObserverBasedParameters {
+  static constexpr std::string_view description =
+      "Periods and gains of an ObserverBased (Malaize and Levine 2009, eq. 2, 6, 8).";
+
   double sample_rate = 10000.0;                                     // Hz
   std::vector<double> periods = {0.024};                            // m
   std::vector<double> observer_gain = {300.0, 3e4, 1e6, 0.0, 0.0};  // 1/s, 1/s^2, 1/s^3, ...
@@ -99,6 +104,12 @@ template <class Scalar = double>
 class ObserverBased {
  public:
   using Parameters = ObserverBasedParameters<Scalar>;
+  static constexpr std::string_view name = "observer_based";
+  static constexpr std::string_view description = R"(Observer-based cancellation (Malaize and Levine 2009).
+
+Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
+Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
+were refused x_hat and nu_hat start anew from the readings at both ends.)";
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})
@@ -108,11 +119,11 @@ class ObserverBased {
         sample_time_(1.0 / parameters.sample_rate),
         measured_rotation_(parameters.rotation == "measured") {
     const double samples = parameters.delay * parameters.sample_rate;
-    whole_ = static_cast<int>(samples + 1e-9);
-    fraction_ = std::max(0.0, samples - whole_);
+    whole_ = static_cast<std::size_t>(samples + 1e-9);
+    fraction_ = std::max(0.0, samples - static_cast<double>(whole_));
     for (int n = 0; n < count_; ++n) wavenumber_[n] = 2.0 * std::numbers::pi / parameters.periods[n];
     state_.fill(Scalar(0.0));
-    history_.fill(Scalar(0.0));
+    acted_ = DelayLine<Scalar>(whole_ + 1 + SampleGuard<Scalar>::gap_max);
     kept_.fill(Scalar(0.0));
     visited_.fill(Scalar(0.0));
   }
@@ -128,7 +139,7 @@ class ObserverBased {
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
-    return std::tie(guard_, state_, history_, kept_, visited_, direction_, reference_previous_, reading_previous_);
+    return std::tie(guard_, state_, acted_, kept_, visited_, direction_, reference_previous_, reading_previous_);
   }
 
   Scalar command(const ReferencePoint& reference, const ReferencePoint& ahead, Scalar reading) noexcept {
@@ -136,11 +147,7 @@ class ObserverBased {
                           [&](const auto& sample, const Scalar& y) { return law(sample, reference, ahead, y); });
   }
 
-  void update(Scalar applied) noexcept {
-    const int kept = whole_ + 2 + SampleGuard<Scalar>::gap_max;
-    for (int i = kept - 1; i > 0; --i) history_[i] = history_[i - 1];
-    history_[0] = guard_.acted(applied) / parameters_.mass;
-  }
+  void update(Scalar applied) noexcept { acted_.push(guard_.acted(applied) / parameters_.mass); }
 
  private:
   template <class Sample>
@@ -172,9 +179,9 @@ class ObserverBased {
   COGGING_INLINE void predict(const Sample& sample, const ReferencePoint& reference, const Scalar& reading) noexcept {
     const auto t = sample_time_ * sample.steps;
     const double mu = parameters_.viscous;
-    Scalar sum = (1.0 - fraction_) * history_[whole_] + fraction_ * history_[whole_ + 1];
+    Scalar sum = (1.0 - fraction_) * acted_.at(whole_) + fraction_ * acted_.at(whole_ + 1);
     for (int i = 1; i <= sample.bridged; ++i)
-      sample.bridge(i, sum, sum + (1.0 - fraction_) * history_[whole_ + i] + fraction_ * history_[whole_ + 1 + i]);
+      sample.bridge(i, sum, sum + (1.0 - fraction_) * acted_.at(whole_ + i) + fraction_ * acted_.at(whole_ + 1 + i));
     const Scalar acted = sample.mean(sum);
     const Scalar moved =
         measured_rotation_ ? reading - reading_previous_ : Scalar(reference.position - reference_previous_);
@@ -227,12 +234,13 @@ class ObserverBased {
 
   Parameters parameters_;
   SampleGuard<Scalar> guard_;
-  int count_, whole_ = 0;
+  int count_;
+  std::size_t whole_ = 0;
   double sample_time_, fraction_ = 0.0;
   bool measured_rotation_;
   std::array<double, Parameters::periods_max> wavenumber_{};
   std::array<Scalar, states_max> state_;
-  std::array<Scalar, Parameters::delay_max + SampleGuard<Scalar>::gap_max> history_;  // m/s^2, the newest first
+  DelayLine<Scalar> acted_{0};            // m/s^2
   std::array<Scalar, 2> kept_, visited_;  // lambda_0 by direction, and whether it is known
   Scalar direction_ = 0.0;
   Scalar reference_previous_ = 0.0, reading_previous_ = 0.0;

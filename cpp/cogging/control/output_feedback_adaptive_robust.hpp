@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 
 #include "cogging/control/controller.hpp"
@@ -21,6 +22,9 @@ namespace cogging {
 /// alone.
 template <class Scalar = double>
 struct OutputFeedbackArcParameters {
+  static constexpr std::string_view description =
+      "Observer, gains, bounds and robust terms of an OutputFeedbackArc (Xu and Yao 2001, eq. 8 to 50).";
+
   using Triple = std::array<double, 3>;
 
   double sample_rate = 2500.0;           // Hz
@@ -139,6 +143,12 @@ template <class Scalar = double>
 class OutputFeedbackArc {
  public:
   using Parameters = OutputFeedbackArcParameters<Scalar>;
+  static constexpr std::string_view name = "output_feedback_arc";
+  static constexpr std::string_view description = R"(Output-feedback adaptive robust control (Xu and Yao 2001).
+
+u = u* + coulomb S(reference velocity): filters (18), state estimate (13), two backstepping steps (25) to (47),
+adaptation (50) with projection. theta = [1/M, B/M, d_n/M]. Positions count from the first reading. The
+filters of the applied command go on through samples that are refused; that of the readings makes up for them behind.)";
   using Vector = std::array<Scalar, 3>;
   using State = std::array<Scalar, 2>;
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 
 #include "cogging/control/controller.hpp"
@@ -14,6 +15,8 @@ namespace cogging {
 
 template <class Scalar = double>
 struct PidParameters {
+  static constexpr std::string_view description = "Gains and feedforward of a Pid.";
+
   double sample_rate = 5000.0;  // Hz
   Scalar kp = 0.0;              // V/m
   Scalar ki = 0.0;              // V/(m s)
@@ -59,6 +62,12 @@ template <class Scalar = double>
 class Pid {
  public:
   using Parameters = PidParameters<Scalar>;
+  static constexpr std::string_view name = "pid";
+  static constexpr std::string_view description = R"(PID with feedforward, from positions only.
+
+u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading - reference. The sum
+includes the current sample and starts at zero; e_prev = e in the first sample. With a command limit the sum does not
+take up an error that pushes further into it.)";
 
   explicit Pid(const Parameters& parameters = {})
       : parameters_(validated(parameters)),

@@ -5,17 +5,20 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
-#include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"
 #include "cogging/control/sample_guard.hpp"
+#include "cogging/delay_line.hpp"
 
 namespace cogging {
 
 template <class Scalar = double>
 struct SpeedParameters {
+  static constexpr std::string_view description = "Gain, delay and feedforward of a Speed.";
+
   double sample_rate = 1000.0;  // Hz
   Scalar kp = 0.0;              // V/(m/s)
   double delay = 0.0;           // s
@@ -58,6 +61,13 @@ template <class Scalar = double>
 class Speed {
  public:
   using Parameters = SpeedParameters<Scalar>;
+  static constexpr std::string_view name = "speed";
+  static constexpr std::string_view description = R"(A velocity loop, from positions only.
+
+w = kp (v_r - v) + feedforward, put out `delay` later; v is the backward difference of the reading, 0 in the first
+sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
+before the first sample: the mean over the sample of the held w after the exact delay. What is held in a sample that is
+refused is w, which goes through the delay as ever.)";
 
   explicit Speed(const Parameters& parameters = {})
       : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {
@@ -66,7 +76,8 @@ class Speed {
     if (std::abs(samples - std::round(samples)) < 1e-9 * (1.0 + samples)) samples = std::round(samples);
     const double whole = std::floor(samples);
     fraction_ = samples - whole;
-    past_.assign(static_cast<std::size_t>(whole) + 2, Scalar(0.0));
+    whole_ = static_cast<std::size_t>(whole);
+    commands_ = DelayLine<Scalar>(whole_ + 1);
   }
 
   const Parameters& parameters() const { return parameters_; }
@@ -75,31 +86,26 @@ class Speed {
   std::span<const Scalar> estimates() const { return {}; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
-  auto state() noexcept { return std::tie(feedforward_, guard_, newest_, past_); }
+  auto state() noexcept { return std::tie(feedforward_, guard_, commands_); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
-    past_[newest_] = guard_.command(guard_.usable(reference), reading, [&](const auto& sample, const Scalar& y) {
+    commands_.push(guard_.command(guard_.usable(reference), reading, [&](const auto& sample, const Scalar& y) {
       const Scalar forward = feedforward_(sample, reference, y);
       return Scalar(parameters_.kp * (reference.velocity - feedforward_.measured_velocity()) + forward);
-    });
-    // A ring of n + 2: behind the newest stands the oldest, w[k-n-1], and behind that w[k-n].
-    const std::size_t oldest = next(newest_);
-    const Scalar delayed = (1.0 - fraction_) * past_[next(oldest)] + fraction_ * past_[oldest];
-    newest_ = oldest;
+    }));
+    const Scalar delayed = (1.0 - fraction_) * commands_.at(whole_) + fraction_ * commands_.at(whole_ + 1);
     return guard_.if_taken(delayed, guard_.limited(delayed));
   }
 
   void update(Scalar) noexcept {}
 
  private:
-  std::size_t next(std::size_t place) const noexcept { return place + 1 == past_.size() ? 0 : place + 1; }
-
   Parameters parameters_;
   Feedforward<Scalar> feedforward_;
   SampleGuard<Scalar> guard_;
   double fraction_ = 0.0;
-  std::size_t newest_ = 0;
-  std::vector<Scalar> past_;
+  std::size_t whole_ = 0;
+  DelayLine<Scalar> commands_{0};  // w, V
 };
 
 }  // namespace cogging

@@ -18,6 +18,7 @@
 #include "cogging/estimation/observer_loop.hpp"
 #include "cogging/plant/axis.hpp"
 #include "cogging/plant/coupling.hpp"
+#include "cogging/plant/integration.hpp"
 
 namespace cogging {
 
@@ -133,20 +134,21 @@ class LooseLoad {
   }
 
   Deflection in_steps(Deflection z, double push, double h) const {
-    const auto slope = [&](const Deflection& at) {
-      return Deflection{at.rate, push - damping_ * at.rate - coupling_.force(at.value, at.rate) * inverse_};
+    // The slope of a Deflection has its two parts: the rate, and the rate of that.
+    const auto slope_at = [&](const Deflection& at, double held) {
+      return Deflection{at.rate, held - damping_ * at.rate - coupling_.force(at.value, at.rate) * inverse_};
     };
     const double needed = std::ceil(4.0 * coupling_.rate() * h);
     require(needed <= 1e5, "frequency", "must need at most 1e5 substeps a step", needed);
     const int pieces = std::max(1, static_cast<int>(needed));
     const double step = h / pieces;
     for (int piece = 0; piece < pieces; ++piece) {
-      const Deflection k1 = slope(z);
-      const Deflection k2 = slope({z.value + 0.5 * step * k1.value, z.rate + 0.5 * step * k1.rate});
-      const Deflection k3 = slope({z.value + 0.5 * step * k2.value, z.rate + 0.5 * step * k2.rate});
-      const Deflection k4 = slope({z.value + step * k3.value, z.rate + step * k3.rate});
-      z.value += step / 6.0 * (k1.value + 2.0 * (k2.value + k3.value) + k4.value);
-      z.rate += step / 6.0 * (k1.rate + 2.0 * (k2.rate + k3.rate) + k4.rate);
+      const auto moved = [&z](const Deflection& slope, double length) {
+        return Deflection{z.value + length * slope.value, z.rate + length * slope.rate};
+      };
+      const Stages<Deflection> slopes = runge_kutta(slope_at(z, push), step, push, push, moved, slope_at);
+      z.value += step / 6.0 * slopes.sum(&Deflection::value);
+      z.rate += step / 6.0 * slopes.sum(&Deflection::rate);
     }
     return z;
   }
@@ -166,53 +168,76 @@ inline double decay_rate(const CouplingParameters& coupling, const AxisParameter
          0.5 * axis.viscous / axis.mass * mu / (1.0 - mu);
 }
 
+/// How far the motor and its load are from the prediction, by the way and the speed of their centre of mass.
+struct LoadedMotion {
+  double x = 0.0, v = 0.0;  // m, m/s
+  Deflection z;
+};
+
+/// Over an interval in which the motor rests and the load swings.
+template <class Load>
+void advance_at_rest(LoadedMotion& at, Load& load, double mass_ratio, double h) {
+  const double motor = at.x - mass_ratio * at.z.value;
+  load.prepare(h, true);
+  at.z = load.advance(at.z, 0.0, h, true);
+  at.x = motor + mass_ratio * at.z.value;
+  at.v = mass_ratio * at.z.rate;
+}
+
+/// What acts over an interval: net force along the prediction, V, d acceleration / d position and d velocity, 1/s^2,
+/// 1/s.
+struct LoadedInterval {
+  double length, force, slope_position, slope_velocity;
+};
+
+/// Over an interval in which both move.
+template <class Load>
+void advance_moving(LoadedMotion& at, Load& load, double mass_ratio, const AxisParameters<double>& axis,
+                    const LoadedInterval& interval) {
+  const double h = interval.length, inverse_motor = 1.0 / (1.0 - mass_ratio), steady = -axis.viscous / axis.mass;
+  const double pulled = interval.slope_position * (at.x - mass_ratio * at.z.value);
+  const double push = -(interval.force / axis.mass + steady * at.v + pulled) * inverse_motor;
+  load.prepare(h, false);
+  Deflection next = load.advance(at.z, push, h, false);
+  double v_next = at.v + steady * (h * at.v - mass_ratio * (next.value - at.z.value)) + h * pulled;
+  // The rest of the friction's slope: half-way, and towards the end of the interval where it is steep.
+  const double slope = interval.slope_velocity - steady, steep = -slope * h * inverse_motor;
+  const double late = steep < 2.0 ? 0.5 : 1.0 - 1.0 / steep;
+  const double answer = h + mass_ratio * inverse_motor * load.pushed(h).rate;
+  const double braked = slope *
+                        ((1.0 - late) * (at.v - mass_ratio * at.z.rate) + late * (v_next - mass_ratio * next.rate)) /
+                        (1.0 - slope * late * answer);
+  next = load.advance(at.z, push - braked * inverse_motor, h, false);
+  v_next += h * braked;
+  at.x += 0.5 * h * (at.v + v_next);
+  at.v = v_next;
+  at.z = next;
+}
+
 /// `force`: net force along the prediction, V, of the plant as one mass; `innovation` is written, m.
 template <class Load>
 void pass_load(Load load, double mass_ratio, const AxisParameters<double>& axis, const ObserverLoop& loop,
                std::span<const double> slope_velocity, std::span<const double> force, double* innovation) {
-  const double inverse_motor = 1.0 / (1.0 - mass_ratio), steady = -axis.viscous / axis.mass;
-  double x = 0.0, v = 0.0;  // of the centre of mass
-  Deflection z;
+  LoadedMotion at;
   innovation[0] = 0.0;
   StopCheck stop(loop.stop());
   for (std::size_t k = 0; k + 1 < loop.rows(); ++k) {
     stop.row();
     const ObserverLoop::Interval& interval = loop.intervals()[k];
     if (interval.kind == ObserverLoop::Kind::starts_anew) {
-      x = v = 0.0;
-      z = {};
+      at = {};
       innovation[k + 1] = 0.0;
       continue;
     }
-    const double h = interval.length, motor = x - mass_ratio * z.value;
-    if (interval.kind == ObserverLoop::Kind::rests) {
-      load.prepare(h, true);
-      z = load.advance(z, 0.0, h, true);
-      x = motor + mass_ratio * z.value;
-      v = mass_ratio * z.rate;
-    } else {
-      load.prepare(h, false);
-      const double pulled = interval.slope_position * motor;
-      const double push = -(force[k] / axis.mass + steady * v + pulled) * inverse_motor;
-      Deflection next = load.advance(z, push, h, false);
-      double v_next = v + steady * (h * v - mass_ratio * (next.value - z.value)) + h * pulled;
-      // The rest of the friction's slope: half-way, and towards the end of the interval where it is steep.
-      const double slope = slope_velocity[k] - steady, steep = -slope * h * inverse_motor;
-      const double late = steep < 2.0 ? 0.5 : 1.0 - 1.0 / steep;
-      const double answer = h + mass_ratio * inverse_motor * load.pushed(h).rate;
-      const double braked = slope *
-                            ((1.0 - late) * (v - mass_ratio * z.rate) + late * (v_next - mass_ratio * next.rate)) /
-                            (1.0 - slope * late * answer);
-      next = load.advance(z, push - braked * inverse_motor, h, false);
-      v_next += h * braked;
-      x += 0.5 * h * (v + v_next);
-      v = v_next;
-      z = next;
-    }
-    const double seen = mass_ratio * z.value - x;
+    if (interval.kind == ObserverLoop::Kind::rests)
+      advance_at_rest(at, load, mass_ratio, interval.length);
+    else
+      advance_moving(at, load, mass_ratio, axis,
+                     {interval.length, force[k], interval.slope_position, slope_velocity[k]});
+    const double seen = mass_ratio * at.z.value - at.x;
     innovation[k + 1] = seen;
-    x += interval.position_gain * seen;
-    v += interval.velocity_gain * seen;
+    at.x += interval.position_gain * seen;
+    at.v += interval.velocity_gain * seen;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cogging/interruption.hpp"
+#include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/plant/recorded_amplifier.hpp"
 
@@ -82,6 +83,54 @@ inline double step_after(std::span<const double> time, std::size_t row) {
   return row + 1 < time.size() ? time[row + 1] - time[row] : time[row] - time[row - 1];
 }
 
+namespace detail {
+
+inline Prediction empty_prediction(std::size_t rows, bool with_slopes) {
+  Prediction result;
+  for (auto* column : {&result.innovation, &result.position, &result.velocity}) column->assign(rows, 0.0);
+  if (with_slopes)
+    for (auto* column : {&result.middle_position, &result.middle_velocity, &result.slope_position,
+                         &result.slope_velocity, &result.moving})
+      column->assign(rows, 0.0);
+  return result;
+}
+
+/// Moves the axis from one row of a log to the next; the mean of the command that acts, V.
+inline double advance_interval(const Axis<double>& axis, RecordedAmplifier& amplifier, AxisState<double>& state,
+                               double start, double end, int steps_per_sample) {
+  const double h = end - start;
+  const auto steps_of = [&](double from, double to) {
+    return std::max(1, static_cast<int>(std::ceil(steps_per_sample * (to - from) / h - 1e-9)));
+  };
+  double acting = 0.0;
+  amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {
+    acting += drive.at(0.5 * (to - from)) * (to - from);
+    Drive<double> settling = drive;
+    advance_through_events(axis, amplifier, state, settling, from, to, steps_of);
+  });
+  return acting / h;
+}
+
+/// Half-way through the interval behind a row: where the axis is, and what a change there makes of its acceleration.
+/// `command` (V) is what acts, `time` (s) that of the middle.
+inline void write_slopes(Prediction& result, std::size_t row, const Axis<double>& axis, const AxisState<double>& before,
+                         const AxisState<double>& after, double command, double time) {
+  const double width = axis.parameters().coulomb_width;
+  const double x = 0.5 * (before.position + after.position), v = 0.5 * (before.velocity + after.velocity);
+  const auto acceleration = [&](double position, double velocity) {
+    return axis.acceleration(position, velocity, command, time);
+  };
+  result.middle_position[row] = x;
+  result.middle_velocity[row] = v;
+  result.moving[row] = after.velocity == 0.0 ? 0.0 : 1.0;
+  const double side = width == 0.0 ? 0.5 * std::abs(v) : std::max(1e-6, 0.3 * width);  // a sign must not be crossed
+  if (side > 0.0) result.slope_velocity[row] = (acceleration(x, v + side) - acceleration(x, v - side)) / (2.0 * side);
+  constexpr double across = 1e-6;
+  result.slope_position[row] = (acceleration(x + across, v) - acceleration(x - across, v)) / (2.0 * across);
+}
+
+}  // namespace detail
+
 inline Prediction predict(const Plant<double>& plant, const Recording& log, const PredictionOptions& options,
                           bool with_slopes) {
   const std::size_t rows = log.time.size();
@@ -92,19 +141,12 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   StopCheck stop(options.stop);
   stop.ask();
   const ObserverGain gain(options.bandwidth, median_step(log.time));
-
-  Prediction result;
   stop.ask();
-  for (auto* column : {&result.innovation, &result.position, &result.velocity}) column->assign(rows, 0.0);
-  if (with_slopes)
-    for (auto* column : {&result.middle_position, &result.middle_velocity, &result.slope_position,
-                         &result.slope_velocity, &result.moving})
-      column->assign(rows, 0.0);
+  Prediction result = detail::empty_prediction(rows, with_slopes);
 
   // Where the axis is when the encoder shows `reading`: its error is small against the scale on which it changes.
   const auto behind = [&](double reading) { return 2.0 * reading - encoder_position(plant.effects, reading); };
   AxisState<double> state{behind(log.position[0]), options.initial_velocity};
-  const double width = std::max(1e-6, 0.3 * plant.axis.coulomb_width);
   for (std::size_t k = 0; k < rows; ++k) {
     stop.row();
     result.position[k] = state.position;
@@ -121,37 +163,8 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
       }
       continue;
     }
-    double acting = 0.0;
-    amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {
-      acting += drive.at(0.5 * (to - from)) * (to - from);
-      double now = from;
-      Drive<double> running = drive;
-      while (now < to) {
-        const double next = std::min({to, axis.next_event(now), amplifier.followed_until(now, from)});
-        const int pieces = std::max(1, static_cast<int>(std::ceil(options.steps_per_sample * (next - now) / h - 1e-9)));
-        const double step = (next - now) / pieces;
-        for (int piece = 0; piece < pieces; ++piece) {
-          axis.advance(state, running, now + piece * step, step);
-          if (running.lagging) running.deviation *= std::exp(-running.rate * step);
-        }
-        now = next;
-      }
-    });
-    if (with_slopes) {
-      const double x = 0.5 * (before.position + state.position), v = 0.5 * (before.velocity + state.velocity);
-      const double t = 0.5 * (start + end), u = acting / h;
-      const bool stuck = before.velocity == 0.0 && state.velocity == 0.0 && plant.axis.coulomb_width == 0.0;
-      result.middle_position[k] = x;
-      result.middle_velocity[k] = v;
-      result.moving[k] = stuck || state.velocity == 0.0 ? 0.0 : 1.0;
-      const double side = plant.axis.coulomb_width == 0.0 ? 0.5 * std::abs(v) : width;  // a sign must not be crossed
-      if (side > 0.0)
-        result.slope_velocity[k] =
-            (axis.acceleration(x, v + side, u, t) - axis.acceleration(x, v - side, u, t)) / (2.0 * side);
-      constexpr double across = 1e-6;
-      result.slope_position[k] =
-          (axis.acceleration(x + across, v, u, t) - axis.acceleration(x - across, v, u, t)) / (2.0 * across);
-    }
+    const double acting = detail::advance_interval(axis, amplifier, state, start, end, options.steps_per_sample);
+    if (with_slopes) detail::write_slopes(result, k, axis, before, state, acting, 0.5 * (start + end));
     if (!std::isfinite(state.position) || !std::isfinite(state.velocity))
       throw DivergedError("the prediction diverged at " + format(end) + " s");
     const double innovation = log.position[k + 1] - encoder_position(plant.effects, state.position);

@@ -15,7 +15,7 @@ namespace cogging {
 /// The command of every row when a fresh controller is fed the references and readings of a log, one call a row,
 /// whatever the rows' times are. It is told that its own command, cut at its limit, was applied, or, where `applied`
 /// is not empty, what it holds. A controller that looks ahead sees the reference interpolated between rows.
-template <Controller<double> C>
+template <ClosesLoop<double> C>
 std::vector<double> replay_controller(C controller, const std::vector<double>& time,
                                       const std::vector<double>& reference,
                                       const std::vector<double>& reference_velocity,
@@ -35,6 +35,7 @@ std::vector<double> replay_controller(C controller, const std::vector<double>& t
   for (std::size_t k = 0; k < rows; ++k) {
     stop.row();
     const ReferencePoint point = motion.sample(k);
+    if constexpr (MayFail<C>) controller.begin_row(k, time[k]);
     double command;
     if constexpr (LooksAhead<C>)
       command = controller.command(point, motion.at(time[k] + controller.preview()), position[k]);

@@ -12,38 +12,30 @@
 
 namespace cogging {
 
-/// Coefficients a of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e (Yule and Walker's equations, solved by
-/// Levinson's recursion). Only pairs of rows that both count (1, else 0) are looked at.
-inline std::vector<double> autoregression(std::span<const double> residual, std::span<const double> counts, int order,
-                                          StopRequest* request = nullptr) {
-  const std::size_t rows = residual.size();
-  require(order >= 1 && static_cast<std::size_t>(order) * 4 < rows, "order", "must be from 1 to a quarter of the rows",
-          order);
-  const std::size_t lags = static_cast<std::size_t>(order) + 1;
-  std::vector<double> counted(rows);
-  double count = 0.0;
-  for (std::size_t k = 0; k < rows; ++k) {
-    counted[k] = counts[k] * residual[k];
-    count += counts[k];
-  }
-  StopCheck stop(request);
-  std::vector<double> covariance(lags);
+namespace detail {
+
+/// sum_k r_k r_(k-i) for i from 0 to lags - 1.
+inline std::vector<double> products_by_lag(const std::vector<double>& row, std::size_t lags, StopCheck& stop) {
+  const std::size_t rows = row.size();
+  std::vector<double> sums(lags);
   constexpr std::size_t together = 8;  // lags whose sums grow side by side: one waits for the other's additions
   for (std::size_t first = 0; first < lags; first += together) {
     stop.ask();
     std::array<double, together> sum{};
     const std::size_t last = first + together - 1;
     for (std::size_t k = first; k < std::min(last, rows); ++k)
-      for (std::size_t i = 0; i <= k - first; ++i) sum[i] += counted[k] * counted[k - first - i];
+      for (std::size_t i = 0; i <= k - first; ++i) sum[i] += row[k] * row[k - first - i];
     for (std::size_t k = last; k < rows; ++k)
-      for (std::size_t i = 0; i < together; ++i) sum[i] += counted[k] * counted[k - first - i];
-    std::copy_n(sum.begin(), std::min(together, lags - first), covariance.begin() + static_cast<std::ptrdiff_t>(first));
+      for (std::size_t i = 0; i < together; ++i) sum[i] += row[k] * row[k - first - i];
+    std::copy_n(sum.begin(), std::min(together, lags - first), sums.begin() + static_cast<std::ptrdiff_t>(first));
   }
-  require(count > 0.0 && covariance[0] > 0.0, "residual", "must have rows that count and differ from 0", count);
-  // The biased estimate (all lags over the same count) keeps the filter stable; a trace of white noise keeps it finite.
-  for (double& value : covariance) value /= count;
-  covariance[0] *= 1.0 + 1e-9;
+  return sums;
+}
 
+/// Levinson's recursion: the coefficients that Yule and Walker's equations give for covariances of lag 0 to their
+/// number.
+inline std::vector<double> levinson(const std::vector<double>& covariance, StopCheck& stop) {
+  const int order = static_cast<int>(covariance.size()) - 1;
   std::vector<double> a(static_cast<std::size_t>(order), 0.0), previous;
   double power = covariance[0];
   for (int m = 0; m < order; ++m) {
@@ -58,6 +50,30 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
     if (power <= 0.0) break;
   }
   return a;
+}
+
+}  // namespace detail
+
+/// Coefficients a of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e (Yule and Walker's equations, solved by
+/// Levinson's recursion). Only pairs of rows that both count (1, else 0) are looked at.
+inline std::vector<double> autoregression(std::span<const double> residual, std::span<const double> counts, int order,
+                                          StopRequest* request = nullptr) {
+  const std::size_t rows = residual.size();
+  require(order >= 1 && static_cast<std::size_t>(order) * 4 < rows, "order", "must be from 1 to a quarter of the rows",
+          order);
+  std::vector<double> counted(rows);
+  double count = 0.0;
+  for (std::size_t k = 0; k < rows; ++k) {
+    counted[k] = counts[k] * residual[k];
+    count += counts[k];
+  }
+  StopCheck stop(request);
+  std::vector<double> covariance = detail::products_by_lag(counted, static_cast<std::size_t>(order) + 1, stop);
+  require(count > 0.0 && covariance[0] > 0.0, "residual", "must have rows that count and differ from 0", count);
+  // The biased estimate (all lags over the same count) keeps the filter stable; a trace of white noise keeps it finite.
+  for (double& value : covariance) value /= count;
+  covariance[0] *= 1.0 + 1e-9;
+  return detail::levinson(covariance, stop);
 }
 
 /// e_k = r_k - sum_i a_i r_(k-i); before the first row, r is 0.

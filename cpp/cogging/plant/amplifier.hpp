@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "cogging/delay_line.hpp"
 #include "cogging/plant/amplifier_laws.hpp"
 #include "cogging/plant/state.hpp"
 
@@ -14,8 +15,8 @@ namespace cogging {
 /// Shapes the command without memory (in the order of the effects), delays it, and passes it through the
 /// current loop.
 ///
-/// Each sample: accept(command), then drive(before_switch) says what acts before or after the delayed command
-/// changes, and settle() moves the current loop on by the time that has passed.
+/// Each sample: accept(command), then over() says what acts before and after the delayed command changes, and settle()
+/// moves the current loop on by the time that has passed.
 template <class Scalar = double>
 class Amplifier {
  public:
@@ -27,26 +28,24 @@ class Amplifier {
     switch_ = (samples - static_cast<double>(whole_)) * sample_time;
     if (switch_ > sample_time * (1.0 - 1e-9)) ++whole_, switch_ = 0.0;
     if (switch_ < sample_time * 1e-9) switch_ = 0.0;
-    history_.assign(whole_ + 2, Scalar(0.0));
+    commands_ = DelayLine<Scalar>(whole_ + 1);
   }
 
   /// Raises DivergedError where what is passed on to the motor would not be a number: behind a current loop or under
   /// friction that sticks, an infinity could look like rest.
   void accept(const Scalar& command) {
-    head_ = head_ + 1 == history_.size() ? 0 : head_ + 1;
     const Scalar shaped = laws_.shaped(command);
     if (!all_finite(shaped)) refuse_command(shaped);
-    history_[head_] = shaped;
+    commands_.push(shaped);
     ++accepted_;
   }
 
-  /// Within a sample: the offset, s, at which the delayed command changes; 0 where it changes at the sample.
-  double switch_offset() const { return switch_; }
-
-  Drive<Scalar> drive(bool before_switch) const {
-    const std::size_t age = whole_ + (before_switch ? 1 : 0);
-    const Scalar target = history_[head_ >= age ? head_ - age : head_ + history_.size() - age];
-    return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
+  /// Calls piece(drive, from, to) for each part of the sample [time, time_next] in which one command acts; times in s.
+  template <class Piece>
+  COGGING_INLINE void over(double time, double time_next, const Piece& piece) {
+    const double switch_time = std::min(time + switch_, time_next);
+    if (time < switch_time) piece(drive(whole_ + 1), time, switch_time);
+    if (switch_time < time_next) piece(drive(whole_), switch_time, time_next);
   }
 
   /// See AmplifierLaws::followed_until.
@@ -59,6 +58,12 @@ class Amplifier {
   }
 
  private:
+  // As the command acts that is so many samples old.
+  Drive<Scalar> drive(std::size_t age) const {
+    const Scalar target = commands_.at(age);
+    return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
+  }
+
   [[noreturn]] COGGING_NOINLINE void refuse_command(const Scalar& command) const {
     std::string value = "a lane's";
     if constexpr (std::is_same_v<Scalar, double>) value = format(command) + " V";
@@ -68,8 +73,8 @@ class Amplifier {
 
   AmplifierLaws<Scalar> laws_;
   double sample_time_, switch_ = 0.0;
-  std::size_t whole_ = 0, head_ = 0, accepted_ = 0;
-  std::vector<Scalar> history_;
+  std::size_t whole_ = 0, accepted_ = 0;
+  DelayLine<Scalar> commands_{0};
   Scalar output_ = 0.0;
 };
 

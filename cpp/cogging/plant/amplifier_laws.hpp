@@ -26,6 +26,9 @@ class AmplifierLaws {
       require(!lagging_, law.name, "may stand once among the effects, count", 2);
       const Scalar rate = Scalar(1.0) / law.lag_time_constant();
       lagging_ = all_finite(rate);  // of a loop that is faster than numbers can say nothing is seen
+      for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
+        require(std::isfinite(lane(rate, i)) == lagging_, law.name,
+                "must have a current loop in every lane or in none, time_constant", lane(law.lag_time_constant(), i));
       if (lagging_) rate_ = rate;
     });
   }

@@ -10,6 +10,7 @@
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/plant/body_with_states.hpp"
 #include "cogging/plant/effects/list.hpp"
+#include "cogging/plant/integration.hpp"
 #include "cogging/plant/state.hpp"
 #include "cogging/plant/step_control.hpp"
 #include "cogging/plant/sticking.hpp"
@@ -65,7 +66,9 @@ class Axis {
         has_friction_(!all(parameters.coulomb == 0.0)) {
     const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
     for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) { laws_.push_back(law); });
-    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { has_friction_ = true; });
+    bool effects_rub = false;
+    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { effects_rub = true; });
+    has_friction_ = has_friction_ || effects_rub;
     for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) { gains_.push_back(law); });
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
     for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
@@ -86,7 +89,7 @@ class Axis {
     has_states_ = bristle_.exists() || coupling_.exists();
     plain_ = !has_states_ && !sticks_ && gains_.empty();
     if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
-      accuracy_.add({.velocity = bristle_.exists() ? 0.0 : smallest(parameters_.coulomb_width)}, 1.0);
+      accuracy_.add_turning(bristle_.exists() ? Scalar(0.0) : smooth_width(effects_rub));
     accuracy_.add_kinks(cogging_.kinks(), {});
     for (const auto& [amplitude, wavenumber] : cogging_.waves())
       accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
@@ -158,7 +161,7 @@ class Axis {
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
  private:
-  friend void advance_sticking<Axis>(const Axis&, AxisState<double>&, const Drive<double>&, double, double, double);
+  friend class StickSlip<Axis>;
 
   struct Forces {
     Scalar without_friction, friction_level;  // V
@@ -194,6 +197,19 @@ class Axis {
     state = added;
   }
 
+  // The coulomb_width, m/s, of each lane with friction, which must be smooth in all of them; infinite without friction.
+  Scalar smooth_width(bool effects_rub) const {
+    Scalar widths = parameters_.coulomb_width;
+    for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
+      if (!effects_rub && lane(parameters_.coulomb, i) == 0.0)
+        set_lane(widths, i, std::numeric_limits<double>::infinity());
+      else
+        require(lane(widths, i) > 0.0, "coulomb_width",
+                "must be above 0 in every lane with friction: what sticks runs on single machines alone",
+                lane(widths, i));
+    return widths;
+  }
+
   COGGING_NOINLINE void advance_other(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time,
                                       double h) const {
     if constexpr (std::is_same_v<Scalar, double>) {
@@ -202,7 +218,7 @@ class Axis {
         return;
       }
       if (sticks_) {
-        advance_sticking(*this, state, drive, time, 0.0, h);
+        StickSlip(*this, drive, time, 0.0, h).advance(state);
         return;
       }
     }
@@ -214,15 +230,14 @@ class Axis {
   // One step with the smooth sign; by how much it errs more than it may.
   Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h) const {
     if (gains_.empty())
-      return runge_kutta(state, drive, time, offset, h,
-                         [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-                           // Cogging first: in a Runge-Kutta step the position is known before the velocity.
-                           const Scalar cogging = cogging_.force(x);
-                           const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
-                           const auto [force, friction_level] = forces(cogging, x, v, direction, t);
-                           return (u + force - friction_level * direction) * inverse_mass_;
-                         });
-    return runge_kutta(state, drive, time, offset, h, [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+      return step(state, drive, time, offset, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+        // Cogging first: in a Runge-Kutta step the position is known before the velocity.
+        const Scalar cogging = cogging_.force(x);
+        const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
+        const auto [force, friction_level] = forces(cogging, x, v, direction, t);
+        return (u + force - friction_level * direction) * inverse_mass_;
+      });
+    return step(state, drive, time, offset, h, [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
       return acceleration(x, v, u, t, drive.force);
     });
   }
@@ -233,41 +248,51 @@ class Axis {
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i) {
       if (lane(excess, i) <= 0.0) continue;
       AxisState<Scalar> end = start;
-      StepControl control(h);
-      double done = 0.0;
-      while (done < h && std::isfinite(lane(end.velocity, i))) {
-        const AxisState<Scalar> from = end;
-        const double left = h - done;
-        const double length = control.step(left, [&](double tried) {
-          end = from;
-          return lane(move(end, drive, time, done, tried), i) <= 0.0;
-        });
-        done = length == left ? h : done + length;
-      }
+      advance_in_pieces(
+          end, 0.0, h,
+          [&](AxisState<Scalar>& at, double offset, double length) {
+            return lane(move(at, drive, time, offset, length), i) <= 0.0;
+          },
+          [&](const AxisState<Scalar>& at) { return std::isfinite(lane(at.velocity, i)); });
       set_lane(state.position, i, lane(end.position, i));
       set_lane(state.velocity, i, lane(end.velocity, i));
     }
   }
 
-  // f(position, velocity, command, time); by how much the step errs more than it may. The new position is stored
-  // before a4 is begun, so that the next reading need not wait for it.
+  // One step with f(position, velocity, command, time); by how much it errs more than it may.
   template <class Acceleration>
-  Scalar runge_kutta(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
-                     const Acceleration& f) const {
+  Scalar step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
+              const Acceleration& f) const {
+    struct Slope {
+      Scalar velocity, acceleration;
+    };
+    struct Point {
+      Scalar position, velocity;
+    };
+    struct Input {
+      Scalar command;
+      double time;
+    };
     const double half = 0.5 * h, sixth = h / 6.0, start = time + offset;
     const Scalar u_start = drive.at(offset) + drive.force;
     const Scalar u_middle = drive.lagging ? drive.at(offset + half) + drive.force : u_start;
     const Scalar u_end = drive.lagging ? drive.at(offset + h) + drive.force : u_start;
     const Scalar x = state.position, v1 = state.velocity;
-    const Scalar a1 = f(x, v1, u_start, start);
-    const Scalar v2 = v1 + half * a1;
-    const Scalar a2 = f(x + half * v1, v2, u_middle, start + half);
-    const Scalar v3 = v1 + half * a2;
-    const Scalar a3 = f(x + half * v2, v3, u_middle, start + half);
-    const Scalar v4 = v1 + h * a3;
-    state.position = x + sixth * (v1 + 2.0 * (v2 + v3) + v4);
     // A law that jumps at the end of the step must not be felt in it: look just before.
-    const Scalar a4 = f(x + h * v3, v4, u_end, events_.empty() ? start + h : start + h * (1.0 - 1e-9));
+    const double just_before = events_.empty() ? start + h : start + h * (1.0 - 1e-9);
+    const auto [k1, k2, k3, k4] = runge_kutta(
+        Slope{v1, f(x, v1, u_start, start)}, h, Input{u_middle, start + half}, Input{u_end, just_before},
+        [&](const Slope& slope, double length) {
+          return Point{x + length * slope.velocity, v1 + length * slope.acceleration};
+        },
+        [&](const Point& at, const Input& input) {
+          return Slope{at.velocity, f(at.position, at.velocity, input.command, input.time)};
+        },
+        [&](const Slope& first, const Slope& second, const Slope& third, const Point& last) {
+          // Stored now, so that the next reading need not wait for the last slope.
+          state.position = x + sixth * (first.velocity + 2.0 * (second.velocity + third.velocity) + last.velocity);
+        });
+    const Scalar a1 = k1.acceleration, a2 = k2.acceleration, a3 = k3.acceleration, a4 = k4.acceleration;
     state.velocity = v1 + sixth * (a1 + 2.0 * (a2 + a3) + a4);
     Scalar excess = accuracy_.excess(h, a1, a2, a3, a4, v1, state.velocity, state.speed_max);
     if (accuracy_.has_kinks()) excess = larger(excess, excess_at_kinks(x, v1, state, h, a1, a2, a3, a4));
@@ -295,7 +320,7 @@ class Axis {
   // What advance_sticking asks of a body.
   bool slide(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double length,
              double direction) const {
-    return runge_kutta(state, drive, time, offset, length, [&](double x, double v, double u, double t) {
+    return step(state, drive, time, offset, length, [&](double x, double v, double u, double t) {
              return sliding(x, v, u, drive.force, t, direction);
            }) <= 0.0;
   }

@@ -8,6 +8,7 @@
 
 #include "cogging/plant/bristle.hpp"
 #include "cogging/plant/coupling.hpp"
+#include "cogging/plant/integration.hpp"
 #include "cogging/plant/sticking.hpp"
 #include "cogging/require.hpp"
 
@@ -30,7 +31,7 @@ class BodyWithStates {
     for (int piece = 0; piece < pieces; ++piece) {
       const double from = h * piece / pieces, until = h * (piece + 1) / pieces;
       if (sticks)
-        advance_sticking(*this, state, drive, time, from, until);
+        StickSlip(*this, drive, time, from, until).advance(state);
       else
         move(state, drive, time, from, until);
     }
@@ -60,7 +61,7 @@ class BodyWithStates {
  private:
   enum class Mode { moves, slides, rests };  // friction as it is, exact friction in one direction, exact at rest
 
-  using Stages = std::array<double, 4>;
+  using Four = std::array<double, 4>;  // of the stages of a step
 
   struct Rates {
     double acceleration, relative, level;  // m/s^2, of motor and deflection; V, friction level
@@ -80,17 +81,12 @@ class BodyWithStates {
   }
 
   void move(AxisState<double>& state, const Drive<double>& drive, double time, double from, double until) const {
-    StepControl control(until - from);
-    double done = from;
-    while (done < until && std::isfinite(state.velocity)) {
-      const AxisState<double> start = state;
-      const double left = until - done;
-      const double length = control.step(left, [&](double tried) {
-        state = start;
-        return step(state, drive, time, done, tried, Mode::moves, 0.0);
-      });
-      done = length == left ? until : done + length;
-    }
+    advance_in_pieces(
+        state, from, until,
+        [&](AxisState<double>& at, double offset, double length) {
+          return step(at, drive, time, offset, length, Mode::moves, 0.0);
+        },
+        [](const AxisState<double>& at) { return std::isfinite(at.velocity); });
   }
 
   double coupling_force(const AxisState<double>& state) const {
@@ -112,63 +108,64 @@ class BodyWithStates {
     return {acceleration, coupling_.exists() ? load - acceleration : 0.0, level};
   }
 
+  struct Slope {
+    double velocity, acceleration, deflection_rate, relative, bristle_rate, level;
+  };
+
   // Whether it is accurate.
   bool step(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double h, Mode mode,
             double direction) const {
     const AxisState<double> start = state;
-    struct Slope {
-      double velocity, acceleration, deflection_rate, relative, bristle_rate, level;
-    };
     const auto slope_at = [&](const AxisState<double>& here, double at) {
       const Rates r = rates(here, drive.at(at) + drive.force, drive.force, time + at, mode, direction);
       const double bends =
           bristle_.exists() && r.level > 0.0 ? bristle_.rate(here.bristle, here.velocity, r.level) : 0.0;
       return Slope{here.velocity, r.acceleration, here.deflection_rate, r.relative, bends, r.level};
     };
-    const Slope k1 = slope_at(start, offset);
-    const bool by_path = follows_path(start.velocity, k1.acceleration, k1.level, h);
+    const Slope first = slope_at(start, offset);
+    const bool by_path = follows_path(start.velocity, first.acceleration, first.level, h);
     const auto bent = [&](AxisState<double> here, double level) {
-      here.bristle = bristle_.moved(start.bristle, here.position - start.position, k1.level, level);
+      here.bristle = bristle_.moved(start.bristle, here.position - start.position, first.level, level);
       return here;
     };
     const auto stage = [&](const AxisState<double>& here, double at) {
       const Slope slope = slope_at(here, at);
       return by_path ? slope_at(bent(here, slope.level), at) : slope;
     };
-    const auto moved = [&](const Slope& slope, double length) {
-      AxisState<double> there = start;
-      there.position += length * slope.velocity;
-      there.velocity += length * slope.acceleration;
-      there.deflection += length * slope.deflection_rate;
-      there.deflection_rate += length * slope.relative;
-      there.bristle += length * slope.bristle_rate;
-      return there;
-    };
-    const double half = 0.5 * h;
-    const Slope k2 = stage(moved(k1, half), offset + half);
-    const Slope k3 = stage(moved(k2, half), offset + half);
+    const auto moved = [&](const Slope& slope, double length) { return moved_along(start, slope, length); };
     // A law that jumps at the end of the step must not be felt in it: look just before.
-    const Slope k4 = stage(moved(k3, h), offset + h * (1.0 - 1e-9));
-    const auto mean = [&](double Slope::* part) { return (k1.*part + 2.0 * (k2.*part + k3.*part) + k4.*part) / 6.0; };
+    const Stages<Slope> slopes = runge_kutta(first, h, offset + 0.5 * h, offset + h * (1.0 - 1e-9), moved, stage);
+    const auto mean = [&](double Slope::* part) { return slopes.sum(part) / 6.0; };
     state = moved({mean(&Slope::velocity), mean(&Slope::acceleration), mean(&Slope::deflection_rate),
                    mean(&Slope::relative), mean(&Slope::bristle_rate), 0.0},
                   h);
-    if (by_path) state = bent(state, k4.level);
+    if (by_path) state = bent(state, slopes.fourth.level);
     if (!axis_.accuracy().controls()) return true;
-    if (bristle_.exists() && mode != Mode::rests) {
-      // A path that turns hides its way there and back.
-      if (by_path && start.velocity * state.velocity < 0.0) return false;
-      if (by_path && !keeps_level(start, h, {k1.level, k2.level, k3.level, k4.level})) return false;
-      if (!relaxes_accurately(start, state, h, k1.level)) return false;
-    }
-    const auto stages = [&](double Slope::* part) { return std::array{k1.*part, k2.*part, k3.*part, k4.*part}; };
-    return loads_accurately(start, state, h, stages(&Slope::relative)) &&
+    return (mode == Mode::rests || bends_accurately(start, state, h, slopes.each(&Slope::level), by_path)) &&
+           loads_accurately(start, state, h, slopes.each(&Slope::relative)) &&
            (mode == Mode::rests || moves_accurately(start, state, drive, time + offset, offset, h,
-                                                    stages(&Slope::acceleration), mode == Mode::slides));
+                                                    slopes.each(&Slope::acceleration), mode == Mode::slides));
+  }
+
+  static AxisState<double> moved_along(AxisState<double> from, const Slope& slope, double length) {
+    from.position += length * slope.velocity;
+    from.velocity += length * slope.acceleration;
+    from.deflection += length * slope.deflection_rate;
+    from.deflection_rate += length * slope.relative;
+    from.bristle += length * slope.bristle_rate;
+    return from;
+  }
+
+  bool bends_accurately(const AxisState<double>& start, const AxisState<double>& end, double h, const Four& levels,
+                        bool by_path) const {
+    if (!bristle_.exists()) return true;
+    // A path that turns hides its way there and back.
+    if (by_path && (start.velocity * end.velocity < 0.0 || !keeps_level(start, h, levels))) return false;
+    return relaxes_accurately(start, end, h, levels[0]);
   }
 
   bool moves_accurately(const AxisState<double>& start, const AxisState<double>& end, const Drive<double>& drive,
-                        double time, double offset, double h, const Stages& a, bool one_way) const {
+                        double time, double offset, double h, const Four& a, bool one_way) const {
     const StepAccuracy<double>& accuracy = axis_.accuracy();
     const double turned = one_way ? start.velocity : end.velocity;  // friction has one direction, whatever the end
     const double settling = drive.settling(offset) / coupling_.motor_mass();
@@ -186,7 +183,7 @@ class BodyWithStates {
     return !(bristle_.stiffness * (std::abs(velocity) + h * std::abs(acceleration)) * h < level);
   }
 
-  bool keeps_level(const AxisState<double>& start, double h, const Stages& levels) const {
+  bool keeps_level(const AxisState<double>& start, double h, const Four& levels) const {
     const auto [least, most] = std::minmax_element(levels.begin(), levels.end());
     const double change = *most - *least;
     return h * change * change / (coupling_.motor_mass() * std::max(*most, 1e-300)) <=
@@ -204,7 +201,7 @@ class BodyWithStates {
            StepAccuracy<double>::share * std::max(start.speed_max, std::abs(start.velocity));
   }
 
-  bool loads_accurately(const AxisState<double>& start, const AxisState<double>& end, double h, const Stages& a) const {
+  bool loads_accurately(const AxisState<double>& start, const AxisState<double>& end, double h, const Four& a) const {
     if (!coupling_.exists()) return true;
     const StepAccuracy<double>& accuracy = axis_.accuracy();
     const double speed = std::max({start.speed_max, std::abs(start.velocity), std::abs(end.deflection_rate)});

@@ -49,6 +49,11 @@ class RecordedAmplifier {
   /// See AmplifierLaws::followed_until.
   double followed_until(double now, double changed) const { return laws_.followed_until(now, changed); }
 
+  /// Moves a drive on by the time that has passed.
+  void settle(Drive<double>& drive, double duration) const {
+    if (drive.lagging) drive.deviation *= std::exp(-drive.rate * duration);
+  }
+
   /// Mean of what acts over [start, end], V.
   double mean(double start, double end) { return moments(start, end).mean; }
 

@@ -48,10 +48,13 @@ class StepAccuracy {
       fading_.push_back({sized(law.force, in_time), sized(law.gain, in_time), law.decay});
     else
       in_time_ += sized(law.force, in_time), gain_in_time_ += sized(law.gain, in_time);
-    turning_ = std::min(turning_, law.velocity * law.velocity);
+    add_turning(law.velocity);
     quickest_ = std::max(quickest_, law.force > 0.0 || law.gain > 0.0 ? law.rate : 0.0);
     varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ + stiffness_ > 0.0 || !fading_.empty();
   }
+
+  /// A law joins that changes within this speed about rest, m/s; infinite: it does not.
+  void add_turning(const Scalar& velocity) { turning_ = smaller(turning_, velocity * velocity); }
 
   /// By how much one step of length h errs more than it may, m/s: at most 0 where it is accurate. Of the accelerations
   /// of the stages, the velocity at start and end, and the largest speed before.
@@ -140,7 +143,7 @@ class StepAccuracy {
   double along_ = 0.0, in_time_ = 0.0;             // m/s^2 times 1/m^4, 1/s^4
   double gain_along_ = 0.0, gain_in_time_ = 0.0;   // the same for a drive of 1 V
   double quickest_ = 0.0;
-  double turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
+  Scalar turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
   bool varies_ = false, controls_ = true;
   std::vector<Fading> fading_;
   std::vector<double> positions_, velocities_;  // of kinks, increasing

@@ -20,9 +20,9 @@ double bisect(double a, double b, const Predicate& holds) {
   return b;
 }
 
-/// Moves the state from offset `from` to offset `until` of the integration step that starts at `time`.
+/// The way of a body from offset `from` to offset `until` of the integration step that starts at `time`.
 ///
-/// The step is a sequence of pieces, in each of which the body either slides one way or rests; each ends where
+/// It is a sequence of pieces, in each of which the body either slides one way or rests; each ends where
 /// the velocity comes to zero, where the force on the resting body reaches its level, or where one Runge-Kutta step
 /// would not be accurate (StepControl). A body has
 ///   slide(state, drive, time, offset, length, direction)  // slides in one direction; whether the step is accurate
@@ -30,72 +30,88 @@ double bisect(double a, double b, const Predicate& holds) {
 ///   breakaway(state, drive, time, offset)                 // -1 or +1: the way it breaks away; 0: it sticks
 ///   quickest(state, drive)                                // 1/s, at which the force on it may change at rest
 template <class Body>
-void advance_sticking(const Body& body, AxisState<double>& state, const Drive<double>& drive, double time, double from,
-                      double until) {
-  constexpr int stops_max = 64;
-  StepControl control(until - from);
-  int stops = 0;
-  double done = from;
-  while (done < until && stops < stops_max) {
-    double direction = sign(state.velocity);
-    if (direction == 0.0) {
-      direction = body.breakaway(state, drive, time, done);
-      if (direction == 0.0) {
-        const double start = done;
-        const AxisState<double> resting = state;
-        AxisState<double> end;
-        const double length = control.step(until - start, [&](double tried) {
-          end = resting;
-          return body.rest(end, drive, time, start, tried);
-        });
-        const auto rests_until = [&](double offset) {
-          AxisState<double> moved = resting;
-          body.rest(moved, drive, time, start, offset - start);
-          return body.breakaway(moved, drive, time, offset) == 0.0;
-        };
-        // Look at four places or more: a force that comes and goes within the step must not be missed.
-        const int looks = std::max(4, static_cast<int>(std::min(1e4, 4.0 * body.quickest() * length)));
-        done = length == until - start ? until : start + length;
-        double rests_at = start;
-        for (int look = 1; look <= looks; ++look) {
-          const double at = look == looks ? done : start + length * look / looks;
-          if (rests_until(at)) {
-            rests_at = at;
-            continue;
-          }
-          done = bisect(rests_at, at, rests_until);
-          end = resting;
-          body.rest(end, drive, time, start, done - start);
-          ++stops;
-          break;
-        }
-        state = end;
+class StickSlip {
+ public:
+  StickSlip(const Body& body, const Drive<double>& drive, double time, double from, double until)
+      : body_(body), drive_(drive), time_(time), from_(from), until_(until), done_(from), control_(until - from) {}
+
+  void advance(AxisState<double>& state) {
+    while (done_ < until_ && stops_ < stops_max) {
+      double direction = sign(state.velocity);
+      if (direction == 0.0) direction = body_.breakaway(state, drive_, time_, done_);
+      if (direction == 0.0)
+        rest(state);
+      else
+        slide(state, direction);
+      if (!std::isfinite(state.velocity)) return;  // never a rest: the run says that it diverged
+    }
+    if (done_ < until_) state.velocity = 0.0;  // endless reversals within one step: the body is at rest
+  }
+
+ private:
+  static constexpr int stops_max = 64;
+
+  // Until the end of a piece, or until the body breaks away within it.
+  void rest(AxisState<double>& state) {
+    const double start = done_;
+    const AxisState<double> resting = state;
+    const double length = control_.step(until_ - start, [&](double tried) {
+      state = resting;
+      return body_.rest(state, drive_, time_, start, tried);
+    });
+    done_ = length == until_ - start ? until_ : start + length;
+    const auto rested = [&](double offset) {
+      AxisState<double> moved = resting;
+      body_.rest(moved, drive_, time_, start, offset - start);
+      return moved;
+    };
+    const auto sticks_at = [&](double offset) { return body_.breakaway(rested(offset), drive_, time_, offset) == 0.0; };
+    // Look at four places or more: a force that comes and goes within the step must not be missed.
+    const int looks = std::max(4, static_cast<int>(std::min(1e4, 4.0 * body_.quickest() * length)));
+    double stuck_at = start;
+    for (int look = 1; look <= looks; ++look) {
+      const double at = look == looks ? done_ : start + length * look / looks;
+      if (sticks_at(at)) {
+        stuck_at = at;
         continue;
       }
+      done_ = bisect(stuck_at, at, sticks_at);
+      state = rested(done_);
+      ++stops_;
+      return;
     }
+  }
+
+  // Until the end of a piece, or until the body stops within it.
+  void slide(AxisState<double>& state, double direction) {
     const AxisState<double> start = state;
-    const double left = until - done;
-    const double length = control.step(left, [&](double tried) {
+    const double left = until_ - done_;
+    const double length = control_.step(left, [&](double tried) {
       state = start;
-      return body.slide(state, drive, time, done, tried, direction);
+      return body_.slide(state, drive_, time_, done_, tried, direction);
     });
-    if (!std::isfinite(state.velocity)) return;  // never a rest: the run says that it diverged
+    if (!std::isfinite(state.velocity)) return;
     if (state.velocity * direction >= 0.0) {
-      done = length == left ? until : done + length;
-      continue;
+      done_ = length == left ? until_ : done_ + length;
+      return;
     }
     const auto slid = [&](double tried) {
       AxisState<double> end = start;
-      body.slide(end, drive, time, done, tried, direction);
+      body_.slide(end, drive_, time_, done_, tried, direction);
       return end;
     };
     const double stop = bisect(0.0, length, [&](double tried) { return slid(tried).velocity * direction >= 0.0; });
     state = slid(stop);
     state.velocity = 0.0;
-    done += std::max(stop, 1e-12 * (until - from));
-    ++stops;
+    done_ += std::max(stop, 1e-12 * (until_ - from_));
+    ++stops_;
   }
-  if (done < until) state.velocity = 0.0;  // endless reversals within one step: the body is at rest
-}
+
+  const Body& body_;
+  const Drive<double>& drive_;
+  double time_, from_, until_, done_;
+  StepControl control_;
+  int stops_ = 0;
+};
 
 }  // namespace cogging

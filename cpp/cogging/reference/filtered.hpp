@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <tuple>
 
 #include "cogging/parameters.hpp"
@@ -12,6 +13,8 @@
 namespace cogging {
 
 struct FilteredSineParameters {
+  static constexpr std::string_view description = "Sine and generator of a FilteredSine (Xu and Yao 2001, eq. 58).";
+
   double center = 0.0;                                // m
   double amplitude = 0.05;                            // m
   double frequency = 4.0 / (2.0 * std::numbers::pi);  // Hz
@@ -43,8 +46,17 @@ struct FilteredSineParameters {
 /// w'(0) = -amplitude omega, and is known exactly at every time: no step, no drift.
 class FilteredSine final : public Reference {
  public:
+  using Parameters = FilteredSineParameters;
+  static constexpr std::string_view name = "filtered_sine";
+  static constexpr std::string_view description = R"(A sine that starts from rest (Xu and Yao 2001, eq. 58).
+
+q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
+the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.)";
+
   explicit FilteredSine(const FilteredSineParameters& parameters) : parameters_(parameters) { parameters_.validate(); }
   const FilteredSineParameters& parameters() const { return parameters_; }
+
+  double period() const override { return 1.0 / parameters_.frequency; }
 
   ReferencePoint at(double time) const override {
     const FilteredSineParameters& q = parameters_;

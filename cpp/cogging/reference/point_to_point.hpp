@@ -13,6 +13,8 @@
 namespace cogging {
 
 struct PointToPointParameters {
+  static constexpr std::string_view description = "Limits and rests of a PointToPoint.";
+
   double start = 0.0;                                     // m
   double distance = 0.1;                                  // m, signed
   double velocity = 0.1;                                  // m/s, limit
@@ -49,6 +51,13 @@ struct PointToPointParameters {
 /// short move that cannot reach the velocity or the acceleration limit stays below it.
 class PointToPoint final : public Reference {
  public:
+  using Parameters = PointToPointParameters;
+  static constexpr std::string_view name = "point_to_point";
+  static constexpr std::string_view description = R"(Jerk-limited moves there and back.
+
+start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
+the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.)";
+
   explicit PointToPoint(const PointToPointParameters& parameters) : parameters_(parameters) {
     parameters_.validate();
     const double length = std::abs(parameters.distance), jerk = parameters.jerk;
@@ -75,7 +84,7 @@ class PointToPoint final : public Reference {
   const PointToPointParameters& parameters() const { return parameters_; }
   double move_time() const { return move_; }
   /// One move there and back with both rests, s.
-  double period() const { return 2.0 * (move_ + parameters_.dwell); }
+  double period() const override { return 2.0 * (move_ + parameters_.dwell); }
   double end() const override { return parameters_.repeats * period(); }
 
   ReferencePoint at(double time) const override {

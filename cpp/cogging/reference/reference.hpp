@@ -17,6 +17,8 @@ class Reference {
   virtual ReferencePoint at(double time) const = 0;
   /// The time at which the motion is over, s; infinite for a motion without an end of its own.
   virtual double end() const { return std::numeric_limits<double>::infinity(); }
+  /// After which time the motion repeats itself, s; infinite for one that does not.
+  virtual double period() const { return std::numeric_limits<double>::infinity(); }
 };
 
 }  // namespace cogging

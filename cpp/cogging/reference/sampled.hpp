@@ -2,6 +2,7 @@
 // A motion given by its samples.
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
 #include "cogging/reference/reference.hpp"
@@ -14,6 +15,15 @@ namespace cogging {
 /// derivative; the acceleration is linear. Before the first and after the last sample: at rest there.
 class Sampled final : public Reference {
  public:
+  static constexpr std::string_view name = "sampled";
+  static constexpr std::string_view description = R"(A motion given by its samples.
+
+time (s), position (m) and, where known, velocity (m/s) and acceleration (m/s^2), all (n,). A missing derivative is
+differentiated from the one before it. Between samples cubic, the acceleration linear; outside at rest.
+
+Raises:
+    ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.)";
+
   Sampled(std::vector<double> time, std::vector<double> position, std::vector<double> velocity,
           std::vector<double> acceleration)
       : time_(std::move(time)),
@@ -53,10 +63,10 @@ class Sampled final : public Reference {
   }
 
  private:
-  void check(const std::vector<double>& column, std::string_view name) const {
-    require(column.size() == time_.size(), name, "must be as long as time (" + format(double(time_.size())) + ")",
+  void check(const std::vector<double>& column, std::string_view label) const {
+    require(column.size() == time_.size(), label, "must be as long as time (" + format(double(time_.size())) + ")",
             static_cast<double>(column.size()));
-    require_finite(name, column);
+    require_finite(label, column);
   }
 
   std::vector<double> differentiate(const std::vector<double>& values) const {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <tuple>
 
 #include "cogging/parameters.hpp"
@@ -12,6 +13,8 @@
 namespace cogging {
 
 struct SineParameters {
+  static constexpr std::string_view description = "Centre, amplitude and frequency of a Sine.";
+
   double center = 0.0;     // m
   double amplitude = 0.1;  // m
   double frequency = 1.0;  // Hz
@@ -33,8 +36,15 @@ struct SineParameters {
 /// x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis, at rest, does not.
 class Sine final : public Reference {
  public:
+  using Parameters = SineParameters;
+  static constexpr std::string_view name = "sine";
+  static constexpr std::string_view description =
+      "x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.";
+
   explicit Sine(const SineParameters& parameters) : parameters_(parameters) { parameters_.validate(); }
   const SineParameters& parameters() const { return parameters_; }
+
+  double period() const override { return 1.0 / parameters_.frequency; }
 
   ReferencePoint at(double time) const override {
     const double omega = 2.0 * std::numbers::pi * parameters_.frequency, a = parameters_.amplitude;

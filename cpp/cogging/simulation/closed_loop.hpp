@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/interruption.hpp"
 #include "cogging/plant/amplifier.hpp"
+#include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/simulation/log.hpp"
 
@@ -70,33 +72,23 @@ void require_bounded(const AxisState<Scalar>& state, const Range& travel, double
 
 }  // namespace detail
 
-/// Integrates the plant over one sample in pieces that end where the command switches or a force law jumps, and that
-/// are short while the current loop settles.
+/// Integrates the plant over one sample, with `steps` steps of the integrator where nothing happens within it.
 template <class Scalar>
 void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
                     double time_next, const Scalar& force, int steps) {
   const double sample_time = time_next - time;
-  double now = time;
-  while (now < time_next) {
-    const double switch_time = time + amplifier.switch_offset();
-    Drive<Scalar> drive = amplifier.drive(now < switch_time);
+  const auto steps_of = [&](double start, double end) {
+    const bool whole = start == time && end == time_next;
+    return whole ? steps : std::max(1, int(std::ceil(steps * (end - start) / sample_time)));
+  };
+  amplifier.over(time, time_next, [&](Drive<Scalar> drive, double from, double to) {
     drive.force = force;
-    const double changed = now < switch_time ? time : std::max(time, switch_time);
-    double next = std::min({time_next, axis.next_event(now), amplifier.followed_until(now, changed)});
-    if (now < switch_time && switch_time < next) next = switch_time;
-    const bool whole = next == time_next && now == time;
-    const int pieces = whole ? steps : std::max(1, int(std::ceil(steps * (next - now) / sample_time)));
-    const double h = (next - now) / pieces;
-    for (int piece = 0; piece < pieces; ++piece) {
-      axis.advance(state, drive, now + piece * h, h);
-      amplifier.settle(drive, h);
-    }
-    now = next;
-  }
+    advance_through_events(axis, amplifier, state, drive, from, to, steps_of);
+  });
 }
 
 /// A pure function of its arguments: the controller is copied, and the noise comes from the seed.
-template <class Scalar, Controller<Scalar> C>
+template <class Scalar, ClosesLoop<Scalar> C>
 Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Reference& reference,
                         const RunOptions& options) {
   require(options.steps_per_sample >= 1 && options.steps_per_sample <= 10000, "steps_per_sample",
@@ -127,7 +119,7 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   detail::record_reference(log, reference, sample_rate, plant.axis.travel, stop);
   if (options.record_estimates) {
     log.estimate_count = static_cast<int>(controller.estimates().size());
-    log.estimates.reserve(rows * controller.estimates().size());
+    log.estimates.reserve(rows * static_cast<std::size_t>(log.estimate_count));
   }
 
   const double limit = controller.command_limit();
@@ -138,8 +130,11 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
     const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
-    if (options.record_estimates)
-      log.estimates.insert(log.estimates.end(), controller.estimates().begin(), controller.estimates().end());
+    if constexpr (MayFail<C>) controller.begin_row(k, log.time[k]);
+    if (options.record_estimates) {
+      const std::span<const Scalar> estimates = controller.estimates();
+      log.estimates.insert(log.estimates.end(), estimates.begin(), estimates.end());
+    }
     Scalar command;
     if constexpr (LooksAhead<C>)
       command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);

@@ -6,8 +6,10 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
+from . import references
 from . import effects
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'Cascade', 'CascadeParameters', 'CoggingModel', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'replay_controller', 'smooth_sign', 'whiten']
+from . import controllers
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_batch', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -181,6 +183,11 @@ class Reference:
         """
         time at which the motion is over, s; infinite if it never is
         """
+    @property
+    def period(self) -> float:
+        """
+        after which it repeats itself, s, rests included; infinite if it never does
+        """
 class PointToPointParameters:
     """
     Limits and rests of a PointToPoint.
@@ -259,7 +266,9 @@ class PointToPoint(Reference):
     start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
     the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.
     """
+    NAME: typing.ClassVar[str] = 'point_to_point'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = PointToPointParameters
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __init__(self, parameters: PointToPointParameters) -> None:
@@ -276,11 +285,6 @@ class PointToPoint(Reference):
     @property
     def parameters(self) -> PointToPointParameters:
         ...
-    @property
-    def period(self) -> float:
-        """
-        one move there and back with both rests, s
-        """
 class SineParameters:
     """
     Centre, amplitude and frequency of a Sine.
@@ -332,7 +336,9 @@ class Sine(Reference):
     """
     x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.
     """
+    NAME: typing.ClassVar[str] = 'sine'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = SineParameters
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __init__(self, parameters: SineParameters) -> None:
@@ -410,7 +416,9 @@ class FilteredSine(Reference):
     q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
     the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.
     """
+    NAME: typing.ClassVar[str] = 'filtered_sine'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = FilteredSineParameters
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __init__(self, parameters: FilteredSineParameters) -> None:
@@ -432,6 +440,7 @@ class Sampled(Reference):
     Raises:
         ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.
     """
+    NAME: typing.ClassVar[str] = 'sampled'
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
         ...
@@ -724,7 +733,13 @@ class Pid:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'pid'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = PidParameters
+    def __copy__(self) -> Pid:
+        ...
+    def __deepcopy__(self, memo: dict) -> Pid:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[PidParameters, list[float]]:
@@ -735,7 +750,13 @@ class Pid:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -856,7 +877,13 @@ class Cascade:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'cascade'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = CascadeParameters
+    def __copy__(self) -> Cascade:
+        ...
+    def __deepcopy__(self, memo: dict) -> Cascade:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[CascadeParameters, list[float]]:
@@ -867,7 +894,13 @@ class Cascade:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -993,7 +1026,13 @@ class Speed:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'speed'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = SpeedParameters
+    def __copy__(self) -> Speed:
+        ...
+    def __deepcopy__(self, memo: dict) -> Speed:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[SpeedParameters, list[float]]:
@@ -1004,7 +1043,13 @@ class Speed:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1236,7 +1281,13 @@ class Arc:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'arc'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = AdaptiveRobustParameters
+    def __copy__(self) -> Arc:
+        ...
+    def __deepcopy__(self, memo: dict) -> Arc:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[AdaptiveRobustParameters, list[float]]:
@@ -1247,7 +1298,13 @@ class Arc:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1288,7 +1345,13 @@ class Dcarc:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'dcarc'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = AdaptiveRobustParameters
+    def __copy__(self) -> Dcarc:
+        ...
+    def __deepcopy__(self, memo: dict) -> Dcarc:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[AdaptiveRobustParameters, list[float]]:
@@ -1299,7 +1362,13 @@ class Dcarc:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1550,7 +1619,13 @@ class OutputFeedbackArc:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'output_feedback_arc'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = OutputFeedbackArcParameters
+    def __copy__(self) -> OutputFeedbackArc:
+        ...
+    def __deepcopy__(self, memo: dict) -> OutputFeedbackArc:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[OutputFeedbackArcParameters, list[float]]:
@@ -1561,7 +1636,13 @@ class OutputFeedbackArc:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    @typing.overload
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
         """
@@ -1727,7 +1808,13 @@ class ObserverBased:
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
     """
+    NAME: typing.ClassVar[str] = 'observer_based'
     __hash__: typing.ClassVar[None] = None
+    PARAMETERS = ObserverBasedParameters
+    def __copy__(self) -> ObserverBased:
+        ...
+    def __deepcopy__(self, memo: dict) -> ObserverBased:
+        ...
     def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> tuple[ObserverBasedParameters, list[float]]:
@@ -1772,6 +1859,88 @@ class ObserverBased:
     def samples_refused(self) -> int:
         """
         How many samples were refused so far, for a reading or a reference that is not finite.
+        """
+class ControllerError(RuntimeError):
+    """
+    A controller of one's own raised, which is the cause of this, or gave a command that is no finite number.
+    
+    `row` of the run (from 0) and `time` (s) say when.
+    """
+    row: typing.ClassVar[int] = 0
+    time: typing.ClassVar[float] = 0.0
+class CompiledController:
+    """
+    A controller of compiled functions.
+    
+        double command(double* state, const double* parameters, const double* reference, double reading);
+        void update(double* state, const double* parameters, double applied);
+    
+    `reference` holds position, velocity and acceleration (m, m/s, m/s^2), `reading` is in m, commands in V. A run starts
+    from the state given here, has a state of its own, and calls the functions without Python's lock: in a batch on many
+    threads at once, so that what is not in their state must not be written. They must not raise.
+    
+    Args:
+        command, update: of numba, `@numba.cfunc(cogging.CompiledController.COMMAND)` and `.UPDATE`; or of ctypes, a
+            function of a shared library. They are kept alive.
+        sample_rate: Hz.
+        state: V, m or whatever it means, (n,); with which a run begins.
+        parameters: (p,), never written.
+        command_limit: V, largest command; 0 = none.
+    
+    Raises:
+        TypeError: what is no compiled function, or says that its signature is another.
+        ValueError: a number breaks its rule; the message names field, rule and value.
+    """
+    COMMAND: typing.ClassVar[str] = 'float64(CPointer(float64), CPointer(float64), CPointer(float64), float64)'
+    UPDATE: typing.ClassVar[str] = 'void(CPointer(float64), CPointer(float64), float64)'
+    __hash__: typing.ClassVar[None] = None
+    def __copy__(self) -> CompiledController:
+        ...
+    def __deepcopy__(self, memo: dict) -> CompiledController:
+        ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __init__(self, command: typing.Any, *, update: typing.Any = None, sample_rate: typing.SupportsFloat | typing.SupportsIndex, state: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).
+        """
+    def copy(self) -> CompiledController:
+        """
+        A controller in the same state.
+        """
+    def reset(self) -> None:
+        """
+        Back to the state with which a run begins.
+        """
+    def update(self, applied: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Ends the sample: the command (V) that was really applied.
+        """
+    @property
+    def command_limit(self) -> float:
+        """
+        V; 0 = none
+        """
+    @property
+    def estimates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Its state now, (n,): a copy.
+        """
+    @property
+    def parameters(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (p,): a copy
+        """
+    @property
+    def sample_rate(self) -> float:
+        """
+        Hz
         """
 class StopFlag:
     """
@@ -1969,7 +2138,7 @@ def autoregression(residual: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
     Raises:
         ValueError: lengths differ, order above a quarter of the rows, nothing that counts.
     """
-def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, record_estimates: bool = False, initial_position: typing.SupportsFloat | typing.SupportsIndex | None = None, initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
     """
     One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
     
@@ -1978,15 +2147,19 @@ def closed_loop(plant: Plant, controller: Pid | Cascade | Speed | Arc | Dcarc | 
     steps of fourth order: `steps_per_sample`, or as many more as keep what they err by below 1e-6 of the motion. The axis
     starts at rest on the reference unless told otherwise.
     `added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
+    The controller is one of the core, a CompiledController, or any object that is a cogging.Controller, whose deep copy is
+    called in every row with Python's lock held.
     
     Raises:
+        TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
         ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
             needs more than 1e5 steps (the message says how fast).
+        ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
+def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
     """
-    Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number.
+    Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number. Controllers of Python's run one at a time, beside those of the core and compiled ones.
     """
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
@@ -2023,7 +2196,7 @@ def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.
     """
     The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
     """
-def replay_controller(controller: Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased, *, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, reference_acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], applied: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]:
+def replay_controller(controller: typing.Any, *, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, reference_acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], applied: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]:
     """
     The commands (V, (n,)) that a controller gives for the references and readings of a log.
     
@@ -2042,4 +2215,6 @@ def whiten(rows: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], coeffi
     """
     e_k = r_k - sum_i a_i r_(k-i) of every row of (p, n); r is 0 before the first column.
     """
+CONTROLLERS: dict = {'pid': Pid, 'cascade': Cascade, 'speed': Speed, 'arc': Arc, 'dcarc': Dcarc, 'output_feedback_arc': OutputFeedbackArc, 'observer_based': ObserverBased}
 EFFECTS: dict = {'constant_force': effects.ConstantForce, 'cable_spring': effects.CableSpring, 'end_effect': effects.EndEffect, 'cogging_harmonic': effects.CoggingHarmonic, 'cogging_modulation': effects.CoggingModulation, 'coulomb_asymmetry': effects.CoulombAsymmetry, 'viscous_asymmetry': effects.ViscousAsymmetry, 'stribeck_friction': effects.StribeckFriction, 'presliding_friction': effects.PreslidingFriction, 'position_dependent_friction': effects.PositionDependentFriction, 'quadratic_drag': effects.QuadraticDrag, 'force_constant_ripple': effects.ForceConstantRipple, 'force_constant_drift': effects.ForceConstantDrift, 'command_delay': effects.CommandDelay, 'actuator_lag': effects.ActuatorLag, 'command_saturation': effects.CommandSaturation, 'command_dead_zone': effects.CommandDeadZone, 'encoder_periodic_error': effects.EncoderPeriodicError, 'encoder_scale_error': effects.EncoderScaleError, 'backlash': effects.Backlash, 'flexible_mode': effects.FlexibleMode, 'disturbance_step': effects.DisturbanceStep, 'disturbance_tone': effects.DisturbanceTone, 'empirical_force': effects.EmpiricalForce}
+REFERENCES: dict = {'point_to_point': PointToPoint, 'sine': Sine, 'filtered_sine': FilteredSine, 'sampled': Sampled}

@@ -26,6 +26,7 @@ class Tell(argparse.Action):
     """Says what `const` gives, and ends the command."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        """Say it."""
         say(self.const())
         parser.exit()
 

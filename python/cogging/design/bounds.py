@@ -21,6 +21,7 @@ from cogging._core import (
     friction_slope_max,
 )
 from cogging.calls import told_constructor
+from cogging.design.cogging_periods import periods_of, pitch_and_harmonics
 from cogging.design.disturbance_range import disturbance_range
 from cogging.design.observer import ObserverDesign, ObserverProblem
 from cogging.design.pid import pid_gains
@@ -30,7 +31,6 @@ from cogging.values import ByValue, brief
 
 BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
 SAMPLES_A_RADIAN = 25.0  # its sample rate over its k_1
-PERIODS_IN_PITCH = 64  # how many times the longest period may go into the common pitch of a list of periods
 NO_DISTURBANCE = (
     "disturbance: no interval says how uncertain a constant force is; the largest Coulomb level counts, which friction "
     "at rest can hide (give default={'disturbance': (low, high)} otherwise)"
@@ -254,7 +254,7 @@ class Bounds(ByValue):
 
         Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
         gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
-        Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001_setup.py).
+        Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/setup.py).
 
         Args:
             bandwidth: w, 1/s.
@@ -352,34 +352,6 @@ def _cogging_interval(model: Model, intervals: Intervals) -> Interval | None:
     paths = [path for path in intervals.paths if path.startswith("cogging.")]
     ends = [intervals.of(path) or (intervals.value(path),) * 2 for path in paths]
     return min(end[0] for end in ends), max(end[1] for end in ends)
-
-
-def periods_of(basis: SplineHarmonics) -> list[float]:
-    """The spatial periods of a cogging model, m, whether given as such or as harmonics of a pitch."""
-    return [2.0 * math.pi / wavenumber for wavenumber in basis.wavenumbers]
-
-
-def pitch_and_harmonics(basis: SplineHarmonics) -> tuple[float, list[int]]:
-    """The pitch (m) and harmonics of a cogging model: of periods, a pitch of which all are whole fractions.
-
-    Raises:
-        ValueError: there is no such pitch; with several control points it must be the distance of the knots.
-    """
-    if basis.harmonics:
-        return basis.pitch, list(basis.harmonics)
-    periods = np.array(basis.periods)
-    if basis.spline.control_points > 1:
-        pitches = [basis.spline.pitch]
-    else:
-        pitches = [times * float(periods.max()) for times in range(1, PERIODS_IN_PITCH + 1)]
-    for pitch in pitches:
-        ratio = pitch / periods
-        if (np.round(ratio) >= 1).all() and np.abs(ratio - np.round(ratio)).max() < 1e-6:
-            return pitch, [int(n) for n in np.round(ratio)]
-    raise ValueError(
-        "cogging.periods: must be whole fractions of one pitch (with several control points: of the distance of the "
-        f"knots) for arc and dcarc, got {periods.tolist()}"
-    )
 
 
 def _bandwidth(bandwidth: float | None, sample_rate: float) -> float:

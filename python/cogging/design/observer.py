@@ -237,16 +237,10 @@ def _certify(
     problem: ObserverProblem, vertices: list[Any], p: FloatArray, q: list[FloatArray], gamma_square: float
 ) -> ObserverDesign | None:
     """Check a solution by eigenvalues; None if one inequality or the frozen poles fail."""
-    lowest = np.linalg.eigvalsh(p).min()
-    if lowest <= 0 or gamma_square <= 0:
+    if np.linalg.eigvalsh(p).min() <= 0 or gamma_square <= 0:
         return None
-    alpha, r, margin = problem.decay_rate / problem.pole_radius, problem.pole_radius, -np.inf
-    for (a, c, c_o, b_o), gain in zip(vertices, q, strict=True):
-        closed = p @ a - gain @ c
-        corner = closed + closed.T + c_o.T @ c_o + 2 * alpha * p
-        first = np.block([[corner, p @ b_o], [b_o.T @ p, -gamma_square * np.eye(b_o.shape[1])]])
-        disk = np.block([[-p, closed], [closed.T, -p]])
-        margin = max(margin, np.linalg.eigvalsh(first).max(), np.linalg.eigvalsh(disk).max())
+    margin = _inequality_margin(problem, vertices, p, q, gamma_square)
+    r = problem.pole_radius
     units = np.array([r, r**2] + [r**3] * (p.shape[0] - 2))
     low, high = (np.linalg.solve(p, gain)[:, 0] * units for gain in q)
     slope = (high - low) / (problem.velocity_max - problem.velocity_min)
@@ -279,6 +273,20 @@ def _certify(
         slowest_pole=slowest,
         slowest_pole_at_rest=poles(0.0, 3),
     )
+
+
+def _inequality_margin(
+    problem: ObserverProblem, vertices: list[Any], p: FloatArray, q: list[FloatArray], gamma_square: float
+) -> float:
+    """The largest eigenvalue of the inequalities of Theorem 3 and of the pole disk at both velocities."""
+    alpha, margin = problem.decay_rate / problem.pole_radius, -np.inf
+    for (a, c, c_o, b_o), gain in zip(vertices, q, strict=True):
+        closed = p @ a - gain @ c
+        corner = closed + closed.T + c_o.T @ c_o + 2 * alpha * p
+        first = np.block([[corner, p @ b_o], [b_o.T @ p, -gamma_square * np.eye(b_o.shape[1])]])
+        disk = np.block([[-p, closed], [closed.T, -p]])
+        margin = max(margin, np.linalg.eigvalsh(first).max(), np.linalg.eigvalsh(disk).max())
+    return margin
 
 
 def _require(holds: Any, name: str, rule: str, value: Any) -> None:

@@ -55,7 +55,7 @@ def discrepancies(logs: Sequence[Log], models: Sequence[Model], *, replay: bool)
     masks = []
     for log in logs:
         source = source_of(log, models[0])
-        masks.append(source.counts > 0)
+        masks.append(source.mask > 0)
         for i, row in enumerate(source.of(models)):
             series[i].append(row)
     signal = "innovations of an observer"
@@ -74,9 +74,9 @@ def source_of(log: Log, model: Model) -> Innovations:
     An axis that keeps turning back would leave a slow observer no rows: it then gets a faster one, and less of rest.
     """
     source = Innovations(log, model, bandwidth=BANDWIDTH)
-    if source.counts.mean() < FEW:
+    if source.mask.mean() < FEW:
         source = Innovations(log, model, bandwidth=min(FAST, 0.05 / source.scales.sample_time))
-    if source.counts.mean() < FEW:
+    if source.mask.mean() < FEW:
         source = Innovations(log, model, bandwidth=source.bandwidth, rest=3e-3 * source.scales.velocity)
     return source
 
@@ -87,7 +87,7 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]
     masks = []
     for log in logs:
         replays = [Replay(log, model) for model in models]
-        masks.append(source_of(log, models[0]).counts > 0)
+        masks.append(source_of(log, models[0]).mask > 0)
         for i, (one, model) in enumerate(zip(replays, models, strict=True)):
             run = one.run(model)
             series[i].append(log.command - run["command"])
@@ -127,7 +127,7 @@ def floor_of(seen: Discrepancy, logs: Sequence[Log], model: Model) -> float:
     for series, mask, log in zip(seen.series, seen.masks, logs, strict=True):
         source = source_of(log, model)
         columns = [np.ones(len(series))[None, :]]
-        if not (source.counts > 0).any():
+        if not (source.mask > 0).any():
             return seen.rms
         for name, (_, _, table, _) in coordinates(source, model).items():
             if name in ("position", "velocity", "time", "acceleration"):

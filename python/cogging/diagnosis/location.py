@@ -1,41 +1,24 @@
-"""Where a gap sits, on its own: by coordinate, by spatial period and by frequency, before anything is named."""
+"""Where a gap sits, on its own: by coordinate, by spatial period and by frequency, before anything is named.
+
+A location is held and shown; `cogging.diagnosis.locate` computes it.
+"""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from cogging._core import EFFECTS, DivergedError
 from cogging.arrays import FloatArray
-from cogging.calls import takes
-from cogging.diagnosis.candidates.scan import Finding, judged, sharpen
-from cogging.diagnosis.candidates.signatures import tables
-from cogging.diagnosis.candidates.waves import is_wave, peaks, refine
-from cogging.diagnosis.evidence.evidence import Evidence, orthonormal
-from cogging.diagnosis.evidence.given_logs import Logs, read_logs
-from cogging.diagnosis.evidence.null import fit_null
-from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
-from cogging.diagnosis.residual.shapes import Shape, low_power, shapes
-from cogging.estimation.statistics import moving_average
-from cogging.log_check.audit import check_against_model
+from cogging.diagnosis.residual.shape import Shape
 from cogging.model.model import Model
 from cogging.outputs import finite
-from cogging.simulation.arguments import LOGS, MODEL
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
-SIGNIFICANT = -9.5  # ln of the chance from which a coordinate is told
-WAVES_MAX = 5
-TURNS_MIN = 4.0  # over the travel or the log: slower waves are told by the coordinates
-WAVE_MIN = 0.1  # of the strongest wave's share: weaker ones are its shadows
+SIGNIFICANT = -9.5  # log p-value below which a coordinate is told
 
 
 @dataclass(frozen=True)
@@ -43,12 +26,12 @@ class Wave:
     """A force that repeats itself, in place or in time.
 
     Attributes:
-        coordinate: "spatial period" (m) or "frequency" (Hz).
-        value: of the period, or frequency.
+        coordinate: "spatial period" or "frequency".
+        value: period (m) or frequency (Hz).
         unit: m or Hz.
-        amplitude: V.
+        amplitude: amplitude of the force, V.
         log_p_value: ln of the probability that noise alone shows as much at any period or frequency.
-        share: of the gap's power below 60 Hz.
+        share: share of the gap's power below 60 Hz.
     """
 
     coordinate: str
@@ -76,10 +59,10 @@ class Location(ByValue):
     """Where logs and a model disagree after the model was re-tuned.
 
     Attributes:
-        shapes: force of any shape in each coordinate, the likeliest first.
-        waves: what repeats itself, the strongest first.
+        shapes: residual shapes, one a coordinate, the likeliest first.
+        waves: forces that repeat themselves, the strongest first.
         residual: rms of what the re-tuned model leaves in rows in motion, V.
-        model: re-tuned.
+        model: re-tuned model.
         series: rows of the logs by name, for the figures: time, position, velocity, acceleration, command, gap, mask.
     """
 
@@ -137,122 +120,3 @@ class Location(ByValue):
         from cogging.diagnosis.report.figures import coordinates_figure
 
         return coordinates_figure({"as re-tuned": self.series})
-
-
-@takes(logs=LOGS, model=MODEL)
-def locate_gap(
-    logs: Logs,
-    model: Model | str | os.PathLike[str],
-) -> Location:
-    """Say where logs and a model disagree: in which coordinate, where in it, at which period or frequency.
-
-    The model is re-tuned first, as far as its statement allows; what is left is tested against a force of any shape in
-    each coordinate and against waves in place and in time. No effect is named.
-
-    Args:
-        logs: one or several, or their files.
-        model: what is believed, or its file.
-
-    Returns:
-        Shares of the gap by coordinate, and what repeats itself in place or time; print it to read them.
-
-    Raises:
-        ValueError: a log or model that cannot be used.
-        InputError: a file that cannot be read.
-
-    Example:
-        >>> where = cogging.locate_gap(log, model)
-        >>> where.significant
-        ()
-    """
-    if not isinstance(model, Model):
-        model = Model.read(model)
-    read, names = read_logs(logs)
-    if not read:
-        raise ValueError("logs: must be at least 1, got 0")
-    for name, log in zip(names, read, strict=True):
-        check_against_model(log, model, name)
-    estimate, evidence = fit_null(read, model)
-    return location_of(evidence, estimate.model)
-
-
-def location_of(evidence: Evidence, model: Model, found: Sequence[Shape] | None = None) -> Location:
-    """The location of what evidence of a re-tuned model leaves; `found`: its shapes, where they are known."""
-    mask = np.concatenate([source.counts > 0 for source in evidence.sources])
-    left = np.concatenate(evidence.residuals)[mask]
-    return Location(
-        tuple(with_events(evidence, shapes(evidence)) if found is None else found),
-        tuple(waves_of(evidence)),
-        float(np.sqrt(np.mean(left**2))),
-        model,
-        series_of(evidence, evidence.residuals),
-    )
-
-
-def series_of(evidence: Evidence, gap: Sequence[FloatArray]) -> dict[str, list[FloatArray]]:
-    """Rows of the logs by name, with a gap (V), one (n,) a log."""
-    series: dict[str, list[FloatArray]] = {"gap": [np.asarray(row) for row in gap]}
-    for source in evidence.sources:
-        log, velocity = source.log, source.along.velocity
-        smooth = moving_average(velocity, round(0.02 / source.scales.sample_time))
-        for name, values in (
-            ("time", log.time),
-            ("position", log.position),
-            ("command", log.command),
-            ("velocity", velocity),
-            ("acceleration", np.gradient(smooth, log.time)),
-            ("mask", source.counts > 0),
-        ):
-            series.setdefault(name, []).append(np.asarray(values))
-    return series
-
-
-def waves_of(evidence: Evidence) -> list[Wave]:
-    """Waves of force in place and in time, the strongest first, each seen beside those before it.
-
-    The list of effects is asked which of them are a plain force of one period or of one frequency.
-    """
-    kinds = [name for name, effect in EFFECTS.items() if is_wave(effect) and set(effect.HOOKS) == {"force"}]
-    found: list[Wave] = []
-    power = low_power(evidence)
-    for _ in range(WAVES_MAX):
-        best: Finding | None = None
-        for name in kinds:
-            for finding in _waves(evidence, name):
-                if best is None or finding.score > best.score:
-                    best = finding
-        if best is None or best.log_p_value > SIGNIFICANT:
-            break
-        best = sharpen(evidence, best)
-        field, value = next(iter(best.candidate.shape.items()))
-        if found and best.test.statistic / power < WAVE_MIN * found[0].share:
-            break
-        spatial = EFFECTS[best.name].ROLES[field]["quantity"] == "distance"
-        found.append(
-            Wave(
-                "spatial period" if spatial else "frequency",
-                float(value),
-                "m" if spatial else "Hz",
-                float(np.hypot(*best.amplitudes)),
-                best.log_p_value,
-                min(1.0, best.test.statistic / power),
-            )
-        )
-        columns = evidence.project(evidence.whitened(tables(evidence, [best.candidate])[0]))
-        evidence = replace(evidence, basis=np.vstack([evidence.basis, orthonormal(columns)]))
-    return sorted(found, key=lambda wave: -wave.share)
-
-
-def _waves(evidence: Evidence, name: str) -> list[Finding]:
-    found, trials = peaks(evidence, name)
-    spatial = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")["quantity"] == "distance"
-    scales = evidence.scales
-
-    def turns(value: float) -> float:
-        return scales.position / value if spatial else scales.time * value
-
-    fast = [candidate for candidate in found if turns(next(iter(candidate.shape.values()))) >= TURNS_MIN]
-    try:
-        return judged(evidence, refine(evidence, fast[:2]), trials)
-    except (DivergedError, ValueError):
-        return []

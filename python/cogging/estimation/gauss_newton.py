@@ -12,9 +12,9 @@ from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.residuals import Residuals
+from cogging.estimation.statistics import student
 from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.difference_steps import central
-from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
 
@@ -109,17 +109,14 @@ def fit(
         DivergedError: the model diverges on a log.
     """
     scales = Scales.largest(log.scales for log in logs)
+    limits = floors or {}, ceilings or {}
     done = 0
     while True:
         known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, logs, scales)
         seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, columns, strict=True)]
-        with np.errstate(over="ignore", invalid="ignore"):  # refused in the next line
-            curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
-            gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
-        if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
-            raise DivergedError(_unbounded(paths, curvature, gradient))
+        curvature, gradient = _normal_equations(paths, seen)
         values = np.array([p.value for p in parameters])
         if done >= iterations or not paths:
             break
@@ -127,14 +124,26 @@ def fit(
         scaled = curvature / np.outer(size, size)
         step = -np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True) @ (gradient / size) / size
         done += 1
-        moved, length = _move(
-            model, parameters, step, logs, residuals, [s.coefficients for s in seen], floors or {}, ceilings or {}
-        )
-        model = moved
+        filters = [s.coefficients for s in seen]
+        model, length = _move(model, parameters, step, logs, residuals, filters, *limits)
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more look, at the values themselves
     return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
+
+
+def _normal_equations(paths: Sequence[str], seen: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
+    """Curvature (p, p) and gradient (p,) of half the sum of squares.
+
+    Raises:
+        DivergedError: they are not finite.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
+        gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
+    if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
+        raise DivergedError(_unbounded(paths, curvature, gradient))
+    return curvature, gradient
 
 
 def _unbounded(paths: Sequence[str], curvature: FloatArray, gradient: FloatArray) -> str:
@@ -158,7 +167,7 @@ def _move(
     def cost(values: Sequence[FloatArray]) -> float:
         total = 0.0
         for log, residual, a in zip(logs, values, filters, strict=True):
-            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.counts > 0]
+            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.mask > 0]
             with np.errstate(over="ignore", invalid="ignore"):  # a step too far: an infinite cost refuses it
                 total += len(white) * float(np.log(np.mean(white**2)))
         return total

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import Plant, Prediction, Predictor
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, Mask
 from cogging.estimation.residuals import quiet_plant, steps_needed
 from cogging.estimation.rows_in_motion import SETTLED, START, settling, since
 from cogging.estimation.statistics import moving_average
@@ -51,35 +51,26 @@ class Innovations:
         quick_starts: bool = False,
     ) -> None:
         self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
-        steps = np.diff(log.time)
-        sample_time = float(np.median(steps))
-        plant = quiet_plant(model)
-        if steps_per_sample is None:
-            steps_per_sample = steps_needed(model, sample_time)
+        sample_time = float(np.median(np.diff(log.time)))
+        gap = max(5.0 * sample_time, 0.1 / bandwidth)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time,
             log.position,
             log.command,
             bandwidth=bandwidth,
-            gap=max(5.0 * sample_time, 0.1 / bandwidth),
+            gap=gap,
             initial_velocity=self.initial_velocity,
-            steps_per_sample=steps_per_sample,
+            steps_per_sample=steps_needed(model, sample_time) if steps_per_sample is None else steps_per_sample,
         )
         self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
-        self.along = self.predictor.predict(plant)
+        self.along = self.predictor.predict(quiet_plant(model))
         self.velocity = self.along.velocity
         smooth = max(1, round(0.1 / bandwidth / sample_time))
-        speed = np.abs(moving_average(self.velocity, smooth))
-        speed_max = float(speed.max())
+        speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
-        turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
-        still = (np.abs(self.velocity) < self.rest) | turned
-        self.settle = settle = SETTLED / (2.0 * np.pi * bandwidth)
-        broken = np.concatenate([[True], steps > max(5.0 * sample_time, 0.1 / bandwidth)])
-        waits = settling(still, log.time, self.velocity, self.rest, bandwidth) if quick_starts else settle
-        counts = ~(since(still, log.time) < waits) & ~(since(broken, log.time) < max(START, settle))
-        self.counts = counts.astype(float)
+        self.settle = SETTLED / (2.0 * np.pi * bandwidth)
+        self.mask = self._moves(gap).astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
             force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
@@ -89,6 +80,15 @@ class Innovations:
             time=float(log.time[-1] - log.time[0]),
             sample_time=sample_time,
         )
+
+    def _moves(self, gap: float) -> Mask:
+        """Rows that count: the axis has moved, and the record been without a gap (s), for long enough."""
+        time, velocity = self.log.time, self.velocity
+        turned = np.concatenate([[False], velocity[1:] * velocity[:-1] < 0.0])  # between two rows
+        still = (np.abs(velocity) < self.rest) | turned
+        broken = np.concatenate([[True], np.diff(time) > gap])
+        waits = settling(still, time, velocity, self.rest, self.bandwidth) if self.quick_starts else self.settle
+        return np.asarray(~(since(still, time) < waits) & ~(since(broken, time) < max(START, self.settle)))
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n).
@@ -110,10 +110,10 @@ class Innovations:
         plant = quiet_plant(model)
         along = self.predictor.predict(plant)
         columns = np.zeros((len(parameters), len(self.log)))
-        indexes = range(len(parameters))
-        forces = [i for i in indexes if is_force(model, parameters[i].path)]
-        readings = [i for i in indexes if is_reading(model, parameters[i].path)]
-        others = [i for i in indexes if i not in forces and i not in readings]
+        kinds = [_kind(model, parameter.path) for parameter in parameters]
+        forces, readings, others = (
+            [i for i, its in enumerate(kinds) if its == kind] for kind in ("force", "reading", "other")
+        )
         if forces:
             steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in forces]
             plants = [quiet_plant(step.above) for step in steps]
@@ -172,6 +172,12 @@ class Innovations:
     def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
         """What small errors of the reading (m, one a row, (p, n)) add to the residuals of a prediction, V, (p, n)."""
         return np.asarray(self.scale * self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
+
+
+def _kind(model: Model, path: str) -> str:
+    if is_force(model, path):
+        return "force"
+    return "reading" if is_reading(model, path) else "other"
 
 
 def is_force(model: Model, path: str) -> bool:

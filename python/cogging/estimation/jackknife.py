@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.estimation.whitening import Whitened
 
 LOOSE = 1e-3  # of a direction that nothing determines: a parameter that has more of it is not determined
@@ -25,19 +25,18 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     covariance of white residuals, widened by as much as those of the other parameters are.
     What no row determines has an infinite variance.
     """
-    curvature = sum(log.columns @ log.columns.T for log in logs)
-    size = np.sqrt(np.diag(curvature))
+    whole = sum(log.columns @ log.columns.T for log in logs)
+    size = np.sqrt(np.diag(whole))
     size[size == 0.0] = 1.0
-    scaled = curvature / np.outer(size, size)
+    scaled = whole / np.outer(size, size)
     white = np.diag(np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True))
     hangs = np.zeros(len(size), dtype=bool)  # on one block
     shifts = []
     for log in logs:
-        edges = [*np.flatnonzero(np.diff(log.block, prepend=log.block[0] - 1)), len(log.residual)]
-        for first, last in itertools.pairwise(edges):
-            part = log.columns[:, first:last] / size[:, None]
-            without = np.linalg.pinv(scaled - part @ part.T, rcond=SINGULAR, hermitian=True)
-            shifts.append(without @ (part @ log.residual[first:last]))
+        columns = log.columns / size[:, None]
+        for curvature, right in shares_of_blocks(columns, columns, log.residual, log.block):
+            without = np.linalg.pinv(scaled - curvature, rcond=SINGULAR, hermitian=True)
+            shifts.append(without @ right)
             left = np.diag(without)  # less than with the block: no row is left that shows it
             hangs |= (left > ALONE * white) | (left < 0.99 * white)
     covariance, freedom = spread_of(np.array(shifts) / size)
@@ -47,6 +46,23 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     loose = np.flatnonzero(open_to > LOOSE)
     covariance[loose, loose] = np.inf
     return covariance, freedom
+
+
+def shares_of_blocks(
+    instruments: FloatArray, columns: FloatArray, residual: FloatArray, block: IntArray
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """What each block of rows (n,) gives of Z^T columns, (p, p), and of Z^T residual, (p,).
+
+    Args:
+        instruments: Z^T, (p, n): the columns themselves in least squares.
+        columns: d residual / d parameter, (p, n).
+        residual: (n,).
+        block: number of the block of each row, (n,); the rows of a block follow each other.
+    """
+    edges = [*np.flatnonzero(np.diff(block, prepend=block[0] - 1)), len(block)]
+    for first, last in itertools.pairwise(edges):
+        part = instruments[:, first:last]
+        yield part @ columns[:, first:last].T, part @ residual[first:last]
 
 
 def widened(

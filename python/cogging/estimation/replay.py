@@ -42,7 +42,7 @@ class Replay:
         self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
         self.duration = float(time[-1])
         seen = Innovations(log, model)
-        self.counts, self.scales, self.velocity = seen.counts, seen.scales, seen.velocity
+        self.mask, self.scales, self.velocity = seen.mask, seen.scales, seen.velocity
         self.initial_velocity = seen.initial_velocity if abs(seen.initial_velocity) > seen.rest else 0.0
 
     def run(self, model: Model) -> dict[str, FloatArray]:

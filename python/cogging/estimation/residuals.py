@@ -18,7 +18,7 @@ class Residuals(Protocol):
     """One log seen by models: rows that count, and what each model leaves unexplained of them, V."""
 
     log: Log
-    counts: FloatArray  # 1 where a row counts, 0 where it does not, (n,)
+    mask: FloatArray  # 1 where a row counts, 0 where it does not, (n,)
     scales: Scales
 
     def of(self, models: Sequence[Model]) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What estimates are judged by: a quantile, weights of columns, a moving mean."""
+"""What estimates are judged by: a quantile, a moving mean."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import numpy as np
 from cogging.arrays import FloatArray
 
 
-def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-10) -> FloatArray:
-    """Weights (p,) of columns (p, n) that make a row (n,), scaled so that units do not matter."""
-    size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
-    size[size == 0.0] = 1.0
-    scaled = columns / size[:, None]
-    return np.asarray(np.linalg.pinv(scaled @ scaled.T, rcond=rcond, hermitian=True) @ (scaled @ row) / size)
+def student(freedom: float, confidence: float = 0.95) -> float:
+    """The two-sided quantile of Student's t; taken at 2 degrees of freedom where there are fewer."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(max(freedom, 2.0), 0.5 + 0.5 * confidence))
 
 
 def moving_average(values: FloatArray, length: int) -> FloatArray:

@@ -44,12 +44,12 @@ def order_for(log: Residuals) -> int:
 
 def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
     """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
-    counted = np.abs(residual[log.counts > 0])
+    counted = np.abs(residual[log.mask > 0])
     if not len(counted):
         raise NothingCounts("log: must have rows in motion, got an axis that rests or keeps turning back")
     limit = 6.0 * 1.4826 * float(np.median(counted))
     clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
-    return np.asarray(autoregression(clipped, log.counts, order=order_for(log)))
+    return np.asarray(autoregression(clipped, log.mask, order=order_for(log)))
 
 
 def whitened(
@@ -59,7 +59,7 @@ def whitened(
     if coefficients is None:
         coefficients = whitening_filter(log, residual)
     table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
-    rows = log.counts > 0
+    rows = log.mask > 0
     rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
     rms = rms if rms > 0 else 1.0
     block = np.floor(log.log.time[rows] / BLOCK).astype(np.int64)

@@ -162,23 +162,9 @@ def fit_friction_curve(
         >>> print(f"{curve.models[0].name}: {curve.models[0].parameters['viscous'].value:.3f} V/(m/s)")
         coulomb_viscous: 0.200 V/(m/s)
     """
-    _require(_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
-    _require(_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)
-    if exponent is not None:
-        _require(_number(exponent) and exponent > 0.0, "exponent", "must be finite and above 0", exponent)
+    _check_options(exponent, same_speed, confidence)
     v, f, speed = _points(_numbers("velocity", velocity), _numbers("force", force), same_speed)
-    both_ways = bool(np.any(v > 0.0) and np.any(v < 0.0))
-    notes = [] if both_ways else ["the points go one way only: laws that differ with direction are not tried"]
-
-    laws = [Law(way, bow, exponent) for bow in (False, True) for way in (False, True) if both_ways or not way]
-    least = v.size - int(np.bincount(speed).max())
-    tried = [law for law in laws if least >= law.count + SPARE]
-    rule = (
-        f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
-    )
-    _require(bool(tried), "velocity", f"{rule} parameters", v.size)
-    notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
-
+    tried, notes = _laws(v, speed, exponent)
     fits = [law.fit(v, f) for law in tried]
     errors = np.stack([_held_out(law, v, f, speed) for law in tried])
     squares = np.stack([np.bincount(speed, e**2) / np.bincount(speed) for e in errors])
@@ -192,16 +178,39 @@ def fit_friction_curve(
         left = float(np.sqrt(np.mean((f - law.predict(fit, v)) ** 2)))
         gain = 1.0 - float(e / rms[0]) if rms[0] > 0.0 else 0.0
         models.append(FrictionModel(law.name, parameters, left, float(e), float(spread), gain))
-    best = int(np.argmin(rms))
-    good = [
-        i
-        for i in range(len(models))
-        if counts @ (squares[i] - squares[best]) <= 2.0 * _standard_error(squares[i] - squares[best], counts)
-    ]
-    chosen = min(good, key=lambda i: tried[i].count)
-    if both_ways and "coulomb_asymmetry.difference" in models[chosen].parameters:
+    chosen = _simplest(tried, squares, counts, int(np.argmin(rms)))
+    if "coulomb_asymmetry.difference" in models[chosen].parameters:
         notes.append("at steady speeds coulomb_asymmetry is not told from a constant force of -difference/2")
     return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes))
+
+
+def _check_options(exponent: float | None, same_speed: float, confidence: float) -> None:
+    _require(_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
+    _require(_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)
+    if exponent is not None:
+        _require(_number(exponent) and exponent > 0.0, "exponent", "must be finite and above 0", exponent)
+
+
+def _laws(v: FloatArray, speed: IntArray, exponent: float | None) -> tuple[list[Law], list[str]]:
+    """The laws that the points suffice for, simplest first, and what to note of the others."""
+    both_ways = bool(np.any(v > 0.0) and np.any(v < 0.0))
+    notes = [] if both_ways else ["the points go one way only: laws that differ with direction are not tried"]
+    laws = [Law(way, bow, exponent) for bow in (False, True) for way in (False, True) if both_ways or not way]
+    least = v.size - int(np.bincount(speed).max())
+    tried = [law for law in laws if least >= law.count + SPARE]
+    rule = (
+        f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
+    )
+    _require(bool(tried), "velocity", f"{rule} parameters", v.size)
+    notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
+    return tried, notes
+
+
+def _simplest(laws: list[Law], squares: FloatArray, counts: FloatArray, best: int) -> int:
+    """The law of fewest parameters whose squared errors are within two standard errors of those of the best."""
+    differences = squares - squares[best]
+    good = [i for i, row in enumerate(differences) if counts @ row <= 2.0 * _standard_error(row, counts)]
+    return min(good, key=lambda i: laws[i].count)
 
 
 def _held_out(law: Law, v: FloatArray, f: FloatArray, speed: IntArray) -> FloatArray:

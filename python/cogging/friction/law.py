@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +10,8 @@ import numpy as np
 from cogging._core import smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray
-from cogging.model.intervals import student
+from cogging.estimation.statistics import student
+from cogging.linear import least_squares
 from cogging.values import ByValue
 
 UNITS = {
@@ -95,12 +95,10 @@ class Law:
     def solve(self, v: FloatArray, f: FloatArray, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The linear parameters at this shape, and the residual."""
         design = self.design(v, shape)
-        size = np.linalg.norm(design, axis=0)
-        size[size == 0.0] = 1.0
-        linear = np.linalg.lstsq(design / size, f, rcond=None)[0] / size
+        linear = least_squares(design.T, f, rcond=1e-14)
         if self.bow and linear[-1] < 0.0:  # friction that rises from zero speed is no Stribeck effect
             linear[-1] = 0.0
-            linear[:-1] = np.linalg.lstsq(design[:, :-1] / size[:-1], f, rcond=None)[0] / size[:-1]
+            linear[:-1] = least_squares(design.T[:-1], f, rcond=1e-14)
         return linear, f - design @ linear
 
     def limits(self, v: FloatArray) -> FloatArray:
@@ -119,6 +117,8 @@ class Law:
         """Least squares on the points."""
         if not self.bow:
             return Fit(self.solve(v, f, np.empty(0))[0], np.empty(0))
+        from scipy import optimize
+
         low, high = self.limits(v)
 
         def residual(logarithms: FloatArray) -> FloatArray:
@@ -127,8 +127,9 @@ class Law:
         axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, (STARTS, 6), strict=False)]
         grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, low.size)
         cost = np.array([np.sum(residual(point) ** 2) for point in grid])
-        refined = [descend(residual, grid[i], low, high) for i in np.argsort(cost)[:4]]
-        best = min(refined, key=lambda point: float(np.sum(residual(point) ** 2)))
+        options = {"bounds": (low, high), "method": "dogbox", "xtol": 1e-11, "ftol": 1e-15, "gtol": 1e-15}
+        refined = [optimize.least_squares(residual, grid[i], **options) for i in np.argsort(cost)[:4]]
+        best = min(refined, key=lambda found: float(found.cost)).x
         return Fit(self.solve(v, f, self.shape(best))[0], self.shape(best))
 
     def intervals(
@@ -178,34 +179,6 @@ def steady_friction(effect: Any, velocity: FloatArray) -> FloatArray:
     if "force" in effect.HOOKS:
         friction -= effect.force_at(velocity=velocity)
     return friction
-
-
-def descend(
-    residual: Callable[[FloatArray], FloatArray], start: FloatArray, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Damped Gauss-Newton steps on the projected residual (Levenberg, Marquardt), within the box."""
-    point, damping = start, 1e-3
-    r = residual(point)
-    for _ in range(60):
-        steps = np.where(point + 1e-6 > high, -1e-6, 1e-6)
-        jacobian = np.stack(
-            [(residual(point + step) - r) / size for step, size in zip(np.diag(steps), steps, strict=True)], axis=1
-        )
-        normal = jacobian.T @ jacobian
-        scale = np.diag(np.maximum(np.diag(normal), np.finfo(float).tiny))
-        move = np.linalg.lstsq(normal + damping * scale, -jacobian.T @ r, rcond=None)[0]
-        trial = np.clip(point + move, low, high)
-        r_trial = residual(trial)
-        if r_trial @ r_trial < r @ r:
-            done = bool(np.max(np.abs(trial - point)) < 1e-10)
-            point, r, damping = trial, r_trial, 0.2 * damping
-            if done:
-                break
-        else:
-            damping *= 5.0
-            if damping > 1e9:
-                break
-    return point
 
 
 def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:

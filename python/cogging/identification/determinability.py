@@ -70,28 +70,14 @@ def determinability(
     known = parameters_of(model)
     parameters = [known[path] for path in paths]
     sizes = np.array([size_of(model, parameter, scales) for parameter in parameters])
-    tables = []
-    for balance, run in zip(balances, simulate, strict=True):
-        residual, columns = balance.columns(model, parameters, scales)
-        shown = balance.instruments(model, parameters, scales, run)
-        columns = columns if shown is None else shown
-        rows = balance.counts
-        weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)
-        tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))
+    tables = _of_balances(model, parameters, balances, scales, simulate)
     dead = _dead(tables, sizes)
     deviation, correlation = foreseen(tables, dead)
-    if dead.any():
-        try:
-            logs = sources()
-            residuals, slopes = columns_of(model, parameters, logs, scales)
-            seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, slopes, strict=True)]
-            others = [(s.columns, s.residual, s.block) for s in seen]
-            if others:
-                by_output, among = foreseen(others, _dead(others, sizes))
-                deviation = np.where(dead, by_output, deviation)
-                correlation = np.where(dead[:, None], among, correlation)
-        except (ValueError, DivergedError):  # the model cannot be run: nothing is seen
-            pass
+    others = _of_outputs(model, parameters, sources, scales) if dead.any() else []
+    if others:
+        by_output, among = foreseen(others, _dead(others, sizes))
+        deviation = np.where(dead, by_output, deviation)
+        correlation = np.where(dead[:, None], among, correlation)
     sigma = deviation / sizes
     away = np.abs(correlation) * (1.0 - np.eye(len(paths)))
     while (drawn := (sigma < UNDETERMINED) & (away[:, sigma >= UNDETERMINED] > TRADE).any(axis=1)).any():
@@ -123,6 +109,38 @@ def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
 
 
 _Table = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # columns (p, n), residual (n,), block (n,) of a log
+
+
+def _of_balances(
+    model: Model,
+    parameters: Sequence[Parameter],
+    balances: Sequence[ForceBalance],
+    scales: Scales,
+    simulate: Sequence[Simulator | None],
+) -> list[_Table]:
+    """The force balances, along simulated runs where there are some, in units of the residual's rms."""
+    tables = []
+    for balance, run in zip(balances, simulate, strict=True):
+        residual, columns = balance.columns(model, parameters, scales)
+        shown = balance.instruments(model, parameters, scales, run)
+        columns = columns if shown is None else shown
+        rows = balance.mask
+        weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)
+        tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))
+    return tables
+
+
+def _of_outputs(
+    model: Model, parameters: Sequence[Parameter], sources: Callable[[], Sequence[Residuals]], scales: Scales
+) -> list[_Table]:
+    """The whitened output errors; none where the model cannot be run: nothing is seen then."""
+    try:
+        logs = sources()
+        residuals, slopes = columns_of(model, parameters, logs, scales)
+        seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, slopes, strict=True)]
+    except (ValueError, DivergedError):
+        return []
+    return [(s.columns, s.residual, s.block) for s in seen]
 
 
 def _dead(tables: Sequence[_Table], sizes: FloatArray) -> Mask:
@@ -191,7 +209,7 @@ def _short(parameter: Parameter) -> str:
 
 def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalance]) -> str:
     """The poverty of the motion that makes two parameters trade."""
-    motions = [(b.dynamics.motion, b.counts) for b in balances]
+    motions = [(b.dynamics.motion, b.mask) for b in balances]
     if any(p.path == "axis.mass" for p in pair):
         top = max(float(np.quantile(np.abs(m.acceleration[rows]), 0.99)) for m, rows in motions)
         return f"accelerations reach only {top:.2g} m/s^2"

@@ -7,7 +7,6 @@ a simulated, noise-free run, so that noise in the measured motion and command do
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
-from cogging.estimation.jackknife import spread_of
+from cogging.estimation.jackknife import shares_of_blocks, spread_of
 from cogging.estimation.rows_in_motion import START
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.logs.log import Log
@@ -38,14 +37,14 @@ class ForceBalance:
     Attributes:
         log: measured.
         dynamics: its filtered force balance.
-        counts: rows in motion, away from the ends and from gaps, (n,).
+        mask: rows in motion, away from the ends and from gaps, (n,).
         block: number of the block of each row, (n,).
         scales: sizes of the log.
     """
 
     log: Log
     dynamics: InverseDynamics
-    counts: Mask
+    mask: Mask
     block: npt.NDArray[np.int64]
     scales: Scales
 
@@ -55,12 +54,12 @@ class ForceBalance:
         dynamics = InverseDynamics(log, cutoff=cutoff)
         motion, even = dynamics.motion, dynamics.even
         edge = max(START, 0.5 / cutoff)
-        counts = (even >= even[0] + edge) & (even <= even[-1] - edge)
+        mask = (even >= even[0] + edge) & (even <= even[-1] - edge)
         moved = np.ones(len(even), dtype=bool)  # by the axis, not by a line across a pause that was cut
         for k in np.flatnonzero(np.diff(log.time) > GAP * dynamics.sample_time):
             # What is interpolated across the gap passes through the filter to its neighbours: its memory is left out.
             first, last = np.searchsorted(even, [log.time[k] - 2.0 / cutoff, log.time[k + 1] + 2.0 / cutoff])
-            counts[first:last] = False
+            mask[first:last] = False
             if dynamics.pauses:
                 moved[first:last] = False
         if not moved.any():
@@ -73,9 +72,9 @@ class ForceBalance:
             time=float(log.time[-1] - log.time[0]),
             sample_time=dynamics.sample_time,
         )
-        counts &= np.abs(motion.middle_velocity) > (REST * scales.velocity if rest is None else rest)
+        mask &= np.abs(motion.middle_velocity) > (REST * scales.velocity if rest is None else rest)
         block = np.floor((even - even[0]) / max(0.2, 4.0 / cutoff)).astype(np.int64)
-        return cls(log, dynamics, counts, block, scales)
+        return cls(log, dynamics, mask, block, scales)
 
     def columns(
         self, model: Model, parameters: Sequence[Parameter], scales: Scales, dynamics: InverseDynamics | None = None
@@ -105,7 +104,7 @@ class ForceBalance:
 
     def residual_rms(self, model: Model) -> float:
         """Rms of the balance over the rows that count, V."""
-        return float(np.sqrt(np.mean(self.dynamics.of([model])[0, self.counts] ** 2)))
+        return float(np.sqrt(np.mean(self.dynamics.of([model])[0, self.mask] ** 2)))
 
 
 @dataclass(frozen=True)
@@ -186,7 +185,7 @@ def fit_force_balance(
     model = _newton(model, *problem, simulate, weight, prior, iterations)
     values = np.array([parameters_of(model)[path].value for path in paths])
     equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
-    covariance, freedom = jackknife(equations, balances)
+    covariance, freedom = _spread(equations, balances)
     open_by_prior = equations.solved(equations.solved(np.diag(weight)).T)
     rms = tuple(float(np.sqrt(np.mean(r**2))) for _, _, r, _ in equations.parts)
     return BalanceEstimate(values, covariance + open_by_prior, freedom, model, rms, equations.instruments)
@@ -231,7 +230,7 @@ def _newton(
     return model
 
 
-def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[FloatArray, FloatArray]:
+def _spread(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[FloatArray, FloatArray]:
     """Covariance (p, p) from leaving out one block after the other, and its degrees of freedom (p,).
 
     A sandwich alone is too sure of a parameter that a few blocks show (mass, in a log with few hard accelerations):
@@ -239,11 +238,8 @@ def jackknife(equations: _Equations, balances: Sequence[ForceBalance]) -> tuple[
     """
     shifts = []
     for balance, (z, columns, residual, weight) in zip(balances, equations.parts, strict=True):
-        edges = np.flatnonzero(np.diff(balance.block[balance.counts], prepend=-1, append=-2))
-        for first, last in itertools.pairwise(edges):
-            part = z[:, first:last]
-            without = equations.bread - weight * part @ columns[:, first:last].T
-            shifts.append(equations.solved(weight * part @ residual[first:last], without))
+        for bread, right in shares_of_blocks(weight * z, columns, residual, balance.block[balance.mask]):
+            shifts.append(equations.solved(right, equations.bread - bread))
     return spread_of(np.array(shifts))
 
 
@@ -261,7 +257,7 @@ def _equations(
     bread, right = np.diag(prior_weight), np.array(prior_right)
     parts, instruments = [], True
     for balance, run in zip(balances, simulate, strict=True):
-        rows = balance.counts
+        rows = balance.mask
         residual, columns = balance.columns(model, parameters, scales)
         simulated = balance.instruments(model, parameters, scales, run)
         instruments &= simulated is not None
@@ -275,6 +271,6 @@ def _equations(
 
 def _cost(model: Model, balances: Sequence[ForceBalance]) -> float:
     """Geometric mean over the logs' rows of the residual's rms, V."""
-    rows = [int(balance.counts.sum()) for balance in balances]
+    rows = [int(balance.mask.sum()) for balance in balances]
     logs = [np.log(max(balance.residual_rms(model), 1e-300)) for balance in balances]
     return float(np.exp(np.dot(rows, logs) / sum(rows)))

@@ -86,8 +86,10 @@ class InverseDynamics:
 
     def filtered(self, rows: FloatArray) -> FloatArray:
         """The low-pass filter on rows (p, n)."""
+        from scipy.fft import next_fast_len
+
         n = rows.shape[1]
-        padded = np.pad(rows, ((0, 0), (0, fast_length(n) - n)), mode="edge")
+        padded = np.pad(rows, ((0, 0), (0, next_fast_len(n, real=True) - n)), mode="edge")
         mirrored = np.concatenate([padded, padded[:, ::-1]], axis=1)
         length = mirrored.shape[1]
         frequency = np.fft.rfftfreq(length, self.sample_time)
@@ -105,9 +107,11 @@ class InverseDynamics:
         return self._smooth(position)
 
     def _smooth(self, position: FloatArray) -> Motion:
+        from scipy.fft import next_fast_len
+
         # Filtered at five times the cut-off, so that what the common filter keeps is untouched.
         rows = len(position)
-        position = np.pad(position, (0, fast_length(rows) + 1 - rows), mode="edge")
+        position = np.pad(position, (0, next_fast_len(rows, real=True) + 1 - rows), mode="edge")
         n = len(position)
         line = np.linspace(position[0], position[-1], n)
         rest = position - line
@@ -120,18 +124,6 @@ class InverseDynamics:
         # Over an interval the force is held: what it does is told by the means of velocity and acceleration.
         middle = np.append(0.5 * (smooth[:-1] + smooth[1:]), smooth[-1])
         return Motion(smooth, middle, _slope(smooth, self.sample_time), _slope(velocity, self.sample_time))
-
-
-def fast_length(length: int) -> int:
-    """The next length whose only factors are 2, 3 and 5: quick to transform."""
-    best = 1 << length.bit_length()
-    for five in (1, 5, 25, 125):
-        for three in (1, 3, 9, 27):
-            factor = five * three
-            two = 1 << max(0, (-(-length // factor) - 1).bit_length())
-            if factor * two >= length:
-                best = min(best, factor * two)
-    return best
 
 
 def _mean_held(time: FloatArray, command: FloatArray, even: FloatArray, step: float) -> FloatArray:

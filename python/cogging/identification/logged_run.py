@@ -12,8 +12,9 @@ from cogging.arrays import FloatArray
 from cogging.estimation.replay import Replay
 from cogging.identification.force_balance import Simulator
 from cogging.identification.inverse_dynamics import InverseDynamics
-from cogging.log_check.audit import Audit, audit, check_against_model
+from cogging.log_check.audit import Audit, audit
 from cogging.log_check.controller import MISMATCH, ControllerCheck
+from cogging.log_check.unit_check import check_against_model
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model

@@ -47,6 +47,22 @@ class ParameterEstimate:
     single_sigma: float | None
     note: str
 
+    def to_dict(self) -> dict[str, Any]:
+        """All but the path for JSON; an infinite interval is null."""
+        return {
+            "unit": self.unit,
+            "prior": self.prior,
+            "value": self.value,
+            "ci95": list(self.ci95) if self.determined else None,
+            "determined": self.determined,
+            "inverse_dynamics": self.inverse_dynamics,
+            "output_error": self.output_error,
+            "difference_sigma": self.difference,
+            "spread_between_logs": self.spread,
+            "sigma_of_single_logs": self.single_sigma,
+            "note": self.note,
+        }
+
 
 @dataclass(frozen=True)
 class LogFit:
@@ -71,6 +87,19 @@ class LogFit:
     floor: float
     replay: Mapping[str, float]
     instruments: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it for JSON."""
+        return {
+            "name": self.name,
+            "rows": self.rows,
+            "residual_before": self.residual_before,
+            "residual_after": self.residual_after,
+            "residual_free": self.residual_free,
+            "floor": self.floor,
+            "replay_relative_error": dict(self.replay),
+            "instruments": self.instruments,
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -150,43 +179,15 @@ class Identification(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""
-        parameters = {}
-        for p in self.parameters:
-            parameters[p.path] = {
-                "unit": p.unit,
-                "prior": p.prior,
-                "value": p.value,
-                "ci95": list(p.ci95) if p.determined else None,
-                "determined": p.determined,
-                "inverse_dynamics": p.inverse_dynamics,
-                "output_error": p.output_error,
-                "difference_sigma": p.difference,
-                "spread_between_logs": p.spread,
-                "sigma_of_single_logs": p.single_sigma,
-                "note": p.note,
-            }
-        logs = []
-        for log, audit in zip(self.logs, self.audits, strict=True):
-            logs.append(
-                {
-                    "name": log.name,
-                    "rows": log.rows,
-                    "residual_before": log.residual_before,
-                    "residual_after": log.residual_after,
-                    "residual_free": log.residual_free,
-                    "floor": log.floor,
-                    "replay_relative_error": dict(log.replay),
-                    "instruments": log.instruments,
-                    "audit": audit.to_dict(),
-                }
-            )
         return {
             "estimator": self.estimator,
             "cutoff": self.cutoff,
-            "parameters": parameters,
+            "parameters": {p.path: p.to_dict() for p in self.parameters},
             "correlation": self.correlation.tolist(),
             "determinability": list(self.determinability),
-            "logs": logs,
+            "logs": [
+                {**log.to_dict(), "audit": audit.to_dict()} for log, audit in zip(self.logs, self.audits, strict=True)
+            ],
             "controller": list(self.controller),
             "notes": list(self.notes),
         }

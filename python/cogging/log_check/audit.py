@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging.arrays import FloatArray
 from cogging.calls import takes
-from cogging.files import InputError
 from cogging.log_check.controller import ControllerCheck, check_controller
+from cogging.log_check.encoder_quantum import encoder_quantum
+from cogging.log_check.outliers import find_outliers
 from cogging.logs.log import Log, require_sizes
 from cogging.model.model import Model
-from cogging.simulation.arguments import LOG, MODEL_ALONE, MODEL_OR_NONE
+from cogging.simulation.arguments import LOG, MODEL_OR_NONE
 from cogging.values import ByValue
 
 JITTER = 0.01  # of the median step
@@ -25,12 +25,6 @@ SHOWN = 10  # places that are kept of gaps and outliers
 SMOOTHING = 0.02  # s, over which a speed is taken
 REST = 1e-3  # of the top speed
 PLATEAU = 3  # rows in a row at the extreme command that make a saturation
-SPIKE = 5.0  # times what happens around it: an implausible reading
-READINGS = 200_000  # readings from which the quantum is told
-OFF_GRID = 0.1  # of the quantum: further off is no multiple
-PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
-UNITS = {1e-3: "mm", 1e-6: "um", 1e-2: "cm", 0.0254: "inches"}
-TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -113,6 +107,25 @@ class Audit(ByValue):
         return "\n".join(lines + _controller_lines(self.controller))
 
 
+def _controller_lines(check: ControllerCheck | None) -> list[str]:
+    if check is None:
+        return []
+    lines = []
+    if check.difference_rms is not None and check.relative is not None:
+        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[check.reproduces]
+        lines.append(
+            f"the stated {check.type} {verdict} the command: difference {check.difference_rms:.3g} V rms, "
+            f"{100 * check.relative:.3g} % of it"
+        )
+    if check.best_shift:
+        lines.append(f"moved by {check.best_shift} rows: {check.best_shift_rms:.3g} V rms")
+    if check.fitted and check.fitted_rms is not None:
+        both = [(name, value, check.stated[name]) for name, value in check.fitted.items()]
+        gains = ", ".join(f"{name} {fitted:.5g} ({stated:.5g} stated)" for name, fitted, stated in both)
+        lines.append(f"gains that fit: {gains}; difference {check.fitted_rms:.3g} V rms")
+    return lines + [f"note: {note}" for note in check.notes]
+
+
 @takes(log=LOG, model=MODEL_OR_NONE)
 def audit(log: Log, model: Model | None = None) -> Audit:
     """Look at a log, and at the controller that a model states (see check_controller).
@@ -172,78 +185,6 @@ def audit(log: Log, model: Model | None = None) -> Audit:
     )
 
 
-def encoder_quantum(position: npt.ArrayLike) -> float:
-    """The step of an encoder (m) of which its readings (n,) differ by multiples; 0 if there is none.
-
-    A greatest common divisor that forgives: 99 of 100 differences of neighbouring levels must lie within 0.1 of a
-    multiple. It is the unit in which readings were written where that is coarser than the encoder.
-    """
-    readings = np.asarray(position, dtype=np.float64)[:READINGS]
-    levels = np.unique(readings)
-    differences = np.diff(levels)
-    smallest = 64.0 * np.finfo(float).eps * float(np.abs(levels).max(initial=0.0))
-    differences = differences[differences > smallest]
-    if differences.size < 10:
-        return 0.0
-    quantum = float(np.quantile(differences, 0.01, method="lower"))
-    for _ in range(60):
-        near = differences[np.abs(differences - quantum) < 0.5 * quantum]
-        quantum = _refined(differences, float(np.quantile(near, 0.5, method="lower")) if near.size > 10 else quantum)
-        multiples = np.maximum(np.round(differences / quantum), 1.0)
-        off = np.abs(differences - multiples * quantum)
-        if np.mean(off > OFF_GRID * quantum) <= 0.01:
-            quantum = _refined(levels - levels[0], quantum * _common_factor(multiples))
-            counts = (levels - levels[0]) / quantum
-            on_grid = np.abs(counts - np.round(counts)) < 2.5 * OFF_GRID
-            return quantum if np.mean(on_grid) > 0.95 else 0.0
-        left = np.abs(differences - np.round(differences / quantum) * quantum)
-        left = left[left > OFF_GRID * quantum]
-        quantum = float(np.quantile(left, 0.01, method="lower")) if left.size else 0.0
-        if quantum <= smallest:
-            return 0.0
-    return 0.0
-
-
-def _common_factor(multiples: FloatArray) -> int:
-    """The number that divides nearly all multiples: what was found is then a fraction of the quantum."""
-    factor = 1
-    for prime in PRIMES:
-        while np.mean(np.mod(multiples, prime) == 0.0) > 0.99:
-            multiples = multiples / prime
-            factor *= prime
-    return factor
-
-
-def _refined(distance: FloatArray, quantum: float) -> float:
-    """The quantum by least squares over ever longer distances, so that the count of multiples stays sure."""
-    longest = float(distance.max())
-    reach = 10.0 * quantum
-    while True:
-        near = distance[distance <= reach]
-        multiples = np.round(near / quantum)
-        sure = (np.abs(near / quantum - multiples) < 2.5 * OFF_GRID) & (multiples > 0.0)
-        if sure.any():
-            quantum = float(np.sum(near[sure] * multiples[sure]) / np.sum(multiples[sure] ** 2))
-        if reach >= longest:
-            return quantum
-        reach *= 3.0
-
-
-def find_outliers(position: FloatArray) -> npt.NDArray[np.int64]:
-    """Rows of single readings that leave and return by far more than anything around them."""
-    if position.size < 5:
-        return np.empty(0, dtype=np.int64)
-    steps = np.diff(position)
-    there, back = steps[1:-2], steps[2:-1]
-    around = np.maximum(np.abs(steps[:-3]), np.abs(steps[3:]))
-    around = np.maximum(around, np.abs(there + back))
-    moved = np.abs(steps[steps != 0.0])
-    floor = float(np.median(moved)) if moved.size else 0.0  # a flicker of the last digit at rest is no outlier
-    height = np.minimum(np.abs(there), np.abs(back))
-    found = (np.sign(there) * np.sign(back) < 0.0) & (height > SPIKE * np.maximum(around, floor))
-    return np.flatnonzero(found).astype(np.int64) + 2
-
-
 def _motion(time: FloatArray, position: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
     """Speed and acceleration, smoothed; empty where the log is too short."""
     half = max(2, min(round(0.5 * SMOOTHING / step), (time.size - 1) // 8)) if step > 0.0 else 2
@@ -279,99 +220,3 @@ def _plateau_share(command: FloatArray) -> float:
 
 def _range(values: FloatArray) -> tuple[float, float]:
     return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
-
-
-def _controller_lines(check: ControllerCheck | None) -> list[str]:
-    if check is None:
-        return []
-    lines = []
-    if check.difference_rms is not None and check.relative is not None:
-        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[check.reproduces]
-        lines.append(
-            f"the stated {check.type} {verdict} the command: difference {check.difference_rms:.3g} V rms, "
-            f"{100 * check.relative:.3g} % of it"
-        )
-    if check.best_shift:
-        lines.append(f"moved by {check.best_shift} rows: {check.best_shift_rms:.3g} V rms")
-    if check.fitted and check.fitted_rms is not None:
-        both = [(name, value, check.stated[name]) for name, value in check.fitted.items()]
-        gains = ", ".join(f"{name} {fitted:.5g} ({stated:.5g} stated)" for name, fitted, stated in both)
-        lines.append(f"gains that fit: {gains}; difference {check.fitted_rms:.3g} V rms")
-    return lines + [f"note: {note}" for note in check.notes]
-
-
-@takes(log=LOG, model=MODEL_ALONE)
-def check_against_model(log: Log, model: Model, name: str = "log") -> None:
-    """Refuse a log whose units cannot be those of the model: asked about, not guessed.
-
-    The readings must fit into the model's travel, span about what the reference spans, and their rows must not be a
-    thousand times further apart or closer than the controller's samples.
-
-    Args:
-        log: the log.
-        model: its travel and sample rate are looked at.
-        name: of the log's file, for the error.
-
-    Raises:
-        InputError: names the column, the figures and the scale to state.
-
-    Example:
-        >>> in_mm = cogging.Log(log.time, 1e3 * log.position, log.command)
-        >>> cogging.check_against_model(in_mm, model)
-        Traceback (most recent call last):
-            ...
-        cogging.files.InputError: log: position: spans ... but the model's travel is 0.51 m: give ...
-    """
-    try:
-        require_sizes(log)
-    except ValueError as error:
-        raise InputError(f"{name}: {error}") from None
-    inside = np.delete(log.position, find_outliers(log.position))
-    low, high = _range(inside)
-    span = high - low
-    start, end = model.axis.travel
-    length = end - start
-    if math.isfinite(length):
-        if span > 1.5 * length:
-            factor = next((f for f in UNITS if span * f <= 1.02 * length), None)
-            raise InputError(
-                f"{name}: position: spans {span:.4g} m but the model's travel is {length:.4g} m: give "
-                + _advice("position", factor, UNITS)
-            )
-        if low > end + length or high < start - length:
-            raise InputError(
-                f"{name}: position: lies in [{low:.4g}, {high:.4g}] m, far outside the model's travel "
-                f"[{start:.4g}, {end:.4g}] m"
-            )
-    if log.reference is not None:
-        _check_against_reference(span, float(np.ptp(log.reference)), name)
-    if model.controller is not None:
-        step = float(np.median(np.diff(log.time)))
-        for factor in TIME_UNITS:
-            if abs(step * factor * model.controller.sample_rate - 1.0) < 0.02:
-                raise InputError(
-                    f"{name}: time: has rows {step:.4g} s apart but the model's controller samples at "
-                    f"{model.controller.sample_rate:g} Hz: give " + _advice("time", factor, TIME_UNITS)
-                )
-
-
-def _check_against_reference(span: float, reference: float, name: str) -> None:
-    if span == 0.0 or reference == 0.0:
-        return
-    for factor in UNITS:
-        for column, other, ratio in (
-            ("position", "reference", span / reference),
-            ("reference", "position", reference / span),
-        ):
-            if 0.7 < ratio * factor < 1.4 and ratio > 30.0:
-                wide, narrow = max(span, reference), min(span, reference)
-                raise InputError(
-                    f"{name}: {column}: spans {wide:.4g} m but the {other} {narrow:.4g} m: give "
-                    + _advice(column, factor, UNITS)
-                )
-
-
-def _advice(column: str, factor: float | None, units: dict[float, str]) -> str:
-    if factor is None:
-        return f"--scale {column}=FACTOR"
-    return f"--scale {column}={factor:g} if it is in {units[factor]}"

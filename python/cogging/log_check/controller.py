@@ -4,27 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from cogging._core import replay_controller
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray
 from cogging.calls import takes
-from cogging.files import LARGEST
-from cogging.log_check.controller_samples import LONG, Samples
+from cogging.log_check.command_comparison import Compared, compared, root_mean_square
+from cogging.log_check.controller_gains import fit_gains, linear_regressors
+from cogging.log_check.controller_samples import LONG
 from cogging.logs.log import Log
-from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
-from cogging.model.model import CONTROLLERS, Model
+from cogging.model.model import Model
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
-SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is moved
 RATE_TOLERANCE = 0.02  # of the stated sample rate
 FEWEST_ROWS = 20
-ROUGH = 1e-3  # of the rms command: what differs less is not looked into
-EXPLAINS = 0.7  # of the difference: values that leave and return must explain the rest of it to be left out
 ENOUGH = 0.25  # of the rows: so many before the first gap tell whether a controller that learns made the log
 AT_REST = 1e-3  # of the top speed: slower is rest
 
@@ -105,31 +100,34 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     if refusal:
         return ControllerCheck(kind, None, command_rms, notes=(refusal,))
     found = compared(log, model, kind)
-    samples, judged = found.samples, found.judged
-    if judged.sum() < FEWEST_ROWS:
-        text = f"{int(judged.sum())} rows between gaps are too few to check the controller, which takes {FEWEST_ROWS}"
+    if found.judged.sum() < FEWEST_ROWS:
+        text = (
+            f"{int(found.judged.sum())} rows between gaps are too few to check the controller, "
+            f"which takes {FEWEST_ROWS}"
+        )
         return ControllerCheck(kind, None, command_rms, notes=(text,))
-    if not judged.all():
-        command_rms = _rms(samples.command[judged]) if found.doubted.any() else command_rms
-    stated: dict[str, float] = {}
-    fitted: dict[str, float] = {}
-    fitted_rms = None
-    if kind in ("pid", "cascade"):
-        regressors = linear_regressors(kind, model.controller, samples.motion, samples.position)
-        stated, fitted, fitted_rms = _fit_gains(found, model, regressors)
-    best = min(found.shifts, key=lambda shift: found.shifts[shift])
-    if found.shifts[best] > 0.95 * found.shifts[0] or found.shifts[0] < 1e-9 * command_rms:
-        best = 0
-    logged, computed = samples.command[judged], found.computed[judged]
+    if found.doubted.any():
+        command_rms = root_mean_square(found.samples.command[found.judged])
+    return _judged(found, model, kind, command_rms)
+
+
+def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> ControllerCheck:
+    """The verdict on a command that could be compared with the stated controller's."""
+    relative, best = found.shifts[0] / command_rms, _best_shift(found.shifts, command_rms)
+    logged, computed = found.samples.command[found.judged], found.computed[found.judged]
     power = float(np.sum(computed**2))
     ratio = float(np.sum(computed * logged) / power) if power > 0.0 else None
-    relative = found.shifts[0] / command_rms
     notes = _suggestions(logged, computed, ratio, relative, best)
     reproduces: bool | None = relative <= MISMATCH
     if not reproduces and model.make_controller().estimates.size:
         reproduces, note = _with_estimates(found, command_rms)
         notes.append(note)
-    readings, commands = np.flatnonzero(found.unseen), samples.row[found.doubted]
+    stated: dict[str, float] = {}
+    fitted: dict[str, float] = {}
+    fitted_rms = None
+    if kind in ("pid", "cascade"):
+        regressors = linear_regressors(kind, model.controller, found.samples.motion, found.samples.position)
+        stated, fitted, fitted_rms = fit_gains(found, model, regressors)
     return ControllerCheck(
         type=kind,
         reproduces=reproduces,
@@ -144,9 +142,15 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
         fitted=fitted,
         fitted_rms=fitted_rms,
         notes=tuple(notes),
-        unseen_readings=tuple(readings.tolist()),
-        doubted_commands=tuple(commands.tolist()),
+        unseen_readings=tuple(np.flatnonzero(found.unseen).tolist()),
+        doubted_commands=tuple(found.samples.row[found.doubted].tolist()),
     )
+
+
+def _best_shift(shifts: Mapping[int, float], command_rms: float) -> int:
+    """Rows by which the logged command lags what fits best; 0 unless that gains 5 % of more than nothing."""
+    best = min(shifts, key=lambda shift: shifts[shift])
+    return 0 if shifts[best] > 0.95 * shifts[0] or shifts[0] < 1e-9 * command_rms else best
 
 
 def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, str]:
@@ -161,113 +165,13 @@ def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, s
     told = "what the controller had learned after a gap is not known"
     if before.sum() < max(FEWEST_ROWS, ENOUGH * found.judged.sum()):
         return None, told
-    left = _rms(samples.command[before] - found.computed[before]) / command_rms
+    left = root_mean_square(samples.command[before] - found.computed[before]) / command_rms
     return bool(left <= MISMATCH), f"{told}: until then the difference is {100 * left:.2g} %"
-
-
-@dataclass(frozen=True)
-class Compared:
-    """A log beside what the stated controller gives for it, one entry a sample.
-
-    Attributes:
-        samples: of the log.
-        computed: V, the start of the integral in it.
-        start: V, that start, constant between gaps.
-        judged: samples that are compared.
-        doubted: rows whose command no controller gives: a single value that leaves and returns.
-        unseen: rows of the log, (n,), whose reading the controller did not see: likewise.
-        shifts: rms difference by the rows that the command is moved, V.
-    """
-
-    samples: Samples
-    computed: FloatArray
-    start: FloatArray
-    judged: Mask
-    doubted: Mask
-    unseen: Mask
-    shifts: Mapping[int, float]
-
-
-def compared(log: Log, model: Model, kind: str) -> Compared:
-    """A log beside its controller: as its rows say or, where that explains more, without what leaves and returns."""
-    reference = _reference(log, kind)
-    found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
-    if not found.judged.any() or found.shifts[0] <= ROUGH * _rms(log.command):
-        return found
-    readings, commands = spikes(log.position - reference), spikes(log.command)
-    for unseen, cleaned in ((readings, False), (readings, True), (np.zeros(len(log), dtype=bool), True)):
-        if (unseen.any() or cleaned) and (commands.any() or not cleaned):
-            other = _compared_with(log, model, kind, reference, unseen, cleaned=cleaned)
-            if other.judged.any() and other.shifts[0] < EXPLAINS * found.shifts[0]:
-                found = other
-    return found
-
-
-def _compared_with(
-    log: Log, model: Model, kind: str, reference: FloatArray, unseen: Mask, *, cleaned: bool
-) -> Compared:
-    controller: Any = model.controller
-    samples = Samples.of(log, reference, controller.sample_rate, unseen)
-    judged = samples.judged(_lags(kind, controller))
-    applied = samples.command
-    if cleaned:
-        applied = between(applied, samples.time, spikes(applied))
-    computed, integral, limited = _recompute(samples, applied, judged, model, kind)
-    start = np.zeros(len(computed))
-    if integral:
-        free = judged & (np.abs(samples.command) < controller.command_limit * (1.0 - 1e-6)) if limited else judged
-        start = samples.medians(samples.command - computed, free)
-        if limited:
-            start[samples.segment == 0] = 0.0
-    limit = controller.command_limit
-    computed = np.clip(computed + start, -limit, limit) if limit > 0.0 else computed + start
-    doubted = _doubted(samples.command, computed, judged)
-    shifts = _by_shift(samples, computed, judged, doubted)
-    if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # it is the timing that is wrong
-        doubted = np.zeros(len(computed), dtype=bool)
-        shifts = _by_shift(samples, computed, judged, doubted)
-    judged = judged & ~doubted
-    return Compared(samples, computed, start, judged, doubted, unseen, shifts)
-
-
-def _by_shift(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask) -> dict[int, float]:
-    """Rms difference by the rows that the command is moved, V, without commands that are doubted."""
-    return {shift: _rms(_shifted(samples, computed, judged, doubted, shift)) for shift in SHIFTS}
-
-
-def _doubted(command: FloatArray, computed: FloatArray, rows: Mask) -> Mask:
-    """Commands that leave and return at once where those that are computed do not; none where they are many."""
-    if not rows.any():
-        return rows
-    left = command - computed
-    left = np.abs(left - np.median(left[rows]))
-    usual = max(float(np.median(left[rows])) * 1.4826, 0.1 * ROUGH * _rms(command[rows]))
-    found = rows & (left > HIGH * usual)
-    found &= (np.abs(off_neighbours(command)) > 0.3 * left) & (np.abs(off_neighbours(computed)) < 0.2 * left)
-    return found if found.sum() <= FEW * rows.sum() else np.zeros(len(rows), dtype=bool)
-
-
-def _lags(kind: str, controller: Any) -> tuple[int, ...]:
-    """How many samples ago the readings were taken that make a command, as far as it forgets them."""
-    if kind != "speed":
-        return (0, 1)
-    whole = int(controller.delay * controller.sample_rate + 1e-9)
-    return (0, whole, whole + 1, whole + 2)
 
 
 def _speed_alone(log: Log, kind: str | None) -> bool:
     """Whether a speed loop's log has the speed that was asked for, which is all that such a loop looks at."""
     return kind == "speed" and log.reference_velocity is not None
-
-
-def _reference(log: Log, kind: str) -> FloatArray:
-    if log.reference is not None:
-        return log.reference
-    assert log.reference_velocity is not None
-    velocity = log.reference_velocity
-    moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
-    reference: FloatArray = log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
-    return reference
 
 
 def _why_not(log: Log, model: Model, command_rms: float) -> str:
@@ -288,141 +192,13 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
     return ""
 
 
-def linear_regressors(
-    kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
-) -> dict[str, FloatArray]:
-    """What the gains of a `pid` or `cascade` multiply, (n,) each, by the gain's name (contract, [controller]).
-
-    Each is what the controller itself commands with this gain at 1 and the others at 0, without a limit. A `cascade`
-    has kv and `kp kv`, in which it is linear.
-    """
-    make = CONTROLLERS[kind][1]
-    gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
-    bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
-
-    def command(**gain: float) -> FloatArray:
-        return replay_controller(make(bare.replace(**gain)), **motion, position=position)
-
-    columns = {name: command(**{name: 1.0}) for name in gains if (kind, name) != ("cascade", "kp")}
-    if kind == "cascade":
-        # So small a kv that its own term vanishes beside that of the error; of powers of two the product is exactly 1.
-        columns = {"kp kv": command(kp=2.0**60, kv=2.0**-60), **columns}
-    return columns
-
-
-def least_squares(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[dict[str, float], float]:
-    """Coefficients of columns (n,) that fit a target, and the rms of what is left. Columns are scaled to unit rms."""
-    names = list(columns)
-    matrix = np.column_stack([columns[name] for name in names])
-    size = np.sqrt(np.mean(matrix**2, axis=0))
-    size[size == 0.0] = 1.0
-    solution = np.linalg.lstsq(matrix / size, target, rcond=1e-12)[0]
-    residual = target - (matrix / size) @ solution
-    return dict(zip(names, (solution / size).tolist(), strict=True)), _rms(residual)
-
-
-def _stated_gains(controller: Any, names: tuple[str, ...]) -> dict[str, float]:
-    return {
-        name: controller.kp * controller.kv if name == "kp kv" else float(getattr(controller, name)) for name in names
-    }
-
-
-def _fit_gains(
-    found: Compared, model: Model, regressors: Mapping[str, FloatArray]
-) -> tuple[dict[str, float], dict[str, float], float]:
-    """Stated gains, those that fit the log, and the rms that these leave; only gains that are stated above zero."""
-    controller: Any = model.controller
-    samples, rows = found.samples, found.judged
-    gains = _stated_gains(controller, ("kp", *regressors))
-    columns = {name: column for name, column in regressors.items() if gains[name] != 0.0}
-    if controller.command_limit > 0.0:
-        rows = rows & (np.abs(samples.command) < controller.command_limit * (1.0 - 1e-6))
-    if not columns or rows.sum() <= 2 * len(columns):
-        return {}, {}, float("nan")
-    fitted, rms, _ = fit_samples(samples, columns, rows, gains.get("ki", 0.0) > 0.0)
-    product = fitted.pop("kp kv", None)
-    if product is not None:
-        fitted = {"kp": product / fitted["kv"] if fitted.get("kv") else 0.0, **fitted}
-    stated = {name: gains[name] for name in fitted}
-    return stated, fitted, rms
-
-
-def fit_samples(
-    samples: Samples, columns: Mapping[str, FloatArray], rows: Mask, integral: bool
-) -> tuple[dict[str, float], float, Mask]:
-    """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
-
-    With an `integral` the rows after each gap have a constant of their own. Commands that leave and return at once do
-    not count where the fit does not.
-    """
-    target = samples.command
-    if integral and samples.segment[-1]:
-        target = samples.without_means(target, rows)
-        columns = {name: samples.without_means(column, rows) for name, column in columns.items()}
-    elif integral:
-        columns = {**columns, "start": np.ones(len(target))}
-    for _ in range(2):
-        fitted, rms = least_squares({name: column[rows] for name, column in columns.items()}, target[rows])
-        made = np.asarray(sum(fitted[name] * column for name, column in columns.items()))
-        doubted = _doubted(target, made, rows)
-        if not doubted.any():
-            break
-        rows = rows & ~doubted
-    fitted.pop("start", None)
-    return fitted, rms, rows
-
-
-def _recompute(
-    samples: Samples, applied: FloatArray, judged: Mask, model: Model, kind: str
-) -> tuple[FloatArray, bool, bool]:
-    """The command as stated, whether an unknown start of its integral may be added, and whether it meets its limit."""
-    controller: Any = model.controller
-    limit = controller.command_limit
-    limited = limit > 0.0 and np.abs(samples.command).max() >= limit * (1 - 1e-6)
-    arguments = {**samples.motion, "position": samples.position}
-    integral = kind == "pid" and controller.ki > 0.0
-    if kind in ("pid", "cascade") and not limited:
-        unlimited = CONTROLLERS[kind][1](controller.replace(command_limit=0.0))
-        return _bounded(replay_controller(unlimited, **arguments)), integral, False
-    fresh = model.make_controller()
-    own = _bounded(replay_controller(fresh, **arguments))
-    if kind in ("pid", "cascade"):
-        return own, integral and bool(samples.segment[-1]), True
-    # What a controller with memory was told to have been applied is its own command or, after a disturbance of the
-    # command or a start in mid-motion, what the log holds.
-    told = _bounded(replay_controller(fresh, **arguments, applied=applied))
-    return min(own, told, key=lambda command: _rms((samples.command - command)[judged])), False, limited
-
-
-def _bounded(command: FloatArray) -> FloatArray:
-    """The command of a controller that may have run away: as far off as can be squared is far enough."""
-    return np.clip(np.nan_to_num(command, nan=LARGEST), -LARGEST, LARGEST)
-
-
-def _shifted(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask, shift: int) -> FloatArray:
-    """Logged minus computed when the logged command is moved back by `shift` rows; rows 3 to n - 2 or, unmoved, all."""
-    command = samples.command
-    known = samples.known & ~doubted
-    if shift == 0:
-        rows = judged & ~doubted
-        return command[rows] - computed[rows]
-    edge = max(SHIFTS)
-    at = np.arange(1 + edge, command.size - edge)
-    at = at[judged[at] & known[at + shift] & (samples.segment[at] == samples.segment[at + shift])]
-    return np.asarray(command[at + shift] - computed[at])
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else float("inf")
-
-
 def _suggestions(
     logged: FloatArray, computed: FloatArray, ratio: float | None, relative: float, shift: int
 ) -> list[str]:
     notes = []
     if ratio and abs(ratio - 1.0) > MISMATCH:
-        left = _rms(logged - ratio * computed)
-        if left <= MISMATCH * _rms(logged):
+        left = root_mean_square(logged - ratio * computed)
+        if left <= MISMATCH * root_mean_square(logged):
             notes.append(f"the command is {ratio:.4g} times the controller's: is its unit another (scale command)?")
     if relative > MISMATCH and shift:
         notes.append(f"the command fits better when moved by {shift} rows: is it logged with another timing?")

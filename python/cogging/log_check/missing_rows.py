@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.log_check.controller import check_controller, compared
+from cogging.log_check.command_comparison import compared
+from cogging.log_check.controller import check_controller
 from cogging.log_check.controller_samples import FILLED
 from cogging.logs.log import Log
 from cogging.model.model import Model

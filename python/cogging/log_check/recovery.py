@@ -11,7 +11,7 @@ import numpy as np
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
 from cogging.calls import takes
-from cogging.log_check.controller import fit_samples, least_squares, linear_regressors
+from cogging.log_check.controller_gains import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
@@ -111,76 +111,83 @@ def _fit_rows(
     kind: str, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask, command_rms: float
 ) -> tuple[dict[str, float], float] | None:
     """The same, on rows that are believed."""
-    apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
-
-    def of_rows(column: FloatArray) -> FloatArray:
-        return (samples.without_means(column, rows) if apart else column)[rows]
-
-    velocity = fixed["viscous"][rows]
-    whole = fixed["viscous"]
-    fixed = {name: of_rows(column) for name, column in fixed.items()}
-    command = of_rows(samples.command)
-
-    def solve(names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
-        columns = {name: column[::every] for name, column in fixed.items() if names is None or name in names}
-        if "coulomb" in columns and apart:
-            columns["coulomb"] = of_rows(smooth_sign(whole, width))[::every]
-        elif "coulomb" in columns:
-            columns["coulomb"] = smooth_sign(velocity[::every], width)
-        if "ki" in columns and not apart:
-            columns["start"] = np.ones(len(columns["ki"]))
-        return (*least_squares(columns, command[::every]), columns)
-
-    every = 1 + command.size // SEARCHED
-    top = float(np.abs(velocity).max())
-    widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
-    width = min(widths, key=lambda candidate: solve(None, candidate, every)[1])
-    if width > 0.0:
-        middle = math.log(width)
-        width = _golden(lambda exponent: solve(None, math.exp(exponent), every)[1], middle - 0.4, middle + 0.4)
-    names: set[str] | None = None
-    for _ in range(6):
-        gains, rms, columns = solve(names, width)
-        useless = {
-            name
-            for name, gain in gains.items()
-            if abs(gain) * float(np.sqrt(np.mean(columns[name] ** 2))) < NEGLIGIBLE * command_rms
-            or (gain < 0.0 and name != "start")
-        }
-        useless -= {"start"}
-        if not useless:
-            break
-        kept = set(gains) - useless - {"start"}
-        if not kept:
-            return None
-        names = kept
-    if kind == "cascade" and not {"kp kv", "kv"} <= set(gains):
+    fit = _GainFit(fixed, samples, rows)
+    width = fit.best_width()
+    useful = _useful_gains(fit, width, command_rms)
+    if useful is None:
         return None
-    if kind == "pid" and "kp" not in gains:
-        return None
-    gains.pop("start", None)
-    if any(gain < 0.0 for gain in gains.values()):
+    gains, rms = useful
+    needed = {"cascade": {"kp kv", "kv"}, "pid": {"kp"}}[kind]
+    if not needed <= set(gains) or any(gain < 0.0 for gain in gains.values()):
         return None
     if "coulomb" in gains:
         gains["coulomb_width"] = width
     return gains, rms
 
 
-def _golden(cost: Callable[[float], float], low: float, high: float) -> float:
-    """The exponent between low and high with the smallest cost, as a width (golden section)."""
-    share = 0.5 * (math.sqrt(5.0) - 1.0)
-    a, b = high - share * (high - low), low + share * (high - low)
-    cost_a, cost_b = cost(a), cost(b)
-    for _ in range(40):
-        if cost_a <= cost_b:
-            high, b, cost_b = b, a, cost_a
-            a = high - share * (high - low)
-            cost_a = cost(a)
-        else:
-            low, a, cost_a = a, b, cost_b
-            b = low + share * (high - low)
-            cost_b = cost(b)
-    return math.exp(0.5 * (low + high))
+class _GainFit:
+    """Least squares of a log's command on what the gains multiply, for any width of S(v)."""
+
+    def __init__(self, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask) -> None:
+        self._samples, self._rows = samples, rows
+        self._apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
+        self._velocity, self._velocity_of_rows = fixed["viscous"], fixed["viscous"][rows]
+        self._columns = {name: self._of_rows(column) for name, column in fixed.items()}
+        self._command = self._of_rows(samples.command)
+
+    def _of_rows(self, column: FloatArray) -> FloatArray:
+        return (self._samples.without_means(column, self._rows) if self._apart else column)[self._rows]
+
+    def solve(self, names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
+        """Gains of these names, or of all, the rms that they leave, and their columns, in every so many-th row."""
+        columns = {name: column[::every] for name, column in self._columns.items() if names is None or name in names}
+        if "coulomb" in columns and self._apart:
+            columns["coulomb"] = self._of_rows(smooth_sign(self._velocity, width))[::every]
+        elif "coulomb" in columns:
+            columns["coulomb"] = smooth_sign(self._velocity_of_rows[::every], width)
+        if "ki" in columns and not self._apart:
+            columns["start"] = np.ones(len(columns["ki"]))
+        return (*fit_columns(columns, self._command[::every]), columns)
+
+    def best_width(self) -> float:
+        """The width of S(v), m/s, that leaves least of the command; 0 is that of sgn(v)."""
+        every = 1 + self._command.size // SEARCHED
+        top = float(np.abs(self._velocity_of_rows).max())
+        widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
+        width = min(widths, key=lambda candidate: self.solve(None, candidate, every)[1])
+        if width > 0.0:
+            width = _narrowed(lambda candidate: self.solve(None, candidate, every)[1], width)
+        return width
+
+
+def _useful_gains(fit: _GainFit, width: float, command_rms: float) -> tuple[dict[str, float], float] | None:
+    """Gains without those that contribute nothing or are negative, and the rms that they leave; None without any."""
+    names: set[str] | None = None
+    for _ in range(6):
+        gains, rms, columns = fit.solve(names, width)
+        useless = {
+            name
+            for name, gain in gains.items()
+            if name != "start"
+            and (abs(gain) * float(np.sqrt(np.mean(columns[name] ** 2))) < NEGLIGIBLE * command_rms or gain < 0.0)
+        }
+        if not useless:
+            break
+        names = set(gains) - useless - {"start"}
+        if not names:
+            return None
+    gains.pop("start", None)
+    return gains, rms
+
+
+def _narrowed(cost: Callable[[float], float], width: float) -> float:
+    """The width with the smallest cost, within a factor of exp(0.4)."""
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(
+        lambda shift: cost(width * math.exp(shift)), bounds=(-0.4, 0.4), method="bounded", options={"xatol": 1e-9}
+    )
+    return width * math.exp(float(found.x))
 
 
 def _round_rate(rate: float) -> float:

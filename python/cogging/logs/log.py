@@ -135,7 +135,7 @@ class Log(ByValue):
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a file of the format that the suffix names, and `PATH.toml` with the metadata.
 
-        `.mat` (MATLAB 5, extra `matlab`), `.parquet` (extra `parquet`); any other name but those of ASAM MDF is a CSV
+        `.mat` (MATLAB 5), `.parquet` (extra `parquet`); any other name but those of ASAM MDF is a CSV
         with a header row. Every number is kept to its last bit.
 
         Raises:
@@ -147,8 +147,7 @@ class Log(ByValue):
         try:
             pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
         except ImportError as error:
-            extra = {".mat": "matlab", ".parquet": "parquet"}[suffix]
-            raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[{extra}]'") from None
+            raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[parquet]'") from None
         files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
         beside = sidecar(path)
         _require_sidecar(beside)

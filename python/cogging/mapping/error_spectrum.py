@@ -148,13 +148,11 @@ def _without(x: FloatArray, error: FloatArray, lines: list[float]) -> FloatArray
 
 
 def _refine(stretches: list[tuple[FloatArray, FloatArray]], rest: list[FloatArray], line: float, step: float) -> float:
-    """The frequency near `line` that takes most out of the rest: golden section over two steps."""
+    """The frequency near `line` that takes most out of the rest, within a step on either side."""
+    from scipy.optimize import minimize_scalar
 
     def left(candidate: float) -> float:
         return sum(float(np.sum(_without(x, e, [candidate]) ** 2)) for (x, _), e in zip(stretches, rest, strict=True))
 
-    low, high, golden = line - step, line + step, 0.5 * (np.sqrt(5.0) - 1.0)
-    for _ in range(24):
-        first, second = high - golden * (high - low), low + golden * (high - low)
-        low, high = (low, second) if left(first) < left(second) else (first, high)
-    return 0.5 * (low + high)
+    found = minimize_scalar(left, bounds=(line - step, line + step), method="bounded", options={"xatol": 1e-6 * step})
+    return float(found.x)

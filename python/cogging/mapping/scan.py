@@ -74,20 +74,9 @@ def read_scan(
             f"position: must have a point every {pitch / 3.75:.3g} m or less, got one every {_spacing(x):.3g} m"
         )
     highest = min(highest_harmonic, resolvable)
-    y, notes = force_sign * y, []
-
+    y = force_sign * y
     passes, direction, turning = _passes(x)
-    turned = turning & (passes > 0)
-    one_way = [np.ptp(x[there]) < pitch if np.any(there := (direction == d) & ~turned) else True for d in (1.0, -1.0)]
-    both_ways = not any(one_way)
-    if both_ways:
-        kept = ~turned
-        notes.append(f"{int(turned.sum())} rows just after a reversal left out" if turned.any() else "")
-    else:
-        main = 1.0 if np.sum(direction == 1.0) >= np.sum(direction == -1.0) else -1.0
-        kept = direction == main
-        notes.append("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both")
-        notes.append(f"{int(np.sum(~kept))} rows of a short way back left out" if not kept.all() else "")
+    both_ways, kept, notes = _kept(x, direction, turning & (passes > 0), pitch)
     cell = pitch / (CELLS_PER_PERIOD * highest)
     keys = np.stack([passes[kept], np.floor((x[kept] - x.min()) / cell).astype(np.int64)])
     _, members, counts = np.unique(keys, axis=1, return_inverse=True, return_counts=True)
@@ -97,7 +86,21 @@ def read_scan(
     position, force, way = (np.bincount(members, v[kept]) / counts for v in (x, y, direction))
     if position.size < FEWEST_POINTS:
         raise ValueError(f"position: must hold at least {FEWEST_POINTS} points that differ, got {position.size}")
-    return Scan(position, force, np.sign(way), both_ways, resolvable, highest, tuple(note for note in notes if note))
+    return Scan(position, force, np.sign(way), both_ways, resolvable, highest, tuple(notes))
+
+
+def _kept(x: FloatArray, direction: FloatArray, turned: Mask, pitch: float) -> tuple[bool, Mask, list[str]]:
+    """Whether a scan goes both ways, which rows are kept, and what to note; `turned` are those after a reversal."""
+    there, back = (x[(direction == d) & ~turned] for d in (1.0, -1.0))
+    if all(part.size and np.ptp(part) >= pitch for part in (there, back)):
+        notes = [f"{int(turned.sum())} rows just after a reversal left out"] if turned.any() else []
+        return True, ~turned, notes
+    main = 1.0 if np.sum(direction == 1.0) >= np.sum(direction == -1.0) else -1.0
+    kept = direction == main
+    notes = ["the scan goes one way only: friction and offset cannot be told apart, `offset` holds both"]
+    if not kept.all():
+        notes.append(f"{int(np.sum(~kept))} rows of a short way back left out")
+    return False, np.asarray(kept), notes
 
 
 def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:

@@ -13,51 +13,25 @@ import numpy as np
 
 from cogging import _core
 from cogging._core import (
-    AdaptiveRobustParameters,
-    Arc,
     AxisParameters,
-    Cascade,
-    CascadeParameters,
     CoggingModel,
-    Dcarc,
     EncoderParameters,
     NoiseParameters,
-    ObserverBased,
-    ObserverBasedParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
-    Pid,
-    PidParameters,
     Plant,
-    Speed,
-    SpeedParameters,
     SplineHarmonics,
 )
 from cogging.calls import told_constructor
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.model.controller import ControllerParameters, ListedController
 from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
 from cogging.values import ByValue
 
 #: Controllers by the name that a model file gives them: parameter struct and class.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
-    "pid": (PidParameters, Pid),
-    "cascade": (CascadeParameters, Cascade),
-    "speed": (SpeedParameters, Speed),
-    "arc": (AdaptiveRobustParameters, Arc),
-    "dcarc": (AdaptiveRobustParameters, Dcarc),
-    "output_feedback_arc": (OutputFeedbackArcParameters, OutputFeedbackArc),
-    "observer_based": (ObserverBasedParameters, ObserverBased),
+    name: (controller.PARAMETERS, controller) for name, controller in _core.CONTROLLERS.items()
 }
-ControllerParameters = (
-    PidParameters
-    | CascadeParameters
-    | SpeedParameters
-    | AdaptiveRobustParameters
-    | OutputFeedbackArcParameters
-    | ObserverBasedParameters
-)
-Controller = Pid | Cascade | Speed | Arc | Dcarc | OutputFeedbackArc | ObserverBased
+PARAMETERS = tuple({struct for struct, _ in CONTROLLERS.values()})
 
 SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
@@ -112,6 +86,10 @@ class Model(ByValue):
             raise ValueError("controller, controller_type: both or neither must be given")
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
             raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
+        if self.controller is not None and not isinstance(self.controller, PARAMETERS):
+            rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
+            own = "a controller of one's own is given to simulate(model, reference, controller=...)"
+            raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         object.__setattr__(self, "effects", tuple(self.effects))
         intervals = {path: (float(low), float(high)) for path, (low, high) in self.intervals.items()}
         object.__setattr__(self, "intervals", intervals)
@@ -135,7 +113,7 @@ class Model(ByValue):
             noise=self.noise,
         )
 
-    def make_controller(self) -> Controller:
+    def make_controller(self) -> ListedController:
         """Make a fresh controller.
 
         Raises:
@@ -143,7 +121,7 @@ class Model(ByValue):
         """
         if self.controller is None or self.controller_type is None:
             raise ValueError("controller: must be given to simulate, got a model without [controller]")
-        controller: Controller = CONTROLLERS[self.controller_type][1](self.controller)
+        controller: ListedController = CONTROLLERS[self.controller_type][1](self.controller)
         return controller
 
     def replace(self, **changes: Any) -> Model:

@@ -242,12 +242,7 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
                     f"{path}: must be a parameter of the model, which has {', '.join(parameters_of(model))}"
                 )
             place = prefixes[prefix]
-            changes = effects.setdefault(place, {})
-            if leaf.endswith("]"):
-                name, index = _indexed(path, leaf, 1)
-                changes.setdefault(name, list(getattr(model.effects[place], name)))[index] = float(value)
-            else:
-                changes[leaf] = float(value)
+            _change_effect(path, leaf, float(value), model.effects[place], effects.setdefault(place, {}))
     changed: dict[str, Any] = {}
     if axis:
         changed["axis"] = model.axis.replace(**axis)
@@ -287,6 +282,15 @@ def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, ta
         "shear": waves + 1j * value * waves.conj(),
     }[name]
     tables["sine"][row], tables["cosine"][row] = moved.real, moved.imag
+
+
+def _change_effect(path: str, leaf: str, value: float, effect: Any, changes: dict[str, Any]) -> None:
+    """Put a number, or an entry of a list, among the changes of an effect."""
+    if leaf.endswith("]"):
+        name, index = _indexed(path, leaf, 1)
+        changes.setdefault(name, list(getattr(effect, name)))[index] = value
+    else:
+        changes[leaf] = value
 
 
 def _indexed(path: str, text: str, count: int) -> list[Any]:

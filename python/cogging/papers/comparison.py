@@ -31,9 +31,9 @@ from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.papers.fitting import round_to_digits
-from cogging.papers.lu2008 import reproduce as lu2008
+from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.papers.xu2001 import setup as xu2001_setup
 
@@ -71,55 +71,63 @@ def gains_toml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def controllers() -> dict[str, Controller]:
+def controllers() -> dict[str, ListedController]:
     """Each family, tuned by its own paper's rule on what is known of this axis."""
-    kp, ki, kd = pid_gains([POLE] * 3, AXIS.bounds[0][0])  # Xu and Yao 2001, eq. 56
-    mass_bounds, viscous_bounds, _, disturbance_bounds = AXIS.bounds
-    inverse = (1.0 / mass_bounds[1], 1.0 / mass_bounds[0])
-    theta = [1.0 / AXIS.mass, AXIS.viscous / AXIS.mass, 0.0]
-    text = importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text()
-    made: dict[str, Controller] = {
-        "pid": Pid(
-            PidParameters(
-                sample_rate=lu2008.SAMPLE_RATE,
-                kp=kp,
-                ki=ki,
-                kd=kd,
-                mass=AXIS.mass,
-                viscous=AXIS.viscous,
-                coulomb=AXIS.coulomb,
-                coulomb_width=lu2008.COULOMB_WIDTH,
-            )
-        ),
-    }
+    made: dict[str, ListedController] = {"pid": _pid()}
     for name in lu2008.CONTROLLERS:
         made[f"arc {name}"] = Arc(lu2008.controller_parameters(AXIS, name))
         made[f"dcarc {name}"] = Dcarc(lu2008.controller_parameters(AXIS, name))
-    made["output_feedback_arc"] = OutputFeedbackArc(
-        xu2001_setup.arc_parameters(
+    made["output_feedback_arc"] = _output_feedback_arc()
+    gains = parse_toml(importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text())
+    for name, radius in POLE_RADII.items():
+        made[name] = _observer_based(observer_problem(radius), gains[name])
+    return made
+
+
+def _pid() -> Pid:
+    kp, ki, kd = pid_gains([POLE] * 3, AXIS.bounds[0][0])  # Xu and Yao 2001, eq. 56
+    return Pid(
+        PidParameters(
             sample_rate=lu2008.SAMPLE_RATE,
-            theta=theta,
-            theta_min=[inverse[0], viscous_bounds[0] / mass_bounds[1], disturbance_bounds[0] / mass_bounds[0]],
-            theta_max=[inverse[1], viscous_bounds[1] / mass_bounds[0], disturbance_bounds[1] / mass_bounds[0]],
+            kp=kp,
+            ki=ki,
+            kd=kd,
+            mass=AXIS.mass,
+            viscous=AXIS.viscous,
             coulomb=AXIS.coulomb,
             coulomb_width=lu2008.COULOMB_WIDTH,
         )
     )
-    for name, radius in POLE_RADII.items():
-        problem = observer_problem(radius)
-        made[name] = ObserverBased(
-            ObserverBasedParameters(
-                sample_rate=lu2008.SAMPLE_RATE,
-                periods=list(problem.periods),
-                observer_gain=parse_toml(text)[name],
-                position_gain=problem.omega**2,
-                velocity_gain=2 * problem.omega - problem.viscous,
-                mass=AXIS.mass,
-                viscous=problem.viscous,
-                velocity_min=0.01 * AXIS.velocity,
-            )
+
+
+def _output_feedback_arc() -> OutputFeedbackArc:
+    mass, viscous, _, disturbance = AXIS.bounds
+    inverse = (1.0 / mass[1], 1.0 / mass[0])
+    return OutputFeedbackArc(
+        xu2001_setup.arc_parameters(
+            sample_rate=lu2008.SAMPLE_RATE,
+            theta=[1.0 / AXIS.mass, AXIS.viscous / AXIS.mass, 0.0],
+            theta_min=[inverse[0], viscous[0] / mass[1], disturbance[0] / mass[0]],
+            theta_max=[inverse[1], viscous[1] / mass[0], disturbance[1] / mass[0]],
+            coulomb=AXIS.coulomb,
+            coulomb_width=lu2008.COULOMB_WIDTH,
         )
-    return made
+    )
+
+
+def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float]) -> ObserverBased:
+    return ObserverBased(
+        ObserverBasedParameters(
+            sample_rate=lu2008.SAMPLE_RATE,
+            periods=list(problem.periods),
+            observer_gain=list(observer_gain),
+            position_gain=problem.omega**2,
+            velocity_gain=2 * problem.omega - problem.viscous,
+            mass=AXIS.mass,
+            viscous=problem.viscous,
+            velocity_min=0.01 * AXIS.velocity,
+        )
+    )
 
 
 def machine(mass_factor: float = 1.0) -> Plant:
@@ -128,7 +136,7 @@ def machine(mass_factor: float = 1.0) -> Plant:
     return lu2008.plant(AXIS, cogging, mass=mass_factor * AXIS.mass)
 
 
-def measure(controller: Controller) -> tuple[dict[str, float], Log | None]:
+def measure(controller: ListedController) -> tuple[dict[str, float], Log | None]:
     """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
     motion = lu2008.reference(AXIS)
     begin = time.perf_counter()

@@ -122,9 +122,14 @@ class Reproduction(ByValue):
         written = [out / f"{self.paper}.json"]
         content = [to_json(self.to_dict(), indent=2).encode()]
         for name, figure in self.figures.items():
-            picture = io.BytesIO()
-            figure.savefig(picture, format="png", dpi=120)
             written.append(out / f"{name}.png")
-            content.append(picture.getvalue())
+            content.append(png(figure))
         write_files({os.fspath(path): [piece] for path, piece in zip(written, content, strict=True)})
         return written
+
+
+def png(figure: Figure) -> bytes:
+    """The picture of a figure, as the content of a file."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=120)
+    return picture.getvalue()

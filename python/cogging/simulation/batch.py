@@ -10,7 +10,7 @@ from cogging import _core
 from cogging._core import Plant, Reference
 from cogging.calls import takes
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import AnyController
 from cogging.simulation.arguments import MOTION
 from cogging.values import ByValue
 
@@ -36,7 +36,7 @@ class Batch(ByValue, Sequence[Log]):
 
     logs: tuple[Log, ...]
     plants: tuple[Plant, ...]
-    controllers: tuple[Controller, ...]
+    controllers: tuple[AnyController, ...]
     seeds: tuple[int, ...]
 
     def _brief(self) -> str:
@@ -62,7 +62,7 @@ class Batch(ByValue, Sequence[Log]):
 @takes(reference=MOTION)
 def closed_loop_batch(
     plants: Sequence[Plant],
-    controllers: Sequence[Controller],
+    controllers: Sequence[AnyController],
     reference: Reference,
     *,
     duration: float = 0.0,
@@ -74,7 +74,8 @@ def closed_loop_batch(
 
     Args:
         plants: one a run.
-        controllers: one for each plant; they are copied, not changed.
+        controllers: one for each plant; they are copied, not changed. Those of Python run one at a time, beside those
+            of the core and compiled ones.
         reference: the motion of all runs.
         duration: s; 0 = the reference's own end.
         seeds: of force and encoder noise, one for each plant; none: 0 for all.
@@ -87,7 +88,9 @@ def closed_loop_batch(
     Raises:
         ValueError: lists of different lengths, a reference that leaves the travel, no duration for a motion without
             an end.
+        TypeError: a controller is none, or cannot be copied; says what it lacks.
         DivergedError: a run left its travel by half its length, or is not finite; says when and where.
+        ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
 
     Example:
         >>> plants = [cogging.Plant(cogging.AxisParameters(mass=mass)) for mass in (0.1, 0.2)]

@@ -9,14 +9,14 @@ from cogging import _core
 from cogging._core import Plant, Reference
 from cogging.calls import takes
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import AnyController
 from cogging.simulation.arguments import MOTION, PLANT
 
 
 @takes(plant=PLANT, reference=MOTION)
 def closed_loop(
     plant: Plant,
-    controller: Controller,
+    controller: AnyController,
     reference: Reference,
     *,
     duration: float = 0.0,
@@ -36,7 +36,8 @@ def closed_loop(
 
     Args:
         plant: the machine.
-        controller: what computes the command, once a sample; it is not changed.
+        controller: what computes the command, once a sample: of the core, compiled (CompiledController), or any object
+            that is a Controller. It is not changed: the run works on a copy.
         reference: the motion.
         duration: s; 0 = the reference's own end.
         seed: of force and encoder noise.
@@ -52,7 +53,9 @@ def closed_loop(
     Raises:
         ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a
             sample needs more than 1e5 steps (the message says how fast).
+        TypeError: the controller is none, or cannot be copied; says what it lacks.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
+        ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
 
     Example:
         >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))

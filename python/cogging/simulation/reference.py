@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,29 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import (
-    FilteredSine,
-    FilteredSineParameters,
-    PointToPoint,
-    PointToPointParameters,
-    Reference,
-    Sampled,
-    Sine,
-    SineParameters,
-)
+from cogging import _core
+from cogging._core import Reference, Sampled
 from cogging.calls import PATHS, takes
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
 from cogging.shown import quoted
 
-#: Motions by the name that a reference file gives them: parameter struct and class.
+TYPES = tuple(_core.REFERENCES)
+#: Motions by the name that a reference file gives them, parameter struct and class, but for the sampled one.
 REFERENCES: dict[str, tuple[Any, Any]] = {
-    "point_to_point": (PointToPointParameters, PointToPoint),
-    "sine": (SineParameters, Sine),
-    "filtered_sine": (FilteredSineParameters, FilteredSine),
+    name: (motion.PARAMETERS, motion) for name, motion in _core.REFERENCES.items() if motion is not Sampled
 }
-TYPES = (*REFERENCES, "sampled")
 #: Fields of a sampled motion: a file, or the samples themselves.
 SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
 
@@ -87,10 +78,11 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
         raise FieldError("", "duration", f"must be a number of seconds from 0 to 1e9, got {quoted(duration)}")
     if kind == "sampled":
         return _sampled(fields, folder or Path()), float(duration)
-    struct, motion = REFERENCES[kind]
-    if kind != "point_to_point" and not duration:
+    struct, made = REFERENCES[kind]
+    motion: Reference = made(parameters_from(struct, fields, ""))
+    if not duration and not math.isfinite(motion.end):
         raise FieldError("", "duration", "must be given for a motion without an end, got none")
-    return motion(parameters_from(struct, fields, "")), float(duration)
+    return motion, float(duration)
 
 
 def reference_to_dict(reference: Reference) -> dict[str, Any]:

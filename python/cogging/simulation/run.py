@@ -12,7 +12,8 @@ import numpy.typing as npt
 from cogging._core import Reference, closed_loop
 from cogging.calls import takes
 from cogging.logs.log import Log
-from cogging.model.model import CONTROLLERS, Controller, Model
+from cogging.model.controller import AnyController
+from cogging.model.model import CONTROLLERS, Model
 from cogging.simulation.arguments import LOG, MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 
@@ -22,7 +23,7 @@ def simulate(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
     *,
-    controller: Controller | None = None,
+    controller: AnyController | None = None,
     duration: float = 0.0,
     seed: int = 0,
     steps_per_sample: int | None = None,
@@ -40,7 +41,8 @@ def simulate(
     Args:
         model: a Model, or the path of a model file.
         reference: a motion, the fields of a reference file, or the path of one.
-        controller: a controller to use in place of the model's own; it is not changed.
+        controller: one to use in place of the model's own: of the core, compiled (CompiledController), or any object
+            that is a Controller. It is not changed: the run works on a copy.
         duration: s; 0 = that of the reference file, or the motion's own end.
         seed: of force and encoder noise.
         steps_per_sample: the fewest integration steps between two samples; the model's own when None.
@@ -55,7 +57,9 @@ def simulate(
     Raises:
         ValueError: an argument breaks its rule, the reference leaves the travel, no controller is known, or the plant
             is so fast beside its sample time that it needs more than 1e5 steps a sample: the message says how fast.
+        TypeError: the controller is none, or cannot be copied; says what it lacks.
         DivergedError: the run left the travel by half its length, or is not finite; says when and where.
+        ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
 
     Example:
         >>> log = cogging.simulate(model, move, seed=1)
@@ -74,8 +78,9 @@ def simulate(
     metadata: dict[str, Any] = {"seed": seed, "steps_per_sample": steps_per_sample}
     if controller is not None:
         metadata["controller"] = "given"  # whatever it had learned is not in the log
-        kind = next(kind for kind, (_, made) in CONTROLLERS.items() if isinstance(controller, made))
-        model = model.replace(controller=controller.parameters, controller_type=kind)
+        model = _stating(model, controller)
+        if model.controller is None:
+            metadata["controller_class"] = f"{type(controller).__module__}.{type(controller).__qualname__}"
     else:
         controller = model.make_controller()
     if initial_position is not None:
@@ -97,6 +102,14 @@ def simulate(
         added_command=None if added_command is None else np.asarray(added_command, dtype=float),
     )
     return Log.of(columns, metadata)
+
+
+def _stating(model: Model, controller: Any) -> Model:
+    """The model as a log tells of it: with the parameters of the controller that is used, none where it has none."""
+    for kind, (_, made) in CONTROLLERS.items():
+        if type(controller) is made:
+            return model.replace(controller=controller.parameters, controller_type=kind)
+    return model.replace(controller=None, controller_type=None)
 
 
 @takes(log=LOG)

@@ -11,16 +11,18 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.evidence.evidence import Evidence, Test, gather
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import gather, refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import width_floor
+from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit
-from cogging.estimation.statistics import least_squares
+from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 
 SIZE = 0.3  # of the amplitude, assumed: 1-sigma of a constant error of the map, and of a ratio of sines to cosines
-SHOWN = -5.0  # ln of the chance from which an error of the map is seen
+SHOWN = -5.0  # log p-value from which an error of the map is seen
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,8 @@ def map_error(estimate: Estimate, evidence: Evidence) -> MapError | None:
     deviations = np.array(list(paths.values()))[:, None]
     columns = [table * deviations for table in columns]
     test, spread = likeliest(evidence, columns)
-    quiet = evidence.cleaned(beyond_tuning(evidence, [test.amplitudes @ table for table in columns]))
+    explained = [test.amplitudes @ table for table in columns]
+    quiet = refiltered(evidence, beyond_tuning(evidence, explained))
     test, spread = max((test, spread), likeliest(quiet, columns), key=lambda one: one[0].statistic)
     if not log_survival(test.statistic, test.freedom) < SHOWN:
         return None
@@ -74,11 +77,11 @@ def map_error(estimate: Estimate, evidence: Evidence) -> MapError | None:
 
 def beyond_tuning(evidence: Evidence, explained: list[FloatArray]) -> list[FloatArray]:
     """What is explained (V, one (n,) a log) less what re-tuning could: errors of a map are largely its size."""
-    weights = least_squares(evidence.columns, evidence.whitened([row[None, :] for row in explained])[0])
+    weights = least_squares_of_long_rows(evidence.columns, evidence.whitened([row[None, :] for row in explained])[0])
     return [row - weights @ part.columns for row, part in zip(explained, evidence.parts, strict=True)]
 
 
-def likeliest(evidence: Evidence, columns: list[FloatArray]) -> tuple[Test, float]:
+def likeliest(evidence: Evidence, columns: list[FloatArray]) -> tuple[ScoreTest, float]:
     """The likeliest of errors of 1-sigma 1, and ln det (I + curvature), which their mean likelihood is smaller by."""
     free = evidence.project(evidence.whitened(columns))
     curvature = np.eye(len(free)) + free @ free.T / evidence.overdispersion
@@ -86,7 +89,7 @@ def likeliest(evidence: Evidence, columns: list[FloatArray]) -> tuple[Test, floa
         np.linalg.solve(curvature, free @ evidence.free_residual / evidence.overdispersion), np.float64
     )
     statistic = float(amplitudes @ curvature @ amplitudes)
-    test = Test(statistic, len(free), amplitudes, amplitudes @ free, np.full(len(free), np.inf))
+    test = ScoreTest(statistic, len(free), amplitudes, amplitudes @ free, np.full(len(free), np.inf))
     test = replace(test, statistic=min(statistic, evidence.bounded(test)))
     return test, float(np.linalg.slogdet(curvature)[1])
 

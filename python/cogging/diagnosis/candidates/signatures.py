@@ -10,10 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
-from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
 TURNS = 3.0  # of a wave in the travel, at least, for its amplitude to change along it
@@ -31,10 +28,10 @@ class Candidate:
     """An effect at one shape: columns for its amplitudes, or one for a small effect that has none.
 
     Attributes:
-        name: of the effect.
+        name: name of the effect.
         shape: values of the fields that are no amplitudes.
-        amplitudes: (field, index or None) of each column; empty where the shape alone makes the effect.
-        unit: amplitude by which the columns were made.
+        amplitudes: field and index (or None) of each column; empty where the shape alone makes the effect.
+        unit: amplitudes by which the columns were made, one a column.
     """
 
     name: str
@@ -141,53 +138,64 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
 
 def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> Iterator[Candidate]:
     """The grid of an effect that is no wave; `periods` (m): beside those of the known cogging, for what has one."""
-    effect = EFFECTS[name]
-    neutral = effect()
-    roles = effect.ROLES
+    roles = EFFECTS[name].ROLES
+    lists = list_fields(name)
+    shapes = shape_grid(evidence, name)
     low, high = place(evidence)
-    sizes = quantities(evidence)
-    shapes: dict[str, list[Any]] = {}
-    scalar_shapes = [f for f, r in roles.items() if r["role"] == "shape" and not isinstance(getattr(neutral, f), list)]
-    alone = [f for f in scalar_shapes if roles[f]["quantity"] not in ("one", "relative", "exponent")]
-    count = POINTS.get(len(alone), 3)
-    for field in scalar_shapes:
-        shapes[field] = shape_values(evidence, field, roles[field], count)
-    fixed: dict[str, Any] = {}
-    for field, role in roles.items():  # a list of places: nodes along the travel
-        if role["role"] == "shape" and isinstance(getattr(neutral, field), list):
-            fixed[field] = [float(v) for v in np.linspace(low, high, NODES)]
-    amplitudes: list[tuple[str, int | None]] = []
-    units: list[float] = []
-    listed = [f for f, r in roles.items() if r["role"] == "amplitude" and isinstance(getattr(neutral, f), list)]
+    # A list of places: nodes along the travel.
+    fixed: dict[str, Any] = {
+        field: [float(v) for v in np.linspace(low, high, NODES)] for field in lists if roles[field]["role"] == "shape"
+    }
+    listed = [field for field in lists if roles[field]["role"] == "amplitude"]
+    length = NODES
     if listed and {"pitch", "order", "origin"} <= set(roles):  # amplitudes on knots: few of them, over the travel
-        knots = NODES - 1
-        fixed |= {"pitch": (high - low) / (knots - 2), "order": 3, "origin": low}
+        length = NODES - 1
+        fixed |= {"pitch": (high - low) / (length - 2), "order": 3, "origin": low}
         if "period" in shapes:
             # A wave with hardly a turn in the travel has no amplitude that changes along it.
             shapes["period"] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
-            if not shapes["period"]:
-                return
-        length = knots
     elif listed and not fixed:  # amplitudes at places of the user's own choice: nothing to look for
         return
-    else:
-        length = NODES
-    for field, role in roles.items():
-        if role["role"] != "amplitude":
-            continue
-        step = 0.02 * sizes[role["quantity"]] * min(1.0, abs(role["high"]))
-        indexes: list[int | None] = list(range(length)) if field in listed else [None]
-        amplitudes += [(field, index) for index in indexes]
-        units += [step] * len(indexes)
+    amplitudes, units = amplitude_columns(evidence, name, length)
     if "travel" in roles:
-        fixed["travel"] = (
-            list(evidence.model.axis.travel) if np.isfinite(evidence.model.axis.travel).all() else [low, high]
-        )
+        travel = evidence.model.axis.travel
+        fixed["travel"] = list(travel) if np.isfinite(travel).all() else [low, high]
     for values in itertools.product(*shapes.values()):
         shape = dict(zip(shapes, values, strict=True))
         if {"start", "stop"} <= set(shape) and shape["start"] >= shape["stop"]:
             continue
-        yield Candidate(name, {**fixed, **shape}, tuple(amplitudes), tuple(units))
+        yield Candidate(name, {**fixed, **shape}, amplitudes, units)
+
+
+def list_fields(name: str) -> list[str]:
+    """Fields of an effect that are lists."""
+    neutral = EFFECTS[name]()
+    return [field for field in EFFECTS[name].ROLES if isinstance(getattr(neutral, field), list)]
+
+
+def shape_grid(evidence: Evidence, name: str) -> dict[str, list[Any]]:
+    """Values that are tried of each shape of an effect that is a number."""
+    roles, lists = EFFECTS[name].ROLES, list_fields(name)
+    numbers = [field for field, role in roles.items() if role["role"] == "shape" and field not in lists]
+    alone = [field for field in numbers if roles[field]["quantity"] not in ("one", "relative", "exponent")]
+    count = POINTS.get(len(alone), 3)
+    return {field: shape_values(evidence, field, roles[field], count) for field in numbers}
+
+
+def amplitude_columns(
+    evidence: Evidence, name: str, length: int
+) -> tuple[tuple[tuple[str, int | None], ...], tuple[float, ...]]:
+    """Amplitudes of an effect, those in lists `length` times, and the unit of each (see Candidate)."""
+    sizes, lists = quantities(evidence), list_fields(name)
+    amplitudes: list[tuple[str, int | None]] = []
+    units: list[float] = []
+    for field, role in EFFECTS[name].ROLES.items():
+        if role["role"] != "amplitude":
+            continue
+        indexes: list[int | None] = list(range(length)) if field in lists else [None]
+        amplitudes += [(field, index) for index in indexes]
+        units += [0.02 * sizes[role["quantity"]] * min(1.0, abs(role["high"]))] * len(indexes)
+    return tuple(amplitudes), tuple(units)
 
 
 def known_periods(model: Model) -> list[float]:
@@ -195,79 +203,3 @@ def known_periods(model: Model) -> list[float]:
     if model.cogging is None:
         return []
     return [float(2.0 * np.pi / w) for w in model.cogging.basis.wavenumbers]
-
-
-def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatArray]]:
-    """What each candidate's columns do to the residuals of each log, V per unit of amplitude: [candidate][log] (p, n).
-
-    Laws that are linear along the prediction (forces, friction levels, gains, errors of the reading) are evaluated
-    along it and passed through the observer's loop, and so is what a changed command or a load of its own does there,
-    of the finite size that the shape says; what remains, such as friction with a memory, is predicted anew.
-    """
-    result: list[list[FloatArray]] = [[] for _ in wanted]
-    for number, source in enumerate(evidence.sources):
-        for i, table in enumerate(_tables_of_log(evidence, number, source, wanted)):
-            result[i].append(table)
-    return result
-
-
-def _tables_of_log(
-    evidence: Evidence, number: int, source: Innovations, wanted: Sequence[Candidate]
-) -> list[FloatArray]:
-    model, along = evidence.model, evidence.alongs[number]
-    plant = quiet_plant(model)
-    linear, memory, readings = [], [], []
-    for i, candidate in enumerate(wanted):
-        hooks = set(EFFECTS[candidate.name].HOOKS)
-        if "reading" in hooks and len(candidate.amplitudes) > 1:
-            readings.append(i)
-        elif hooks <= LINEAR_HOOKS:
-            linear.append(i)
-        else:
-            memory.append(i)
-    out: list[FloatArray] = [np.empty(0)] * len(wanted)
-    n = len(source.log)
-    if linear:
-        made = [(i, effect, unit) for i in linear for effect, unit in _unit_effects(wanted[i])]
-        rows = source.rows_of_effects(along, plant, [e for _, e, _ in made], [unit for _, _, unit in made])
-        start = 0
-        for i in linear:
-            columns = max(1, len(wanted[i].amplitudes))
-            out[i] = rows[start : start + columns]
-            start += columns
-    for i in readings:
-        errors = np.array(
-            [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(wanted[i])]
-        )
-        out[i] = source.rows_of_readings(along, errors, model.axis.mass)
-    keys = {i: (number, wanted[i].name, *sorted(wanted[i].shape.items(), key=str)) for i in memory}
-    keys = {i: tuple(str(part) for part in key) for i, key in keys.items()}
-    for i in memory:
-        if keys[i] in evidence.memory:
-            out[i] = evidence.memory[keys[i]][0]
-    memory = [i for i in memory if keys[i] not in evidence.memory]
-    shown = {i: _unit_effects(wanted[i])[0] for i in memory}
-    added = [i for i in memory if source.predictor.is_addable(plant, shown[i][0])]
-    if added:
-        rows = source.rows_of_effects(along, plant, [shown[i][0] for i in added], [shown[i][1] for i in added])
-        for k, i in enumerate(added):
-            out[i] = rows[k : k + 1]
-    whole = [i for i in memory if i not in added]
-    if whole:
-        rows = source.of([model, *(model.replace(effects=(*model.effects, shown[i][0])) for i in whole)])
-        for k, i in enumerate(whole):
-            out[i] = ((rows[k + 1] - rows[0]) / shown[i][1]).reshape(1, n)
-    for i in memory:
-        evidence.memory[keys[i]] = [out[i]]
-    return out
-
-
-def _unit_effects(candidate: Candidate) -> list[tuple[Any, float]]:
-    if not candidate.amplitudes:
-        return [(candidate.effect(), 1.0)]
-    effects = []
-    for k, unit in enumerate(candidate.unit):
-        values = [0.0] * len(candidate.amplitudes)
-        values[k] = unit
-        effects.append((candidate.effect(values), unit))
-    return effects

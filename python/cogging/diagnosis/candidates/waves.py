@@ -44,44 +44,16 @@ Gain = Callable[[Innovations, Prediction], FloatArray]  # by what a wave is mult
 
 
 def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list[Candidate], float]:
-    """The likeliest waves of an effect, and how many independent ones were looked at.
+    """The likeliest waves of an effect, and how many independent ones were tried.
 
     `gain`: instead of the effect's own, of a force (the command for one that acts by its gain, else 1).
     """
     effect = EFFECTS[name]
-    role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
-    sizes = quantities(evidence)
-    low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
-    spatial = role["quantity"] == "distance"
-    wave_low, wave_high = (1.0 / high, 1.0 / low) if spatial else (low, high)
-    if spatial and "reading" in effect.HOOKS:  # longer, it is a scale; shorter, the quantiser's own
-        wave_low = max(wave_low, TURNS / sizes["position"])
-        if evidence.model.encoder.resolution > 0.0:
-            wave_high = min(wave_high, 1.0 / (PERIOD * evidence.model.encoder.resolution))
-    if spatial and "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
-        wave_high = min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
-    total: Any = None
-    norm: Any = None
-    span = sizes["position"] if spatial else sizes["time"]
-    # Rows that share a bin in time would fold what is faster than the bins into lines that are not there.
-    bins = BINS if spatial else max(BINS, 1 << int(np.ceil(np.log2(span / evidence.scales.sample_time + 1.0))))
-    start = 0
-    origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
-    for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
-        n = len(source.log)
-        residual = evidence.free_residual[start : start + n]
-        start += n
-        if gain is not None:
-            weight = gain(source, along)
-        else:
-            weight = source.log.command if "command_gain" in effect.HOOKS else np.ones(n)
-        score, power, wave = _score(
-            evidence, source, filter_, along, residual, weight, "reading" in effect.HOOKS, spatial, origin, span, bins
-        )
-        total = score if total is None else total + score
-        norm = power if norm is None else norm + power
-    statistic = np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max()))
+    spatial = is_spatial_wave(effect)
+    wave_low, wave_high = wave_range(evidence, name)
+    statistic, wave = spectrum_of_score(evidence, name, gain)
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
+    span = evidence.scales.position if spatial else evidence.scales.time
     cogging = evidence.model.cogging
     if spatial and gain is None and "force" in effect.HOOKS and cogging is not None and cogging.sine.shape[1] == 1:
         # Its sine and cosine are re-tuned: within a turn of them it is no other wave, but they change along the travel.
@@ -100,6 +72,50 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
         near = np.abs(wave - wave[best]) < 1.0 / span
         even[near] = statistic[near] = 0.0
     return found, trials
+
+
+def wave_range(evidence: Evidence, name: str) -> tuple[float, float]:
+    """Lowest and highest wavenumber (1/m), or frequency (Hz), at which a wave is sought."""
+    effect = EFFECTS[name]
+    role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
+    sizes = quantities(evidence)
+    low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
+    if role["quantity"] != "distance":
+        return low, high
+    wave_low, wave_high = 1.0 / high, 1.0 / low
+    if "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
+        return wave_low, min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
+    wave_low = max(wave_low, TURNS / sizes["position"])  # longer, it is a scale; shorter, the quantiser's own
+    if evidence.model.encoder.resolution > 0.0:
+        wave_high = min(wave_high, 1.0 / (PERIOD * evidence.model.encoder.resolution))
+    return wave_low, wave_high
+
+
+def spectrum_of_score(evidence: Evidence, name: str, gain: Gain | None) -> tuple[FloatArray, FloatArray]:
+    """|score|^2 over its variance, chi-square with 2 degrees of freedom; and wavenumbers (1/m) or frequencies (Hz)."""
+    effect = EFFECTS[name]
+    spatial, on_reading = is_spatial_wave(effect), "reading" in effect.HOOKS
+    span = evidence.scales.position if spatial else evidence.scales.time
+    # Rows that share a bin in time would fold what is faster than the bins into lines that are not there.
+    bins = BINS if spatial else max(BINS, 1 << int(np.ceil(np.log2(span / evidence.scales.sample_time + 1.0))))
+    origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
+    scores, powers, start = [], [], 0
+    wave = np.zeros(0)
+    for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
+        n = len(source.log)
+        residual = evidence.free_residual[start : start + n]
+        start += n
+        if gain is not None:
+            weight = gain(source, along)
+        else:
+            weight = source.log.command if "command_gain" in effect.HOOKS else np.ones(n)
+        score, power, wave = _score(
+            evidence, source, filter_, along, residual, weight, on_reading, spatial, origin, span, bins
+        )
+        scores.append(score)
+        powers.append(power)
+    total, norm = sum(scores[1:], scores[0]), sum(powers[1:], powers[0])
+    return np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max())), wave
 
 
 def wave_of(evidence: Evidence, name: str, value: float) -> Candidate:
@@ -149,7 +165,7 @@ def _score(
     spectrum = np.fft.rfft(np.bincount(inside, back * gain, length)[:length])
     wave = np.arange(len(spectrum)) / (width * length)
     frequency, response = _response(source, filter_, model.axis.mass, on_reading)
-    weight = source.counts * gain**2
+    weight = source.mask * gain**2
     if spatial:
         speed = np.abs(along.middle_velocity)
         edges = np.linspace(0.0, float(speed.max()) + 1e-12, 41)
@@ -171,7 +187,7 @@ def adjoint(
 
     One pass backwards through the filters and the observer's loop: the scores of all effects are sums of these.
     """
-    back = coloured(residual[None, :], source, filter_)[0] * source.counts / filter_.rms
+    back = coloured(residual[None, :], source, filter_)[0] * source.mask / filter_.rms
     back = np.asarray(whiten(back[None, ::-1], list(filter_.coefficients)))[0, ::-1] * source.scale
     force, reading = source.predictor.propagate_transposed(along, mass, np.ascontiguousarray(back))
     return np.asarray(force), np.asarray(reading)

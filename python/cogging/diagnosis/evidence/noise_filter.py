@@ -1,4 +1,4 @@
-"""What makes a log's residual white: an autoregressive filter, and a gain over frequency for what it leaves."""
+"""Whitening: an autoregressive filter, and a gain over frequency for what it leaves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from cogging._core import whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
-from cogging.identification.inverse_dynamics import fast_length
 
 LINES = 12  # of a periodogram in a band of its level, at least
 LEVEL_MIN = 1e-3  # of a band: what the first filter left
@@ -21,9 +20,9 @@ class Filter:
     """What makes one log's residual white: an autoregressive filter, then a gain over frequency for what it left.
 
     Attributes:
-        coefficients: of the autoregressive filter.
-        rms: of its output, V, by which the rest is divided.
-        frequency: Hz, increasing, at which the spectrum of the rest is known.
+        coefficients: coefficients of the autoregressive filter.
+        rms: rms of its output, V, by which that is divided.
+        frequency: frequencies at which the spectrum of the divided output is known, Hz, increasing.
         level: that spectrum; 1 is white.
     """
 
@@ -35,14 +34,14 @@ class Filter:
 
 def filtered(table: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
     """Rows (p, n), V, made white; rows that do not count are taken as 0 between the two filters."""
-    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.counts / filter_.rms)
+    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.mask / filter_.rms)
     return coloured(white, source, filter_)
 
 
 def coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
     """The second filter alone: gain level^(-1/2) over frequency, without phase."""
     n = white.shape[1]
-    length = fast_length(n + n // 8)  # what runs over the end comes back into the padding
+    length = periodogram_length(n + n // 8)  # what runs over the end comes back into the padding
     frequency = np.fft.rfftfreq(length, source.scales.sample_time)
     gain = 1.0 / np.sqrt(np.interp(frequency, filter_.frequency, filter_.level))
     spectrum = np.fft.rfft(white, length)
@@ -50,10 +49,26 @@ def coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatAr
     return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
 
 
+def periodogram_length(rows: int) -> int:
+    """The next length 2^k 3^a 5^b with a, b <= 3: quick to transform.
+
+    scipy.fft.next_fast_len knows more such lengths. Where its are others, the lines of the spectrum move, the noise is
+    told from others, and ln p of a finding by some per cent: it may take this one's place only where that is looked at.
+    """
+    best = 1 << rows.bit_length()
+    for five in (1, 5, 25, 125):
+        for three in (1, 3, 9, 27):
+            factor = five * three
+            two = 1 << max(0, (-(-rows // factor) - 1).bit_length())
+            if factor * two >= rows:
+                best = min(best, factor * two)
+    return best
+
+
 def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatArray]:
     """Power, 1 where the rows that count are white with rms 1, and its frequencies, Hz."""
-    length = fast_length(len(white))
-    power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.counts.sum()), 1.0)
+    length = periodogram_length(len(white))
+    power = np.abs(np.fft.rfft(white, length)) ** 2 / max(float(source.mask.sum()), 1.0)
     return np.asarray(power), np.asarray(np.fft.rfftfreq(length, source.scales.sample_time))
 
 

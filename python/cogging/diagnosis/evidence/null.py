@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cogging._core import DivergedError, whiten
-from cogging.diagnosis.evidence.evidence import Evidence, gather
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.noise_filter import CLIP, robust_rms
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
@@ -118,7 +119,7 @@ def starts_fit(model: Model, calm: Sequence[Innovations], quick: Sequence[Innova
     for slow, fast in zip(calm, quick, strict=True):
         residual = fast.of([model])[0]
         white = np.asarray(whiten(residual[None, :], list(whitening_filter(slow, residual))))[0]
-        rows, late = fast.counts > 0, slow.counts > 0
+        rows, late = fast.mask > 0, slow.mask > 0
         limit = CLIP * robust_rms(white[rows & late])
         soon.append(np.minimum(white[rows & ~late] ** 2, limit**2))
         others.append(np.minimum(white[rows & late] ** 2, limit**2))

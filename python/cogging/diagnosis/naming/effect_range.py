@@ -20,7 +20,7 @@ def where_of(effect: Any, evidence: Evidence) -> dict[str, Any]:
         law = resolved.force_at if "force" in hooks else resolved.friction_level_at
         time = source.log.time - source.log.time[0]
         force = np.abs(np.asarray(law(position=along.middle_position, velocity=along.middle_velocity, time=time)))
-        force = force * source.counts
+        force = force * source.mask
         if force.sum() > 0:
             # The coordinate whose range holds the force most tightly, against how the rows spread over it.
             best, tightest = ("position", [0.0, 0.0]), np.inf
@@ -28,7 +28,7 @@ def where_of(effect: Any, evidence: Evidence) -> dict[str, Any]:
                 values = values - (source.log.time[0] if name == "time" else 0.0)
                 order = np.argsort(values)
                 heap = np.cumsum(force[order]) / force.sum()
-                rows = np.cumsum(source.counts[order]) / source.counts.sum()
+                rows = np.cumsum(source.mask[order]) / source.mask.sum()
                 low, high = int(np.searchsorted(heap, 0.05)), min(int(np.searchsorted(heap, 0.95)), len(order) - 1)
                 tight = rows[high] - rows[low]
                 if tight < tightest - 0.02:

@@ -6,14 +6,16 @@ import numpy as np
 
 from cogging._core import EFFECTS
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.signatures import candidates, quantities, tables
-from cogging.diagnosis.evidence.evidence import Evidence, orthonormal
+from cogging.diagnosis.candidates.signatures import candidates, quantities
+from cogging.diagnosis.candidates.tables import tables
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.naming.names import LOOK_ALIKE
-from cogging.diagnosis.search.search import Search
+from cogging.diagnosis.search.state import Search
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.jackknife import SINGULAR, jackknife
+from cogging.estimation.statistics import student
 from cogging.estimation.whitening import Whitened
-from cogging.model.intervals import student
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 

@@ -4,25 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.diagnosis.candidates.scan import Finding
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import known_periods
 from cogging.diagnosis.candidates.waves import is_wave
+from cogging.diagnosis.entries import NamedEffect, Value
 from cogging.diagnosis.naming.effect_range import where_of
-from cogging.diagnosis.residual.shapes import Shape
-from cogging.diagnosis.result import NamedEffect, Value
+from cogging.diagnosis.residual.shape import Shape
+from cogging.diagnosis.search.choice import FORM, alike
 from cogging.diagnosis.search.confirmation import INFORMATIVE
 from cogging.diagnosis.search.refit import conditional_paths, effect_parameters
-from cogging.diagnosis.search.search import FORM, HARMONICS_MAX, RIVAL, Added, Search, alike
+from cogging.diagnosis.search.search import HARMONICS_MAX, RIVAL
+from cogging.diagnosis.search.state import Added, Search
+from cogging.estimation.gauss_newton import Estimate
 from cogging.model.parameters import effect_paths, parameters_of
 
 SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
 FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
 HALF = 0.5  # of T
-STRONG = -25.0  # ln of the chance of a refused effect
+STRONG = -25.0  # log p-value of a refused effect
 PERIODS_APART = 1.5  # in turns over the travel
 LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 
@@ -37,38 +41,39 @@ def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedE
     odds = sum(float(np.exp(0.5 * (r.score - best.score))) for r in added.rivals[1:])
     confidence = _confidence(added, odds, bool(residual_shapes) or unexplained(found))
     others = fully_named(found, place)
-    confidence = round(0.5 * confidence, 3) if others else confidence
-    known = parameters_of(found.estimate.model)
-    free = set(effect_parameters(found.estimate.model)) - conditional_paths(found.estimate.model)
-    values: dict[str, Value] = {}
-    for name, (unit, _) in effect.FIELDS.items():
-        if effect.ROLES[name]["role"] == "setting":
-            continue
-        paths = [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
-        halves = [
-            float(found.estimate.half_width[found.estimate.paths.index(p)])
-            if p in free and p in found.estimate.paths
-            else float("nan")
-            for p in paths
-        ]
-        numbers = [known[p].value for p in paths]
-        if not numbers:
-            continue
-        low = [None if np.isnan(h) else v - h for v, h in zip(numbers, halves, strict=True)]
-        high = [None if np.isnan(h) else v + h for v, h in zip(numbers, halves, strict=True)]
-        if isinstance(getattr(effect, name), list):
-            values[name] = Value(numbers, unit, (low, high))
-        else:
-            values[name] = Value(numbers[0], unit, (low[0], high[0]))
     return NamedEffect(
         effect.NAME,
         tuple(dict.fromkeys([*(r.name for r in rivals), *others])),
-        confidence,
-        values,
+        round(0.5 * confidence, 3) if others else confidence,
+        _values(found.estimate, prefix, effect),
         where_of(effect, found.evidence),
         added.finding.test.statistic,
         added.finding.log_p_value,
     )
+
+
+def _values(estimate: Estimate, prefix: str, effect: Any) -> dict[str, Value]:
+    """The parameters of an effect in a fitted model, with intervals of those that the fit can tell."""
+    known = parameters_of(estimate.model)
+    free = set(effect_parameters(estimate.model)) - conditional_paths(estimate.model)
+    halves = {
+        path: float(half)
+        for path, half in zip(estimate.paths, estimate.half_width, strict=True)
+        if path in free and not np.isnan(half)
+    }
+    values: dict[str, Value] = {}
+    for name, (unit, _) in effect.FIELDS.items():
+        paths = [p for p in known if p == f"{prefix}.{name}" or p.startswith(f"{prefix}.{name}[")]
+        if effect.ROLES[name]["role"] == "setting" or not paths:
+            continue
+        numbers = [known[p].value for p in paths]
+        low = [known[p].value - halves[p] if p in halves else None for p in paths]
+        high = [known[p].value + halves[p] if p in halves else None for p in paths]
+        if isinstance(getattr(effect, name), list):
+            values[name] = Value(numbers, unit, (low, high))
+        else:
+            values[name] = Value(numbers[0], unit, (low[0], high[0]))
+    return values
 
 
 def fully_named(found: Search, place: int) -> list[str]:

@@ -6,29 +6,31 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from cogging.diagnosis.entries import NamedEffect
 from cogging.diagnosis.naming.names import FORMLESS
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
-from cogging.diagnosis.residual.events import FRICTION_INTERVALS, JUMPS, with_events
+from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import shape_text
-from cogging.diagnosis.residual.shapes import Shape, shapes
-from cogging.diagnosis.result import NamedEffect
-from cogging.diagnosis.search.search import LEFT_OVER, Search
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
+from cogging.diagnosis.residual.shapes import shapes
+from cogging.diagnosis.search.search import LEFT_OVER
+from cogging.diagnosis.search.state import Search
 
 SURE = 0.9  # confidence from which a name is stated
 DOUBTED = 0.7  # confidence below which a name does not stand against a better shape without a name
 HALF = 0.5  # of the strongest effect: a residual shape that is as strong as that has a cause of its own
-AGAIN = -5.0  # ln of the chance of the same coordinate on the confirm logs
+AGAIN = -5.0  # log p-value of the same coordinate on the confirm logs
 TOGETHER = -26.0  # the same of both at once, where each is below AGAIN
 JUMP = -18.0  # the same of readings that jump, on any log: nothing that a model may get wrong does that
 JUMPS_TOGETHER = -12.0  # the same of both logs
 INTERVAL = -12.0  # the same of intervals of friction: what friction laws differ by comes and goes too
 INTERVALS_TOGETHER = -60.0  # the same of both logs
-LONELY = -100.0  # ln of the chance of a shape in time, which other motion need not show
-VARIANCE = -80.0  # ln of the chance of a burst at any frequency; where an encoder is coarse, the noise goes with speed
+LONELY = -100.0  # log p-value of a shape in time, which other motion need not show
+VARIANCE = -80.0  # log p-value of a burst at any frequency; where an encoder is coarse, the noise goes with speed
 BURST = -12.0  # the same of bursts: noise has its own
 BURSTS_TOGETHER = -60.0  # the same of both logs
 ROUNDING = 0.07  # of the residual's power, from which the encoder's rounding is no white noise beside other noise:
-WEAKENED = 2.0  # what is left must then stand out by as many times the ln of the chance
+WEAKENED = 2.0  # what is left must then stand out by as many times the log p-value
 
 
 def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) -> dict[str, Any] | None:
@@ -56,7 +58,7 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
 
 
 def weakened(shape: Shape, factor: float) -> Shape:
-    """The shape with the ln of its chance divided by a factor of at least 1."""
+    """The shape with its log p-value divided by a factor of at least 1."""
     return replace(shape, log_p_value=shape.log_p_value / factor)
 
 

@@ -18,7 +18,7 @@ QUARTILES = 1.349  # standard deviations between the quartiles of a normal distr
 
 
 def bursts(evidence: Evidence) -> float:
-    """ln of the chance that a white residual is as loud in any few blocks, summed over logs.
+    """Log p-value: ln of the probability that a white residual is as loud in any few blocks, summed over logs.
 
     The power of a block over the median at that speed is chi-square over its degrees of freedom; those are counted
     from the band, or from the scatter of all blocks where that is larger (heavy tails, noise that goes with more).
@@ -30,21 +30,23 @@ def bursts(evidence: Evidence) -> float:
         start += n
         frequency = np.fft.rfftfreq(n, h)
         inside = (frequency >= BAND[0]) & (frequency < BAND[1])
-        power = np.fft.irfft(np.where(inside, np.fft.rfft(residual), 0.0), n) ** 2 * source.counts
+        power = np.fft.irfft(np.where(inside, np.fft.rfft(residual), 0.0), n) ** 2 * source.mask
         length = max(2, round(BLOCK / h))
         rows = len(residual) // length * length
-        counted = source.counts[:rows].reshape(-1, length).sum(axis=1)
+        counted = source.mask[:rows].reshape(-1, length).sum(axis=1)
         moving = counted > 0.5 * length
         if moving.sum() < BLOCKS_MIN:
             continue
         level = power[:rows].reshape(-1, length).sum(axis=1)[moving] / counted[moving]
-        speed = (np.abs(source.along.velocity) * source.counts)[:rows].reshape(-1, length).sum(axis=1)[moving]
-        total += _chance(level, speed / counted[moving], (BAND[1] - BAND[0]) * 2.0 * h * float(counted[moving].mean()))
+        speed = (np.abs(source.along.velocity) * source.mask)[:rows].reshape(-1, length).sum(axis=1)[moving]
+        total += _log_p_value(
+            level, speed / counted[moving], (BAND[1] - BAND[0]) * 2.0 * h * float(counted[moving].mean())
+        )
     return total
 
 
-def _chance(level: np.ndarray, speed: np.ndarray, freedom: float) -> float:
-    """ln of the chance of the loudest few of these levels (m,), with `freedom` degrees of freedom in each at most."""
+def _log_p_value(level: np.ndarray, speed: np.ndarray, freedom: float) -> float:
+    """Log p-value of the loudest few of these levels (m,), with `freedom` degrees of freedom in each at most."""
     place = np.empty(len(level), dtype=int)
     place[np.argsort(speed)] = np.arange(len(level)) * SPEEDS // len(level)
     usual = np.array([np.median(level[place == k]) for k in range(SPEEDS)])
@@ -59,7 +61,7 @@ def _chance(level: np.ndarray, speed: np.ndarray, freedom: float) -> float:
 
 
 def variance_jumps(evidence: Evidence) -> float:
-    """ln of the chance that a white residual's power jumps as high in any three blocks, 0.6 s.
+    """Log p-value: ln of the probability that a white residual's power jumps as high in any three blocks, 0.6 s.
 
     Against what it is at that speed: where an encoder is coarse, the noise goes with speed.
     """

@@ -11,12 +11,11 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
+from cogging.estimation.innovations import Innovations
 
-JUMPS, FRICTION_INTERVALS = "jumps of the reading over time", "friction in spells of time"
-MOMENTS = (JUMPS, FRICTION_INTERVALS)  # coordinates whose places are moments
 EVENTS_MAX = 12
-SUSPECTED = -3.0  # ln of the chance, from which jumps are held against blows of force
+SUSPECTED = -3.0  # log p-value, from which jumps are held against blows of force
 APART = 0.02  # s: jumps that are closer are one
 LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of intervals of friction
 MEDIAN, HUNDREDTH = 0.4549, 6.635  # of chi-square with one degree of freedom: median, and 99 of 100 are below
@@ -55,9 +54,9 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
     chosen: list[tuple[float, int, int]] = []
     rows = 0.0
     for number, (source, reading) in enumerate(zip(evidence.sources, readings, strict=True)):
-        score = np.cumsum(reading[::-1])[::-1] ** 2 * source.counts
-        level = level_of(score[source.counts > 0])
-        rows += float(source.counts.sum())
+        score = np.cumsum(reading[::-1])[::-1] ** 2 * source.mask
+        level = level_of(score[source.mask > 0])
+        rows += float(source.mask.sum())
         near = max(1, round(APART / source.scales.sample_time))
         for _ in range(EVENTS_MAX):
             row = int(np.argmax(score))
@@ -109,28 +108,11 @@ def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape |
     found: list[tuple[float, int, int, int]] = []
     trials = 0.0
     for number, (source, force) in enumerate(zip(evidence.sources, forces, strict=True)):
-        total = np.concatenate([[0.0], np.cumsum(force * source.counts)])
-        for seconds in LENGTHS:
-            length = max(2, round(seconds / source.scales.sample_time))
-            if length >= len(force):
-                continue
-            score = (total[length:] - total[:-length]) ** 2
-            level = level_of(score[score > 0.0])
-            if level <= 0.0:
-                continue
-            trials += float(source.counts.sum()) / length
-            for _ in range(EVENTS_MAX):
-                row = int(np.argmax(score))
-                if score[row] <= 4.0 * level:
-                    break
-                found.append((float(score[row]) / level, number, row, length))
-                score[max(0, row - length // 2) : row + length // 2 + 1] = 0.0
-    chosen: list[tuple[float, int, int, int]] = []
-    for one in sorted(found, reverse=True):
-        if len(chosen) == EVENTS_MAX:
-            break
-        if all(o[1] != one[1] or one[2] >= o[2] + o[3] or o[2] >= one[2] + one[3] for o in chosen):
-            chosen.append(one)
+        strongest, tried = _strongest(source, force)
+        found += [(score, number, row, length) for score, row, length in strongest]
+        for count in tried:
+            trials += count
+    chosen = _apart(found)
     tables = []
     for number, source in enumerate(evidence.sources):
         along = evidence.alongs[number]
@@ -144,6 +126,39 @@ def _friction_intervals(evidence: Evidence, forces: list[FloatArray]) -> Shape |
         for _, n, row, length in chosen
     ]
     return _best(evidence, FRICTION_INTERVALS, tables, times, trials)
+
+
+def _strongest(source: Innovations, force: FloatArray) -> tuple[list[tuple[float, int, int]], list[float]]:
+    """The strongest intervals in a log, as (score, first row, rows), and how many were tried of each length."""
+    total = np.concatenate([[0.0], np.cumsum(force * source.mask)])
+    found, trials = [], []
+    for seconds in LENGTHS:
+        length = max(2, round(seconds / source.scales.sample_time))
+        if length >= len(force):
+            continue
+        score = (total[length:] - total[:-length]) ** 2
+        level = level_of(score[score > 0.0])
+        if level <= 0.0:
+            continue
+        trials.append(float(source.mask.sum()) / length)
+        for _ in range(EVENTS_MAX):
+            row = int(np.argmax(score))
+            if score[row] <= 4.0 * level:
+                break
+            found.append((float(score[row]) / level, row, length))
+            score[max(0, row - length // 2) : row + length // 2 + 1] = 0.0
+    return found, trials
+
+
+def _apart(found: Sequence[tuple[float, int, int, int]]) -> list[tuple[float, int, int, int]]:
+    """Of intervals, as (score, log, first row, rows), the strongest that do not overlap in a log."""
+    chosen: list[tuple[float, int, int, int]] = []
+    for one in sorted(found, reverse=True):
+        if len(chosen) == EVENTS_MAX:
+            break
+        if all(o[1] != one[1] or one[2] >= o[2] + o[3] or o[2] >= one[2] + one[3] for o in chosen):
+            chosen.append(one)
+    return chosen
 
 
 def _best(

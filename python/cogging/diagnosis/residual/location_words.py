@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.residual.events import JUMPS, MOMENTS
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.residual.shape import JUMPS, MOMENTS, Shape
 
 STRONG = 3.0  # deviations from which a place counts
 

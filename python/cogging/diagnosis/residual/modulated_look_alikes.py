@@ -11,10 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from cogging._core import EFFECTS
-from cogging.diagnosis.candidates.scan import Finding, cleaned, judged
+from cogging.diagnosis.candidates.findings import Finding, cleaned, judged
 from cogging.diagnosis.candidates.waves import Gain, is_spatial_wave, peaks
-from cogging.diagnosis.evidence.evidence import Evidence, Test, cosine
-from cogging.diagnosis.residual.shapes import Shape
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.score_test import ScoreTest, cosine
+from cogging.diagnosis.residual.shape import Shape
 
 ALIKE = 0.5  # cosine between what a look-alike explains and what the finding does: else it is another effect
 PEAKS = 4  # of each kind's spectrum
@@ -74,7 +75,7 @@ def modulated_look_alikes(evidence: Evidence, finding: Finding) -> list[Shape]:
     return found
 
 
-def wave_test(evidence: Evidence, gain: Gain, period: float) -> Test:
+def wave_test(evidence: Evidence, gain: Gain, period: float) -> ScoreTest:
     """Score test of a sine and a cosine of position, multiplied by a gain."""
     tables = []
     for source, along in zip(evidence.sources, evidence.alongs, strict=True):

@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.evidence.evidence import Evidence, Test
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
+from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.residual.shape import Shape
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
@@ -20,36 +23,6 @@ PHASES = 8  # places in a pitch
 ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too
 PLAIN = 0.15  # of the gap's power, from which what explains it is judged against the noise that it leaves
 PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A force of any shape in one coordinate, as far as the residual asks for one.
-
-    Attributes:
-        coordinate: what the force depends on.
-        unit: of the coordinate.
-        test: of its columns.
-        places: where the shape is told, in the coordinate, (m,).
-        force: V, the force that the model lacks there, (p,); for `position` first forward, then backward.
-        deviation: 1-sigma of each, (p,).
-        log_p_value: ln of the probability that noise alone shows as much in any of the coordinates.
-        share: of the whitened residual's power below 60 Hz that it explains.
-    """
-
-    coordinate: str
-    unit: str
-    test: Test
-    places: FloatArray
-    force: FloatArray
-    deviation: FloatArray
-    log_p_value: float
-    share: float
-
-    @property
-    def score(self) -> float:
-        """2 ln likelihood less what the free parameters cost."""
-        return self.test.statistic - 2.0 * self.test.freedom
 
 
 def hats(values: FloatArray, places: FloatArray) -> FloatArray:
@@ -63,7 +36,7 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
     t = source.log.time - source.log.time[0]
     u = source.log.command
     a = source.predictor.net_force([quiet_plant(model)], x, v)[0] / model.axis.mass
-    moving = source.counts > 0
+    moving = source.mask > 0
     direction = np.sign(v)
 
     def spread(values: FloatArray, count: int) -> FloatArray:
@@ -123,61 +96,71 @@ def one_way(velocity: FloatArray) -> FloatArray:
 
 
 def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = ()) -> list[Shape]:
-    """The generic shapes, the likeliest first, each against the noise that it would leave (see scan.profiled).
+    """The residual shapes, the likeliest first, each against the noise that it would leave (see findings.profiled).
 
     Args:
-        evidence: in which they are looked for.
-        plain: also where it is the gap itself that asks for them, not only what is left of it when filters have taken
-            for noise what is slow and large. That sees more; it would doubt names, which are not looked at so.
-        known: shapes of the same evidence that were not looked at so.
+        evidence: the evidence in which they are sought.
+        plain: whether to start also from what explains the unwhitened residual, where filters have taken for noise what
+            is slow and large. That sees more, and doubts more names: their own shapes are sought without it.
+        known: shapes of the same evidence that were sought without `plain`.
     """
-    model = evidence.model
     tables: dict[str, list[FloatArray]] = {}
     facts: dict[str, tuple[str, FloatArray]] = {}
     usual = {shape.coordinate: shape for shape in known}
     for source, along in zip(evidence.sources, evidence.alongs, strict=True):
-        for name, (unit, places, columns, _) in coordinates(source, model).items():
+        for name, (unit, places, columns, _) in coordinates(source, evidence.model).items():
             facts[name] = (unit, places)
             if name not in usual or (plain and not is_answered(name)):
-                tables.setdefault(name, []).append(source.rows_of_forces(along, columns, model.axis.mass))
+                tables.setdefault(name, []).append(source.rows_of_forces(along, columns, evidence.model.axis.mass))
     power = low_power(evidence)
     _ = evidence.overdispersion, evidence.freedom  # made here once, not by every thread
 
     def shape(name: str) -> Shape | None:
-        parts = tables[name]
         # Each log has its own places, but equally many unless a direction is missing.
-        if len({len(part) for part in parts}) != 1:
+        if len({len(part) for part in tables[name]}) != 1:
             return None
-        amplitudes, share = evidence.unwhitened_fit(parts) if plain and not is_answered(name) else (np.empty(0), 0.0)
-        if name in usual and share <= PLAIN:
+        asked = plain and not is_answered(name)
+        start, explained = evidence.unwhitened_fit(tables[name]) if asked else (np.empty(0), 0.0)
+        if name in usual and explained <= PLAIN:
             return usual[name]
-        first = evidence.test(evidence.whitened(parts))
-        if first.freedom == 0:
-            return None
-        test, statistic = first, evidence.bounded(first)
-        starts = [first.amplitudes] if statistic > first.freedom + PROMISING else []
-        starts += [amplitudes] if share > PLAIN else []
-        for start in starts:
-            quiet = evidence.cleaned([start @ part for part in parts])
-            again = quiet.test(quiet.whitened(parts))
-            if quiet.bounded(again) > statistic:
-                test, statistic = again, quiet.bounded(again)
-        unit, places = facts[name]
-        return Shape(
-            name,
-            unit,
-            replace(test, statistic=statistic),
-            places,
-            -test.amplitudes,
-            test.deviations,
-            min(0.0, log_survival(statistic, test.freedom) + float(np.log(len(facts)))),
-            float(min(1.0, max(0.0, first.statistic - first.freedom) / power)),
-        )
+        test, share = best_test(evidence, tables[name], [start] if explained > PLAIN else [], power)
+        return None if test is None else shape_of(name, *facts[name], test, share, len(facts))
 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         found = [one for one in threads.map(shape, tables) if one is not None]
     found += [one for one in known if one.coordinate not in tables]
     return sorted(found, key=lambda one: one.log_p_value)
+
+
+def best_test(
+    evidence: Evidence, tables: Sequence[FloatArray], starts: Sequence[FloatArray], power: float
+) -> tuple[ScoreTest | None, float]:
+    """The best test of a shape's columns against the noise that it leaves, and its share of the residual's power.
+
+    Args:
+        evidence: the evidence.
+        tables: columns of the shape, V per V, one (m, n) a log.
+        starts: amplitudes (m,) taken from the residual before the filters are estimated, beside those of a first test.
+        power: power of the whitened residual below 60 Hz (low_power).
+    """
+    first = evidence.test(evidence.whitened(tables))
+    if first.freedom == 0:
+        return None, 0.0
+    test, statistic = first, evidence.bounded(first)
+    own = [first.amplitudes] if statistic > first.freedom + PROMISING else []
+    for start in (*own, *starts):
+        quiet = refiltered(evidence, [start @ table for table in tables])
+        again = quiet.test(quiet.whitened(tables))
+        if quiet.bounded(again) > statistic:
+            test, statistic = again, quiet.bounded(again)
+    share = float(min(1.0, max(0.0, first.statistic - first.freedom) / power))
+    return replace(test, statistic=statistic), share
+
+
+def shape_of(name: str, unit: str, places: FloatArray, test: ScoreTest, share: float, trials: int) -> Shape:
+    """A shape from its test, one of so many coordinates that were tried."""
+    log_p_value = min(0.0, log_survival(test.statistic, test.freedom) + float(np.log(trials)))
+    return Shape(name, unit, test, places, -test.amplitudes, test.deviations, log_p_value, share)
 
 
 def is_answered(coordinate: str) -> bool:

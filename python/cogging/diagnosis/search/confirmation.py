@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.intervals import acts_in_interval
-from cogging.diagnosis.candidates.scan import Finding
-from cogging.diagnosis.candidates.signatures import place, tables
+from cogging.diagnosis.candidates.signatures import place
+from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
-from cogging.diagnosis.evidence.evidence import Evidence, gather
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import nuisances, sources_of, width_floor
 from cogging.estimation.gauss_newton import fit
@@ -78,11 +80,11 @@ def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str
     Effects that the given model has are re-tuned too: they may have masked what was added.
 
     Args:
-        logs: the other logs.
-        model: with what was added.
-        given: without.
+        logs: logs of other motion.
+        model: model with what was added.
+        given: model without it.
         tuned: paths that were free in the fit of the first logs.
-        quick: see sources_of.
+        quick: whether rows soon after a quick start count (see sources_of).
     """
     own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
     paths = [p for p in tuned if not p.startswith("effects.")]

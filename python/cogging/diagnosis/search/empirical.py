@@ -9,8 +9,9 @@ import numpy as np
 
 from cogging._core import EFFECTS, DivergedError
 from cogging.diagnosis.discrepancy import discrepancies, source_of
+from cogging.diagnosis.search.acceptance import PAYS
 from cogging.diagnosis.search.levels import with_levels
-from cogging.diagnosis.search.search import PAYS, Search
+from cogging.diagnosis.search.state import Search
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
@@ -27,9 +28,9 @@ def with_term(
 
     Args:
         found: the search.
-        residual_shape: what no effect explains (verdict.unlisted).
-        model: with all that was named.
-        logs, others: given, and to confirm.
+        residual_shape: entry of what no effect explains (verdict.unlisted).
+        model: model with all that was named.
+        logs, others: given logs, and logs to confirm.
 
     Raises:
         NoTerm: no term has this coordinate, or it does not pay on the other motion.

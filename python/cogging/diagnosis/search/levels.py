@@ -10,7 +10,7 @@ from cogging._core import DivergedError
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.statistics import least_squares
+from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
 
@@ -27,7 +27,7 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
     paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
     floors = width_floor(sources)
-    masks = [source.counts > 0 for source in sources]
+    masks = [source.mask > 0 for source in sources]
     if not paths or not any(rows.any() for rows in masks):
         return model
 
@@ -41,7 +41,7 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
         residuals, columns = columns_of(model, parameters, sources, scales)
         right = np.concatenate([r[rows] for r, rows in zip(residuals, masks, strict=True)])
         table = np.concatenate([c[:, rows] for c, rows in zip(columns, masks, strict=True)], axis=1)
-        step = -least_squares(table, right)
+        step = -least_squares_of_long_rows(table, right)
         for halving in range(HALVINGS):
             values = {
                 p.path: max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from cogging.diagnosis.candidates.scan import Finding
-from cogging.diagnosis.result import Placebo
+from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.entries import Placebo
+from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.confirmation import confirmation
-from cogging.diagnosis.search.search import Search, alike
+from cogging.diagnosis.search.state import Search
 
 PLACEBOS = 5
-SUSPECTED = -6.0  # ln of the chance: what is significant and was refused is no placebo
+SUSPECTED = -6.0  # log p-value: what is significant and was refused is no placebo
 DISTINCT = 0.3  # cosine with another placebo, above which it would say the same again
 
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.intervals import acts_in_interval
-from cogging.diagnosis.candidates.scan import Finding, in_range
+from cogging.diagnosis.candidates.scan import in_range
 from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import width_floor

@@ -14,7 +14,6 @@ def read(request: Request) -> dict[str, Any]:
     """Read variables of a version 4 to 7 file.
 
     Raises:
-        ImportError: scipy is not installed.
         InputError: a variable is missing. What a broken file raises is scipy's.
     """
     from scipy.io import loadmat, whosmat

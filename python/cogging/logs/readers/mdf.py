@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from cogging.files import InputError
@@ -36,22 +37,9 @@ def read(request: Request) -> dict[str, Any]:
 
     plain: dict[str, Any] = {"process_bus_logging": False}  # which opens what is attached
     with MDF(request.path, **plain) as file:
-        masters = set(file.masters_db.items())
-        places: dict[str, tuple[int, int]] = {}
-        counts = {name: len(entries) for name, entries in file.channels_db.items()}
-        for name, entries in file.channels_db.items():
-            for group, channel in entries:
-                places[name if counts[name] == 1 else f"{group}.{name}"] = (group, channel)
-        wants_master = "time" in (*request.names, *request.optional) and request.in_file("time") not in places
-        if wants_master and "time" not in request.columns:
-            others = tuple(name for name in request.names if name != "time")
-            optional = tuple(name for name in request.optional if name != "time")
-        else:
-            wants_master, others, optional = False, tuple(request.names), tuple(request.optional)
-        narrowed = Request(request.path, others, optional, request.columns, request.scaled, request.rows)
-        names = [name for name, place in places.items() if place not in masters] if wants_master else list(places)
-        units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
-        chosen = {name: places[names[i]] for name, i in narrowed.choose(names, "file", units).items()}
+        places = _places(file)
+        wants_master = _wants_master(request, places)
+        chosen = _chosen(request, file, places, wants_master)
         groups = {group for group, _ in chosen.values()}
         if len(groups) > 1:
             where = ", ".join(f"{name} in {group}" for name, (group, _) in chosen.items())
@@ -61,18 +49,50 @@ def read(request: Request) -> dict[str, Any]:
             _require_numbers(request, name, file.groups[group].channels[channel], version)
         for group in groups:
             _require_time(request, file, group, version)
-        columns: dict[str, Any] = {}
-        for name, (group, channel) in chosen.items():
-            signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
-            columns[name] = signal.samples
-            if signal.invalidation_bits is not None and signal.invalidation_bits.any():
-                row = int(signal.invalidation_bits.argmax())
-                raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
+        columns = {name: _samples(request, file, name, *place) for name, place in chosen.items()}
         if wants_master:
             columns["time"] = file.get_master(next(iter(groups)))
         if formulas.refused:
             raise request.refuse(f"conversion: must not be a formula in the file, got {formulas.refused[0]!r}")
         return columns
+
+
+def _places(file: Any) -> dict[str, tuple[int, int]]:
+    """Group and channel by name; a name that several groups have with the group's number before it."""
+    return {
+        name if len(entries) == 1 else f"{group}.{name}": (group, channel)
+        for name, entries in file.channels_db.items()
+        for group, channel in entries
+    }
+
+
+def _wants_master(request: Request, places: Mapping[str, tuple[int, int]]) -> bool:
+    """Whether the time is that of the channel group: it is asked for, and no channel bears its name."""
+    asked = "time" in (*request.names, *request.optional) and "time" not in request.columns
+    return asked and request.in_file("time") not in places
+
+
+def _chosen(
+    request: Request, file: Any, places: Mapping[str, tuple[int, int]], wants_master: bool
+) -> dict[str, tuple[int, int]]:
+    """Group and channel of each column that is read, without the time of the group."""
+    others, optional, names = tuple(request.names), tuple(request.optional), list(places)
+    if wants_master:
+        masters = set(file.masters_db.items())
+        others, optional = (tuple(name for name in given if name != "time") for given in (others, optional))
+        names = [name for name, place in places.items() if place not in masters]
+    narrowed = Request(request.path, others, optional, request.columns, request.scaled, request.rows)
+    units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
+    return {name: places[names[i]] for name, i in narrowed.choose(names, "file", units).items()}
+
+
+def _samples(request: Request, file: Any, name: str, group: int, channel: int) -> Any:
+    """The values of a channel, all of them valid."""
+    signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
+    if signal.invalidation_bits is not None and signal.invalidation_bits.any():
+        row = int(signal.invalidation_bits.argmax())
+        raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
+    return signal.samples
 
 
 def _require_time(request: Request, file: Any, group: int, version: int) -> None:

@@ -6,6 +6,7 @@ import csv
 import os
 import re
 import sys
+from typing import IO
 
 from tqdm import tqdm
 
@@ -28,46 +29,61 @@ def read(request: Request) -> dict[str, FloatArray]:
     try:
         with open(request.path, "rb", buffering=0) as file:
             size = os.fstat(file.fileno()).st_size
-            head = file.read(min(HEAD, size))
-            while len(head) < min(HEAD, size) and (more := file.read(HEAD - len(head))):
-                head += more
-            lines = _lines(head, request)
-            separator, labels, units, first_data = _find_header(lines, request)
-            index = request.choose(labels, "header", units)
-            order = sorted(index, key=lambda name: index[name])
-            rows = request.rows
-            kept = [lines[i] for i in range(first_data, len(lines))]
-            mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
-            if len(set(index.values())) < len(index):  # two names for one column: read once
-                order = [name for i, name in enumerate(order) if i == 0 or index[name] != index[order[i - 1]]]
-            limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
-            reader = NumberReader(
-                separator=separator,
-                fields=len(labels),
-                wanted=[index[name] for name in order],
-                labels=order,
-                first_row=rows.start or 0,
-                end_row=rows.stop,
-                first_line=first_data + 1,
-                expected_rows=int(1.1 * limit / mean) + 16,
-            )
+            head = _head(file, size)
+            reader, index, order, first_data = _reader(head, size, request)
             file.seek(_offset(head, first_data))
-            shown = request.progress and size >= LARGE and sys.stderr.isatty()
-            with tqdm(
-                total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False
-            ) as bar:
-                while not reader.done and (block := file.read(BLOCK)):
-                    reader.feed(block)
-                    bar.update(len(block))
-            reader.finish()
+            _feed(reader, file, size, request)
     except OSError as error:
         raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
+    except InputError:
+        raise
     except ValueError as error:
-        if isinstance(error, InputError):
-            raise
         raise _readable(error, request) from None
     arrays = dict(zip((index[name] for name in order), reader.take(), strict=True))
     return {name: arrays[place] for name, place in index.items()}
+
+
+def _head(file: IO[bytes], size: int) -> bytes:
+    """The beginning of a file, in which the header row must stand."""
+    head = file.read(min(HEAD, size))
+    while len(head) < min(HEAD, size) and (more := file.read(HEAD - len(head))):
+        head += more
+    return head
+
+
+def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dict[str, int], list[str], int]:
+    """What takes the rows, places of the wanted columns, those read in their order, and the first data line."""
+    lines = _lines(head, request)
+    separator, labels, units, first_data = _find_header(lines, request)
+    index = request.choose(labels, "header", units)
+    order = sorted(index, key=lambda name: index[name])
+    if len(set(index.values())) < len(index):  # two names for one column: read once
+        order = [name for i, name in enumerate(order) if i == 0 or index[name] != index[order[i - 1]]]
+    rows = request.rows
+    kept = lines[first_data:]
+    mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
+    limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
+    reader = NumberReader(
+        separator=separator,
+        fields=len(labels),
+        wanted=[index[name] for name in order],
+        labels=order,
+        first_row=rows.start or 0,
+        end_row=rows.stop,
+        first_line=first_data + 1,
+        expected_rows=int(1.1 * limit / mean) + 16,
+    )
+    return reader, index, order, first_data
+
+
+def _feed(reader: NumberReader, file: IO[bytes], size: int, request: Request) -> None:
+    """Give the reader the file in blocks, behind a bar where it is large."""
+    shown = request.progress and size >= LARGE and sys.stderr.isatty()
+    with tqdm(total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False) as bar:
+        while not reader.done and (block := file.read(BLOCK)):
+            reader.feed(block)
+            bar.update(len(block))
+    reader.finish()
 
 
 def _readable(error: ValueError, request: Request) -> InputError:

@@ -1,7 +1,7 @@
 """Calibrates the cogging maps of Lu et al. 2008: `python -m cogging.papers.lu2008.calibration [FILE]`.
 
 The paper prints no map. For each axis three amplitudes (periodic, modulated, uncompensated part; see
-lu2008.cogging_map) are found so that the rms errors of C1, C2 and C3 are those of the table. Nothing is fitted to the
+setup.cogging_map) are found so that the rms errors of C1, C2 and C3 are those of the table. Nothing is fitted to the
 maxima. The result is what comes with the package as maps.toml, bit for bit.
 """
 
@@ -18,7 +18,7 @@ from cogging._core import CoggingModel, Plant, PointToPoint
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.lu2008.reproduce import (
+from cogging.papers.lu2008.setup import (
     AXES,
     CONTROLLERS,
     Amplitudes,

@@ -25,7 +25,7 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.papers.lu2008.calibration import calibrate
-from cogging.papers.lu2008.reproduce import (
+from cogging.papers.lu2008.setup import (
     AXES,
     CONTROL_POINTS,
     CONTROLLERS,

@@ -13,7 +13,7 @@ import numpy as np
 
 from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import tracking_spectrum
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.papers.malaize2009.setup import (
     CONTROLLERS,
     MOTORS,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
 
 
-def controllers(motor: Motor, gains: Calibrated) -> dict[str, Controller]:
+def controllers(motor: Motor, gains: Calibrated) -> dict[str, ListedController]:
     """PID and observer of Table I."""
     return {"PID": pid(), "observer": observer(motor, gains)}
 
@@ -65,11 +65,11 @@ def imperfections(motor: Motor, gains: Calibrated) -> dict[str, dict[str, float]
     def ripple(share: float) -> Any:
         return plant(motor, amplitude, ripples=[(RIPPLE_PERIOD, share * rms * np.sqrt(2.0))])
 
-    def thrust(factor: float) -> dict[str, Controller]:
+    def thrust(factor: float) -> dict[str, ListedController]:
         return {"PID": pid(factor), "observer": observer(motor, gains, thrust=factor)}
 
     exact = plant(motor, amplitude)
-    cases: dict[str, tuple[Any, dict[str, Controller]]] = {
+    cases: dict[str, tuple[Any, dict[str, ListedController]]] = {
         "as believed": (exact, both),
         "ripple of 4 % rms": (ripple(0.04), both),
         "ripple of 20 % rms": (ripple(0.20), both),

@@ -2,7 +2,7 @@
 
 Forces are accelerations in the paper: a mass of 1 and m/s^2 as the command unit. Lambda pushes (+), so F_cogging of
 this project is -Lambda. What is not reported is assumed and says so; the amplitudes are calibrated on the PID row and
-the pole radius on lambda* (malaize2009_calibration.py), the observer row then follows.
+the pole radius on lambda* (calibration.py), the observer row then follows.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 
 # Not reported, assumed.
 SAMPLE_RATE = 10_000.0  # Hz
@@ -125,7 +125,7 @@ class Calibrated:
 
 
 def shipped(motor: Motor) -> Calibrated:
-    """The calibrated values that come with the package (written by malaize2009_calibration.py)."""
+    """The calibrated values that come with the package (written by calibration.py)."""
     text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text()
     part = parse_toml(text)[motor.name]
     return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
@@ -195,7 +195,7 @@ def reference(motor: Motor) -> PointToPoint:
     )
 
 
-def pid(thrust: float = 1.0) -> Controller:
+def pid(thrust: float = 1.0) -> ListedController:
     """The PID: three equal poles, feedforward of mass and mu. thrust: by which the motor pushes more than believed."""
     kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
     return Pid(
@@ -203,7 +203,7 @@ def pid(thrust: float = 1.0) -> Controller:
     )
 
 
-def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> Controller:
+def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
     """The observer (6) with law (8); stretch: by which its periods are wrong."""
     return ObserverBased(
         ObserverBasedParameters(
@@ -220,7 +220,7 @@ def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: f
     )
 
 
-def run(machine: Plant, controller: Controller, motor: Motor) -> Log:
+def run(machine: Plant, controller: ListedController, motor: Motor) -> Log:
     """Run a controller along the motor's strokes."""
     return Log.of(closed_loop(machine, controller, reference(motor)))
 
@@ -238,6 +238,6 @@ def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:
     return float(np.abs(true_error(log)[first if cold else ~first]).max())
 
 
-def accuracies(machine: Plant, controllers: Mapping[str, Controller], motor: Motor) -> dict[str, float]:
+def accuracies(machine: Plant, controllers: Mapping[str, ListedController], motor: Motor) -> dict[str, float]:
     """The accuracy (m) of each controller on a machine."""
     return {name: accuracy(run(machine, controller, motor), motor) for name, controller in controllers.items()}

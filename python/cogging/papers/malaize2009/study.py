@@ -7,7 +7,6 @@ trajectory really diverges. Needs the extra `design`. With DIR, the sweep is dra
 
 from __future__ import annotations
 
-import io
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,6 +31,7 @@ from cogging.design.observer import ObserverDesign, design_observer, largest_dec
 from cogging.logs.log import Log
 from cogging.outputs import write_bytes
 from cogging.papers.malaize2009.setup import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
+from cogging.papers.result import png
 from cogging_command import run_command
 
 if TYPE_CHECKING:
@@ -180,9 +180,7 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
         show(f"    a cold trajectory fails from {divergence_multiple(motor, design):.0f} times lambda*")
     if folder is not None:
         path = Path(folder) / "malaize2009_sweep.png"
-        picture = io.BytesIO()
-        figure_sweep().savefig(picture, format="png", dpi=120)
-        write_bytes(path, picture.getvalue())
+        write_bytes(path, png(figure_sweep()))
         show(f"{path} written")
 
 

@@ -1,8 +1,8 @@
 """Xu and Yao 2001: output-feedback adaptive robust control and a PID on an epoxy-core linear motor (Table 1).
 
-Three blocks that are never mixed: the plant's unknowns are *calibrated* on the PID columns (xu2001_calibration.py), the
+Three blocks that are never mixed: the plant's unknowns are *calibrated* on the PID columns (calibration.py), the
 ARC columns are *predicted* with the printed gains in the reading that can run, and what would explain the difference
-is *exploratory* (xu2001_study.py).
+is *exploratory* (study.py).
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ import numpy as np
 
 from cogging._core import OutputFeedbackArc, Pid, closed_loop
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.papers.result import Reproduction, Row, Table
+from cogging.papers.xu2001.exploration import explore
+from cogging.papers.xu2001.robust_terms import figure_increment
 from cogging.papers.xu2001.setup import (
     CONTROLLERS,
     INDEXES,
@@ -31,7 +33,6 @@ from cogging.papers.xu2001.setup import (
     run,
     shipped_unknowns,
 )
-from cogging.papers.xu2001.study import explore, figure_increment
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +59,10 @@ def exploration_table(explored: Mapping[str, float]) -> Table:
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
     """Table 1 and Figs. 2 to 6. `progress` is told each of STEPS as it is done."""
     unknowns = shipped_unknowns()
-    controllers: dict[str, Controller] = {"PID": Pid(pid_parameters()), "ARC": OutputFeedbackArc(arc_parameters())}
+    controllers: dict[str, ListedController] = {
+        "PID": Pid(pid_parameters()),
+        "ARC": OutputFeedbackArc(arc_parameters()),
+    }
     logs = {name: run(unknowns, controller) for name, controller in controllers.items()}
     table = table_1(logs)
     progress("table 1")

@@ -1,7 +1,7 @@
 """The setup of Xu and Yao 2001: printed numbers, plant, controllers, references and indexes of Table 1.
 
 Sources are cited as (Table 1), (eq. n), (section). What the paper does not report of the plant is calibrated on
-the PID columns (xu2001_calibration.py).
+the PID columns (calibration.py).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from cogging._core import (
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 
 if TYPE_CHECKING:
     pass
@@ -47,7 +47,7 @@ PID_POLE, PID_MASS = -300.0, 0.02  # 1/s, V/(m/s^2): three poles (section 4.3)
 DURATION = 10.0  # s: T_f, not reported; the rms commands of the PID give 9.6 to 10.6
 FINAL_WINDOW = 2.0  # s (section 4.2)
 TRAVEL = (-0.3, 0.5)  # m: not reported, no run comes near its ends
-SEED = 2001  # of the encoder noise; the spread over seeds is shown by xu2001_study.py
+SEED = 2001  # of the encoder noise; the spread over seeds is shown by study.py
 
 SETS = ("1", "2", "3")
 CONTROLLERS = ("PID", "ARC")
@@ -147,7 +147,7 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
     """The ARC with every printed number (section 4.3), robust terms off: k_1s = g_1, k_2s = g_2.
 
-    With the printed robust terms one encoder count would move the command by some 1e5 V (xu2001_study.py), so they
+    With the printed robust terms one encoder count would move the command by some 1e5 V (study.py), so they
     cannot have run; the conditions of Theorem 1 A are then not met.
     """
     fields = {
@@ -202,7 +202,7 @@ def indexes(log: Log) -> dict[str, float]:
 
 
 def run(
-    unknowns: Unknowns, controller: Controller, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
+    unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
 ) -> dict[str, Log]:
     """Run one controller through the three sets of case 1."""
     logs = closed_loop_batch(

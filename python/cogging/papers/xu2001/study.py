@@ -7,12 +7,11 @@ figure of the command increment against the robust terms is written there.
 
 from __future__ import annotations
 
-import io
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from cogging import effects
 from cogging._core import (
     AxisParameters,
     DivergedError,
-    EncoderParameters,
     OutputFeedbackArc,
     Pid,
     Plant,
@@ -28,16 +26,15 @@ from cogging._core import (
     PointToPointParameters,
     closed_loop,
 )
-from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.model.model import Controller
+from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
+from cogging.papers.result import png
+from cogging.papers.xu2001.exploration import changes, columns, explore, gap
+from cogging.papers.xu2001.robust_terms import FACTORS, HARDWARE, figure_increment, increment, one_count
 from cogging.papers.xu2001.setup import (
     DURATION,
-    INDEXES,
     MASSES,
-    SETS,
-    TABLE_1,
     VISCOUS,
     Unknowns,
     arc_parameters,
@@ -51,139 +48,8 @@ from cogging.papers.xu2001.setup import (
 )
 from cogging_command import run_command
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-JUDGED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
-ROBUST_TERMS = (
-    "use_alpha_1s2",
-    "use_alpha_1s3",
-    "use_c_phi_1",
-    "use_c_theta_2",
-    "use_c_phi_2",
-    "use_u_s2",
-    "use_u_s3",
-)
-
-
-def columns(controller: Controller, unknowns: Unknowns, seed: int = 2001) -> FloatArray:
-    """The judged indexes of a controller in the three sets, (3, 5).
-
-    Raises:
-        DivergedError: a run diverged.
-    """
-    logs = run(unknowns, controller, seed=seed)
-    return np.array([[indexes(logs[name])[index] for index in JUDGED] for name in SETS])
-
-
-def printed(controller: str) -> FloatArray:
-    """The same of Table 1, (3, 5)."""
-    return np.array([[TABLE_1[controller][name][INDEXES.index(index)] for index in JUDGED] for name in SETS])
-
-
-def gap(found: FloatArray, controller: str = "ARC") -> float:
-    """The rms log-ratio to the printed column."""
-    return float(np.sqrt(np.mean(np.log(found / printed(controller)) ** 2)))
-
-
-def changes() -> dict[str, dict[str, Any]]:
-    """The changes of the ARC's numbers that are tried, each alone and some together."""
-    base = arc_parameters()
-
-    def adaptation(factor: float) -> dict[str, Any]:
-        return {"adaptation": [factor * rate for rate in base.adaptation]}
-
-    def gains(factor: float) -> dict[str, Any]:
-        return {"gain_1": factor * base.gain_1, "gain_2": factor * base.gain_2}
-
-    observer = {"observer_gain_1": 2 * base.observer_gain_1, "observer_gain_2": 4 * base.observer_gain_2}
-    together = {
-        "adaptation x 3.5": adaptation(3.5),
-        "gains x 1.2": gains(1.2),
-        "theta_1(0) = 37": {"theta": [37.0, 10.0, 0.0]},
-        "theta_1(0) = 20": {"theta": [20.0, 10.0, 0.0]},
-    }
-    return {
-        "as printed, g only": {},
-        "adaptation x 2": adaptation(2.0),
-        **together,
-        "adaptation x 5": adaptation(5.0),
-        "gains x 0.8": gains(0.8),
-        "observer poles at -400": observer,
-        "with the C_phi1 term": {"use_c_phi_1": True},
-        "Euler steps of the filters": {"filter_steps": "euler"},
-        "no friction compensation": {"coulomb": 0.0},
-        "adaptation x 3.5, gains x 1.2": {**adaptation(3.5), **gains(1.2)},
-        "adaptation x 3.5, theta_1(0) = 20": {**adaptation(3.5), "theta": [20.0, 10.0, 0.0]},
-        "all three": {**adaptation(3.5), **gains(1.2), "theta": [20.0, 10.0, 0.0]},
-    }
-
-
-def increment(factor: float, sample_rate: float, resolution: float, duration: float = 1.0) -> float:
-    """The rms command increment (V) with all printed robust terms times a factor; infinite where the run diverges.
-
-    Set 1 of case 1 on a plant without delay, friction or noise: what is left is the quantiser.
-    """
-    switches = dict.fromkeys(ROBUST_TERMS, True)
-    controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, robust_factor=factor, **switches))
-    machine = Plant(
-        AxisParameters(mass=MASSES["1"], viscous=VISCOUS, travel=[-0.3, 0.3]),
-        encoder=EncoderParameters(resolution=resolution),
-    )
-    steps = max(1, round(20_000 / sample_rate))
-    try:
-        log = Log.of(closed_loop(machine, controller, reference(), duration=duration, steps_per_sample=steps))
-    except DivergedError:
-        return float("inf")
-    return indexes(log)["du_rms"]
-
-
-def one_count(resolution: float) -> float:
-    """The command (V) that one encoder count (m) makes at rest, with all printed robust terms."""
-    switches = dict.fromkeys(ROBUST_TERMS, True)
-
-    def command(reading: float) -> float:
-        controller = OutputFeedbackArc(arc_parameters(**switches))
-        controller.command(reference=0.0, reading=0.0)
-        controller.update(0.0)
-        return controller.command(reference=0.0, reading=reading)
-
-    return command(resolution) - command(0.0)
-
-
-def explore(unknowns: Unknowns) -> dict[str, float]:
-    """The gap of the ARC columns for each of the changes; infinite where a run diverges."""
-    found = {}
-    for name, change in changes().items():
-        try:
-            found[name] = gap(columns(OutputFeedbackArc(arc_parameters(**change)), unknowns))
-        except DivergedError:
-            found[name] = float("inf")
-    return found
-
-
-#: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
-HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
-FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-
-
-def figure_increment() -> Figure:
-    """The rms command increment against a common factor on the printed robust terms."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
-    axes = figure.subplots()
-    for rate, resolution in HARDWARE:
-        values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
-        axes.loglog(FACTORS[1:], values, "o-", label=f"{rate / 1000:g} kHz, {1e9 * resolution:g} nm")
-    axes.axhline(TABLE_1["ARC"]["1"][4], color="black", linestyle=":", label="paper: 0.06 V")
-    axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)")
-    axes.set_title("A line ends where the run diverges")
-    axes.legend()
-    return figure
-
-
-def loses_stability(make: Callable[[], Controller], mass: float) -> tuple[float, float]:
+def loses_stability(make: Callable[[], ListedController], mass: float) -> tuple[float, float]:
     """The delay (s) from which a small oscillation grows, and its frequency (Hz), on a rigid axis without friction."""
 
     def grows(delay: float) -> tuple[bool, float]:
@@ -209,7 +75,7 @@ def loses_stability(make: Callable[[], Controller], mass: float) -> tuple[float,
     return low, grows(low)[1]
 
 
-def integral_stiffness(controller: Controller, mass: float) -> float:
+def integral_stiffness(controller: ListedController, mass: float) -> float:
     """Force over the time integral of the error that it leaves, V/(m s), on a rigid axis without friction."""
     force = 0.05
     machine = Plant(
@@ -335,9 +201,7 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
     _fast_motion(unknowns, show)
     if folder is not None:
         path = Path(folder) / "xu2001_increment.png"
-        picture = io.BytesIO()
-        figure_increment().savefig(picture, format="png", dpi=120)
-        write_bytes(path, picture.getvalue())
+        write_bytes(path, png(figure_increment()))
         show(f"{path} written")
 
 

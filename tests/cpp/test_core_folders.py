@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-CPP = Path(__file__).resolve().parents[1] / "cpp"
+CPP = Path(__file__).resolve().parents[2] / "cpp"
 CORE = CPP / "cogging"
 #: In their order. What stands beside them, in no folder, is their base and uses no folder.
 FOLDERS = ["table", "basis", "reference", "plant", "control", "simulation", "estimation"]

@@ -1,0 +1,131 @@
+"""What is predicted of the tracking error: indexes with intervals, as a table and as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.model.intervals import Interval
+from cogging.values import ByValue
+
+#: Indexes of a prediction: over the window, and the largest of the whole run.
+INDEXES = ("rms", "max", "max_whole")
+
+
+@dataclass(frozen=True)
+class PredictedIndex:
+    """One index of the error over the drawn machines.
+
+    Attributes:
+        median: m; infinite where more than half the runs diverged.
+        interval: m, between which the index of one more machine lies (see ErrorPrediction.coverage).
+        values: m, (samples,), one a machine, in the order drawn; infinite where the run diverged.
+    """
+
+    median: float
+    interval: Interval
+    values: FloatArray = field(repr=False)
+
+
+@dataclass(frozen=True)
+class ControllerPrediction:
+    """What a controller would reach.
+
+    Attributes:
+        name: of the controller.
+        rms, max: of encoder reading minus reference, m, over the window.
+        max_whole: largest over the whole run, m.
+        diverged: share of the machines on which the run diverged.
+    """
+
+    name: str
+    rms: PredictedIndex
+    max: PredictedIndex
+    max_whole: PredictedIndex
+    diverged: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ErrorPrediction(ByValue):
+    """The predicted tracking error of each controller.
+
+    Attributes:
+        controllers: one entry a controller.
+        window: of `rms` and `max`, s: the last period of a periodic motion of two or more, else the whole run.
+        samples, seed: of the drawn machines.
+        coverage: chance that the index of one more machine drawn likewise lies in its interval: 0.95, or
+            (samples - 1) / (samples + 1) where fewer than 39 samples cannot tell so far out.
+        notes: which parameters had no interval, which controllers were left out and why.
+
+    Example:
+        >>> prediction = cogging.predict_error(model, move, ["own"], samples=4)
+        >>> prediction["own"].diverged
+        0.0
+    """
+
+    controllers: tuple[ControllerPrediction, ...]
+    window: Interval
+    samples: int
+    seed: int
+    coverage: float
+    notes: tuple[str, ...] = ()
+
+    def _brief(self) -> str:
+        told = [f"{one.name} {1e6 * one.rms.median:.3g} um rms" for one in self.controllers]
+        return f"{', '.join(told)}; {self.samples} machines"
+
+    def __getitem__(self, name: str) -> ControllerPrediction:
+        """The prediction of a controller.
+
+        Raises:
+            KeyError: no such controller.
+        """
+        for controller in self.controllers:
+            if controller.name == name:
+                return controller
+        raise KeyError(name)
+
+    def text(self) -> str:
+        """The table for the screen, um."""
+        width = max(10, *(len(controller.name) for controller in self.controllers))
+        titles = ("rms", "max", "max of the whole run")
+        lines = [
+            f"Predicted tracking error, um: median and {100 * self.coverage:.0f} % interval over {self.samples} "
+            f"machines; rms and max from {self.window[0]:g} to {self.window[1]:g} s",
+            f"    {'controller':<{width}}" + "".join(f"{title:>30}" for title in titles) + f"{'diverged':>10}",
+        ]
+        for controller in self.controllers:
+            cells = [_cell(getattr(controller, index)) for index in INDEXES]
+            lines.append(f"    {controller.name:<{width}}" + "".join(cells) + f"{controller.diverged:>10.0%}")
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `cogging predict --json` writes; null stands for infinite, of runs that diverged."""
+        controllers = []
+        for controller in self.controllers:
+            entry: dict[str, Any] = {"controller": controller.name, "diverged": controller.diverged}
+            for name in INDEXES:
+                index: PredictedIndex = getattr(controller, name)
+                numbers = [_finite(value) for value in (index.median, *index.interval)]
+                entry[name] = {"unit": "m", "median": numbers[0], "interval": numbers[1:]}
+            controllers.append(entry)
+        return {
+            "controllers": controllers,
+            "window": list(self.window),
+            "samples": self.samples,
+            "seed": self.seed,
+            "coverage": self.coverage,
+            "notes": list(self.notes),
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _cell(index: PredictedIndex) -> str:
+    low, high = (f"{1e6 * end:.3g}" for end in index.interval)
+    return f"{f'{1e6 * index.median:.3g} [{low}, {high}]':>30}"

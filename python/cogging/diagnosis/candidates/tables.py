@@ -1,0 +1,115 @@
+"""What candidates would do to the residuals: the columns of their score tests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cogging._core import EFFECTS, Plant
+from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.signatures import Candidate
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
+from cogging.estimation.residuals import quiet_plant
+
+
+def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatArray]]:
+    """What each candidate's columns do to the residuals of each log, V per unit of amplitude: [candidate][log] (p, n).
+
+    Laws that are linear along the prediction (forces, friction levels, gains, errors of the reading) are evaluated
+    along it and passed through the observer's loop, and so is what a changed command or a load of its own does there,
+    of the finite size that the shape says; what remains, such as friction with a memory, is predicted anew.
+    """
+    result: list[list[FloatArray]] = [[] for _ in wanted]
+    for number, source in enumerate(evidence.sources):
+        for i, table in enumerate(_tables_of_log(evidence, number, source, wanted)):
+            result[i].append(table)
+    return result
+
+
+def _tables_of_log(
+    evidence: Evidence, number: int, source: Innovations, wanted: Sequence[Candidate]
+) -> list[FloatArray]:
+    """The columns of each candidate in one log, by the quickest way that its law allows."""
+    linear, memory, readings = [], [], []
+    for i, candidate in enumerate(wanted):
+        hooks = set(EFFECTS[candidate.name].HOOKS)
+        if "reading" in hooks and len(candidate.amplitudes) > 1:
+            readings.append(i)
+        elif hooks <= LINEAR_HOOKS:
+            linear.append(i)
+        else:
+            memory.append(i)
+    out: dict[int, FloatArray] = {}
+    if linear:
+        out |= _linear(evidence, number, source, {i: wanted[i] for i in linear})
+    for i in readings:
+        out[i] = _reading(evidence, number, source, wanted[i])
+    keys = {i: (number, wanted[i].name, *sorted(wanted[i].shape.items(), key=str)) for i in memory}
+    known = {i: tuple(str(part) for part in key) for i, key in keys.items()}
+    out |= {i: evidence.memory[known[i]][0] for i in memory if known[i] in evidence.memory}
+    made = _with_memory(evidence, number, source, {i: wanted[i] for i in memory if i not in out})
+    for i, table in made.items():
+        evidence.memory[known[i]] = [table]
+    out |= made
+    return [out[i] for i in range(len(wanted))]
+
+
+def _linear(
+    evidence: Evidence, number: int, source: Innovations, wanted: Mapping[int, Candidate]
+) -> dict[int, FloatArray]:
+    """Columns of laws that are evaluated along the prediction, one an amplitude."""
+    made = [pair for candidate in wanted.values() for pair in _unit_effects(candidate)]
+    rows = _added(evidence, number, source, made)
+    out, start = {}, 0
+    for i, candidate in wanted.items():
+        columns = max(1, len(candidate.amplitudes))
+        out[i] = rows[start : start + columns]
+        start += columns
+    return out
+
+
+def _added(evidence: Evidence, number: int, source: Innovations, made: Sequence[tuple[Any, float]]) -> FloatArray:
+    """What effects add to the residuals of a log, V per unit of each, (p, n)."""
+    plant: Plant = quiet_plant(evidence.model)
+    effects, units = [effect for effect, _ in made], [unit for _, unit in made]
+    return source.rows_of_effects(evidence.alongs[number], plant, effects, units)
+
+
+def _reading(evidence: Evidence, number: int, source: Innovations, candidate: Candidate) -> FloatArray:
+    """Columns of an error of the reading, one an amplitude."""
+    along = evidence.alongs[number]
+    errors = [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(candidate)]
+    return source.rows_of_readings(along, np.array(errors), evidence.model.axis.mass)
+
+
+def _with_memory(
+    evidence: Evidence, number: int, source: Innovations, wanted: Mapping[int, Candidate]
+) -> dict[int, FloatArray]:
+    """Columns of effects that their shape alone makes: added to the prediction if that can be, else predicted anew."""
+    model, plant = evidence.model, quiet_plant(evidence.model)
+    shown = {i: _unit_effects(candidate)[0] for i, candidate in wanted.items()}
+    out: dict[int, FloatArray] = {}
+    added = [i for i in shown if source.predictor.is_addable(plant, shown[i][0])]
+    if added:
+        rows = _added(evidence, number, source, [shown[i] for i in added])
+        out |= {i: rows[k : k + 1] for k, i in enumerate(added)}
+    whole = [i for i in shown if i not in out]
+    if whole:
+        rows = source.of([model, *(model.replace(effects=(*model.effects, shown[i][0])) for i in whole)])
+        out |= {i: ((rows[k + 1] - rows[0]) / shown[i][1]).reshape(1, -1) for k, i in enumerate(whole)}
+    return out
+
+
+def _unit_effects(candidate: Candidate) -> list[tuple[Any, float]]:
+    """The effect once for each amplitude, at its unit alone, with that unit; or once as its shape makes it."""
+    if not candidate.amplitudes:
+        return [(candidate.effect(), 1.0)]
+    effects = []
+    for k, unit in enumerate(candidate.unit):
+        values = [0.0] * len(candidate.amplitudes)
+        values[k] = unit
+        effects.append((candidate.effect(values), unit))
+    return effects

@@ -1,0 +1,147 @@
+"""Entries of a result: parameters, named effects, the gap, and what was tried."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter with its unit and 95 % interval."""
+
+    value: float | list[float]
+    unit: str
+    ci95: tuple[Any, Any]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers for JSON."""
+        return {"value": self.value, "unit": self.unit, "ci95": list(self.ci95)}
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect that the model lacks.
+
+    Attributes:
+        name: name in the vocabulary.
+        alternatives: other names that these logs cannot tell from it.
+        confidence: stated probability that the name is right.
+        parameters: values by field; of a change: `change` = new / old - 1.
+        where: coordinate and range in which it sits.
+        statistic: T of its score test.
+        log_p_value: ln of the probability that noise alone shows as much (`log_chance` in JSON).
+        further: parameters of further terms of the same name (harmonics).
+    """
+
+    name: str
+    alternatives: tuple[str, ...]
+    confidence: float
+    parameters: Mapping[str, Value]
+    where: Mapping[str, Any]
+    statistic: float
+    log_p_value: float
+    further: tuple[Mapping[str, Value], ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The effect as an entry of the JSON result."""
+        return {
+            "name": self.name,
+            "alternatives": list(self.alternatives),
+            "confidence": self.confidence,
+            "parameters": {name: value.to_dict() for name, value in self.parameters.items()},
+            "where": dict(self.where),
+            "statistic": self.statistic,
+            "log_chance": self.log_p_value,
+            "further": [{name: value.to_dict() for name, value in term.items()} for term in self.further],
+        }
+
+
+@dataclass(frozen=True)
+class Step:
+    """One line of the ledger: an effect that was tried.
+
+    Attributes:
+        name: name of the effect.
+        accepted: whether it was added.
+        reason: sentence on why it was added or refused.
+        statistic: T of its score test.
+        gap_before, gap_after: gaps of the models without and with it, V; None where it was refused.
+        confirm_before, confirm_after: the same on the confirm logs.
+    """
+
+    name: str
+    accepted: bool
+    reason: str
+    statistic: float
+    gap_before: float | None
+    gap_after: float | None
+    confirm_before: float | None
+    confirm_after: float | None
+
+
+@dataclass(frozen=True)
+class Placebo:
+    """An effect that was not found, fitted all the same: what noise gives to a term that explains nothing.
+
+    Attributes:
+        name: name of the effect.
+        statistic: T on the logs.
+        confirm_gain: gain of 2 ln likelihood on the confirm logs with frozen amplitudes; negative: worse than without.
+    """
+
+    name: str
+    statistic: float
+    confirm_gain: float | None
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The gap: rms over rows in motion of what the model leaves unexplained, in the unit of the command.
+
+    Attributes:
+        unit: unit of the command.
+        floor: gap that noise and quantiser alone would leave.
+        before, after: gaps of the re-tuned model, and of that with what was found.
+        confirm_before, confirm_after: the same on the confirm logs; None without.
+        signal: name of what was compared.
+        position_before, position_after: rms of measured less replayed position, m; None where no loop is replayed.
+    """
+
+    unit: str
+    floor: float
+    before: float
+    after: float
+    confirm_before: float | None
+    confirm_after: float | None
+    signal: str
+    position_before: float | None = None
+    position_after: float | None = None
+
+    @property
+    def closed(self) -> float | None:
+        """Share of the gap's power above the floor that the found effects take away; None where there is none."""
+        above = self.before**2 - self.floor**2
+        return (self.before**2 - self.after**2) / above if above > 1e-3 * self.before**2 and self.before > 0.0 else None
+
+    @property
+    def confirmed(self) -> float | None:
+        """Gap after over gap before on the confirm logs; None without any."""
+        return (
+            self.confirm_after / self.confirm_before if self.confirm_before and self.confirm_after is not None else None
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers for JSON."""
+        return {
+            "unit": self.unit,
+            "floor": self.floor,
+            "before": self.before,
+            "after": self.after,
+            "confirm_before": self.confirm_before,
+            "confirm_after": self.confirm_after,
+            "signal": self.signal,
+            "tracking_error_before": self.position_before,
+            "tracking_error_after": self.position_after,
+        }

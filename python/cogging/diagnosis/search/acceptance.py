@@ -1,0 +1,37 @@
+"""Whether an effect pays: with it, the gap on other motion may not grow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cogging.diagnosis.discrepancy import discrepancies
+from cogging.logs.log import Log
+from cogging.model.model import Model
+from cogging.model.parameters import parameters_of, with_values
+
+PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
+
+
+def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
+    """A model with the levels that it had before something was added."""
+    known = parameters_of(before, together=True)
+    return with_values(model, {path: known[path].value for path in paths if not path.startswith("effects.")})
+
+
+def that_pays(
+    logs: Sequence[Log], confirm: Sequence[Log], before: Model, tuned: Model, kept: Model, replay: bool = False
+) -> tuple[Model | None, str]:
+    """The model with which the gap on the confirm logs does not grow: its levels re-tuned, or as they were before.
+
+    Levels that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself may
+    then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the replayed
+    loop where it is asked for (`replay`) and can be had.
+    """
+    other = discrepancies(confirm, [before, tuned, kept], replay=replay)
+    if other[1].rms <= PAYS * other[0].rms:
+        return tuned, ""
+    if other[2].rms < other[0].rms:
+        own = discrepancies(logs, [before, kept], replay=replay)
+        if own[1].rms <= PAYS * own[0].rms:
+            return kept, ""
+    return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"

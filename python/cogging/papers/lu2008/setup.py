@@ -1,0 +1,252 @@
+"""The setup of Lu, Chen, Yao, Wang 2008: two axes of a gantry, their DCARC with a B-spline cogging model, the moves.
+
+Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the three
+amplitudes of each cogging map are calibrated on the three rms values (calibration.py).
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging._core import (
+    AdaptiveRobustParameters,
+    AxisParameters,
+    CoggingModel,
+    Dcarc,
+    EncoderParameters,
+    Plant,
+    PointToPoint,
+    PointToPointParameters,
+    SplineHarmonics,
+    closed_loop_batch,
+    performance,
+)
+from cogging.files import parse_toml
+from cogging.logs.log import Log
+
+PITCH = 0.05  # m (section "System Identification": P = 50 mm)
+TRAVEL = (0.0, 0.51)  # m (section "Experimental Setup")
+RESOLUTION = 0.5e-6  # m (section "Experimental Setup")
+SAMPLE_RATE = 5000.0  # Hz (sections "Comparative Experimental Results")
+HARMONICS = (1, 2, 3, 6, 12)  # those that the FFT of the measured maps shows (section "System Identification")
+ORDER = 3  # third-order B-splines (same section)
+CONTROL_POINTS = 13  # m for 0.51 m at one pitch and order 3: m - k + 1 >= 10.2 spans
+
+# Not reported, assumed: which knob does what is shown by study.py.
+COULOMB_WIDTH = 1.0 / 900.0  # m/s: S_f = (2/pi) atan(900 v), as in Xu and Yao 2001, of the same group
+DWELL = 0.1  # s
+START = 0.055  # m: centres the 0.4 m move in the travel
+
+CONTROLLERS = ("C1", "C2", "C3")
+
+
+@dataclass(frozen=True)
+class GantryAxis:
+    """One axis of the gantry: what is printed of its motor, its controllers and its experiment.
+
+    Attributes:
+        name: "X" or "Y".
+        table: id of its table.
+        mass, viscous, coulomb: V/(m/s^2), V/(m/s), V (section "System Identification").
+        bounds: of M, B, A_f, d (sections "Comparative Experimental Results").
+        cogging_bound: V, of every coefficient of A_r (same sections).
+        error_gain, feedback_gain: k_1 (1/s), k_s1 (V/(m/s)) (same sections).
+        compensated: harmonics in C3 (same sections); C2's are not reported, the same are assumed.
+        velocity, acceleration: limits of the move, m/s, m/s^2 (same sections).
+        jerk: m/s^3, assumed.
+        repeats: moves there and back, assumed; the indexes are of the last.
+        error_max, error_rms: m, of C1, C2, C3 (Table 1 or 2).
+    """
+
+    name: str
+    table: str
+    mass: float
+    viscous: float
+    coulomb: float
+    bounds: tuple[tuple[float, float], ...]
+    cogging_bound: float
+    error_gain: float
+    feedback_gain: float
+    compensated: tuple[int, ...]
+    velocity: float
+    acceleration: float
+    jerk: float
+    repeats: int
+    error_max: tuple[float, float, float]
+    error_rms: tuple[float, float, float]
+
+
+AXES = {
+    "X": GantryAxis(
+        name="X",
+        table="table1",
+        mass=0.12,
+        viscous=0.166,
+        coulomb=0.15,
+        bounds=((0.1, 0.2), (0.15, 0.35), (0.1, 0.3), (-0.5, 0.5)),
+        cogging_bound=0.1,
+        error_gain=200.0,
+        feedback_gain=400 * 0.12,
+        compensated=(1, 2, 3),
+        velocity=0.5,
+        acceleration=10.0,
+        jerk=1000.0,
+        repeats=20,
+        error_max=(1.6500e-5, 1.1000e-5, 6.9996e-6),
+        error_rms=(8.3408e-6, 3.1064e-6, 2.3043e-6),
+    ),
+    "Y": GantryAxis(
+        name="Y",
+        table="table2",
+        mass=0.64,
+        viscous=0.24,
+        coulomb=0.66,
+        bounds=((0.5, 0.75), (0.1, 0.3), (0.3, 0.8), (-0.8, 0.8)),
+        cogging_bound=0.2,
+        error_gain=100.0,
+        feedback_gain=150 * 0.64,
+        compensated=(1, 6, 12),
+        velocity=0.1,
+        acceleration=1.0,
+        jerk=50.0,
+        repeats=8,
+        error_max=(8.0002e-6, 9.0003e-6, 4.5002e-6),
+        error_rms=(3.0642e-6, 2.5790e-6, 1.5096e-6),
+    ),
+}
+
+Amplitudes = tuple[float, float, float]
+
+
+def cogging_basis() -> SplineHarmonics:
+    """The structure of both maps: harmonics 1, 2, 3, 6, 12 with third-order B-splines over the travel."""
+    return SplineHarmonics(
+        pitch=PITCH, harmonics=list(HARMONICS), order=ORDER, origin=TRAVEL[0], control_points=CONTROL_POINTS
+    )
+
+
+def cogging_map(axis: GantryAxis, amplitudes: Amplitudes) -> CoggingModel:
+    """The assumed map of an axis: F(x) = sum_h f_h(x) sin(2 pi h x / P), V.
+
+    Assumed shape: harmonic h falls as 1/h, all sines in phase at the first magnet. A compensated harmonic has
+    f_h = (periodic + modulated cos(pi s)) / h, one that is not compensated uncompensated (1 + cos(pi s) / 2) / h,
+    where s runs from 0 at the first magnet to 1 at the last: amplitudes that differ from end to end.
+
+    Args:
+        axis: tells which harmonics are compensated.
+        amplitudes: periodic, modulated and uncompensated part, V.
+    """
+    periodic, modulated, uncompensated = amplitudes
+    # Control points outside the travel continue the cosine: s = 0 and 1 at control points 1 and 12.
+    along = np.cos(np.pi * (np.arange(CONTROL_POINTS) - 1) / (CONTROL_POINTS - 2))
+    rows = [
+        (periodic + modulated * along if h in axis.compensated else uncompensated * (1 + along / 2)) / h
+        for h in HARMONICS
+    ]
+    sine = np.array(rows)
+    return CoggingModel(cogging_basis(), sine, np.zeros_like(sine))
+
+
+def shipped_amplitudes(axis: GantryAxis) -> Amplitudes:
+    """The calibrated amplitudes that come with the package, V (written by calibration.py)."""
+    text = importlib.resources.files("cogging.papers.lu2008").joinpath("maps.toml").read_text()
+    part = parse_toml(text)[axis.name]
+    return part["periodic"], part["modulated"], part["uncompensated"]
+
+
+def plant(axis: GantryAxis, cogging: CoggingModel | None, **axis_changes: Any) -> Plant:
+    """The machine (eq. 1, 2): nominal mass and friction of the axis, the given cogging, the 0.5 um encoder."""
+    fields = {
+        "mass": axis.mass,
+        "viscous": axis.viscous,
+        "coulomb": axis.coulomb,
+        "coulomb_width": COULOMB_WIDTH,
+        "travel": list(TRAVEL),
+    }
+    return Plant(
+        AxisParameters(**{**fields, **axis_changes}),
+        cogging=cogging,
+        encoder=EncoderParameters(resolution=RESOLUTION),
+    )
+
+
+def controller_parameters(axis: GantryAxis, name: str, **changes: Any) -> AdaptiveRobustParameters:
+    """C1 (no cogging compensation), C2 (periodic) or C3 (B-spline) with everything that is printed.
+
+    The gains are k_s1 alone: epsilon and u_s2 are not reported. Initial estimates are not reported: nominal, and
+    zero for cogging and disturbance.
+    """
+    mass_bounds, viscous_bounds, coulomb_bounds, disturbance_bounds = map(list, axis.bounds)
+    fields: dict[str, Any] = {
+        "sample_rate": SAMPLE_RATE,
+        "error_gain": axis.error_gain,
+        "feedback_gain": axis.feedback_gain,
+        "mass": axis.mass,
+        "mass_bounds": mass_bounds,
+        "mass_adaptation": 1.0,
+        "viscous": axis.viscous,
+        "viscous_bounds": viscous_bounds,
+        "viscous_adaptation": 10.0,
+        "coulomb": axis.coulomb,
+        "coulomb_bounds": coulomb_bounds,
+        "coulomb_adaptation": 10.0,
+        "coulomb_width": COULOMB_WIDTH,
+        "disturbance_bounds": disturbance_bounds,
+        "disturbance_adaptation": 1000.0,
+    }
+    if name != "C1":
+        fields |= {
+            "cogging_pitch": PITCH,
+            "cogging_harmonics": list(axis.compensated),
+            "cogging_order": ORDER,
+            "cogging_origin": TRAVEL[0],
+            "cogging_control_points": CONTROL_POINTS if name == "C3" else 1,
+            "cogging_bounds": [-axis.cogging_bound, axis.cogging_bound],
+            "cogging_adaptation": 100.0,
+        }
+    return AdaptiveRobustParameters(**{**fields, **changes})
+
+
+def reference(axis: GantryAxis, **changes: Any) -> PointToPoint:
+    """The moves of 0.4 m there and back (sections "Comparative Experimental Results")."""
+    fields = {
+        "start": START,
+        "distance": 0.4,
+        "velocity": axis.velocity,
+        "acceleration": axis.acceleration,
+        "jerk": axis.jerk,
+        "dwell": DWELL,
+        "repeats": axis.repeats,
+    }
+    return PointToPoint(PointToPointParameters(**{**fields, **changes}))
+
+
+def run(
+    axis: GantryAxis,
+    machine: Plant,
+    motion: PointToPoint | None = None,
+    *,
+    steps_per_sample: int = 1,
+    seed: int = 0,
+    **controller_changes: Any,
+) -> dict[str, Log]:
+    """Run C1, C2 and C3 on the same machine."""
+    controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
+    logs = closed_loop_batch(
+        [machine] * len(controllers),
+        controllers,
+        motion or reference(axis),
+        seeds=[seed] * len(controllers),
+        steps_per_sample=steps_per_sample,
+    )
+    return {name: Log.of(columns) for name, columns in zip(CONTROLLERS, logs, strict=True)}
+
+
+def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
+    """e_inf and e_2 (m): maximum and rms of reading minus reference over the last there and back."""
+    result = performance(log.time, log.error, log.command, start=motion.end - motion.period)
+    return result.error_max, result.error_rms

@@ -1,0 +1,38 @@
+"""Whether an effect pays on other motion."""
+
+from cogging import EFFECTS
+from cogging.diagnosis.discrepancy import discrepancies, follows
+from cogging.diagnosis.evidence.null import nuisances
+from cogging.diagnosis.search.acceptance import that_pays, with_levels_of
+from tests.fixtures.moving_axis import machine, record
+
+
+def test_an_effect_pays_with_levels_tuned_or_as_they_were():
+    spring, wrong = EFFECTS["cable_spring"](stiffness=1.5), EFFECTS["cable_spring"](stiffness=-1.5)
+    logs, confirm = [record(machine([spring]), 11)], [record(machine([spring]), 12)]
+    good, nominal = machine([spring]), machine()
+    bent = good.replace(axis=good.axis.replace(viscous=12.0))
+    assert that_pays(logs, confirm, nominal, good, bent)[0] is good
+    assert that_pays(logs, confirm, nominal, bent, good)[0] is good
+    neither, reason = that_pays(logs, confirm, nominal, bent, machine([wrong]))
+    assert neither is None
+    assert reason.startswith("the gap on the other motion grows from")
+
+
+def test_what_an_effect_must_pay_is_measured_by_the_replayed_loop_where_it_follows():
+    logs, confirm = [record(machine(), 11)], [record(machine(), 12)]
+    wrong = machine().replace(axis=machine().axis.replace(coulomb=4.5))
+    for model, expected in ((machine(), True), (wrong, False)):
+        assert follows(discrepancies(logs, [model], replay=True)[0], logs, model) is expected
+    slight = machine([EFFECTS["cable_spring"](stiffness=0.03)])
+    assert that_pays(logs, confirm, machine(), slight, wrong, replay=True)[0] is slight
+    before, after = discrepancies(confirm, [machine(), slight], replay=True)
+    assert before.rms < after.rms < 1.01 * before.rms
+    assert that_pays(logs, confirm, machine(), wrong, wrong, replay=True)[0] is None
+
+
+def test_levels_of_an_earlier_model_leave_what_was_added():
+    before = machine().replace(axis=machine().axis.replace(viscous=4.0, mass=2.1))
+    kept = with_levels_of(before, machine([EFFECTS["cable_spring"](stiffness=1.5)]), nuisances(before))
+    assert kept.axis == before.axis
+    assert [effect.NAME for effect in kept.effects] == ["cable_spring"]

@@ -1,0 +1,34 @@
+"""The assembled result: its ledger, its gaps, what has changed."""
+
+import pytest
+
+import cogging
+from tests.fixtures.pid_axis import MODEL, run
+
+effects = cogging.effects
+
+
+def test_the_ledger_has_the_gap_of_each_step(found):
+    accepted = [step for step in found.ledger if step.accepted]
+    assert accepted[0].gap_before == found.gap.before
+    assert accepted[-1].gap_after == found.gap.after
+    assert accepted[0].confirm_before == found.gap.confirm_before
+    assert accepted[-1].confirm_after == found.gap.confirm_after
+    assert all(step.gap_before is None for step in found.ledger if not step.accepted)
+    two = effects.DisturbanceTone(frequency=17.0, sine=0.03), effects.CoggingHarmonic(period=0.03, sine=0.03)
+    result = cogging.diagnose(run(*two), MODEL)
+    first, second = (step for step in result.ledger if step.accepted)
+    assert result.gap.before == first.gap_before > first.gap_after == second.gap_before > second.gap_after
+    waves = {wave.coordinate: wave.value for wave in result.location.waves}
+    assert waves == {"spatial period": pytest.approx(0.03, rel=0.01), "frequency": pytest.approx(17.0, rel=0.01)}
+
+
+def test_what_changed_is_measured_against_the_model_as_stated():
+    heavy = MODEL.replace(axis=MODEL.axis.replace(mass=0.16))
+    motion = cogging.Sampled(*(lambda log: (log.time, log.reference, None, None))(run(duration=3.0)))
+    result = cogging.diagnose(cogging.simulate(heavy, motion, duration=3.0, seed=3), MODEL)
+    (effect,) = result.effects
+    assert effect.name == "mass_change"
+    assert effect.parameters["change"].value == pytest.approx(1.0 / 3.0, abs=0.02)
+    assert result.nominal.axis.mass == MODEL.axis.mass
+    assert result.gap.after < 0.6 * result.gap.before

@@ -1,0 +1,594 @@
+"""A controller in Python or compiled goes wherever one of the core goes; what is wrong with it is told in one line."""
+
+import copy
+import ctypes
+import decimal
+import fractions
+import pickle
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cogging
+from cogging.model.model import CONTROLLERS
+from tests.fixtures.own_controllers import (
+    AXIS,
+    MODEL,
+    MOVE,
+    PLANT,
+    RATE,
+    Delegating,
+    Failing,
+    Giving,
+    Leaky,
+    OwnPid,
+    Proportional,
+    Uncopied,
+    Wrapped,
+    leaky_law,
+    leaky_update,
+)
+
+LAW = ([9000.0, 40.0, 0.999, 0.12], [0.0, 0.5])  # parameters and state of the leaky law
+
+
+def loop(controller, **options):
+    return cogging.closed_loop(PLANT, controller, MOVE, **options)
+
+
+def columns_of(log):
+    """All columns, those that no file holds among them."""
+    more = {"true_position": log.true_position, "true_velocity": log.true_velocity, "estimates": log.estimates}
+    return log.columns() | {name: column for name, column in more.items() if column is not None}
+
+
+def kind_of(value):
+    """Of a test's name, which must be the same in every process: no address of an object."""
+    return type(value).__name__
+
+
+def same(log, other):
+    columns, others = columns_of(log), columns_of(other)
+    assert set(columns) == set(others)
+    for name, column in columns.items():
+        np.testing.assert_array_equal(column, others[name], err_msg=name)
+
+
+# The same law gives the same bits -------------------------------------------------------------------------------------
+
+gains = st.floats(0.0, 1.0)
+
+
+@given(
+    st.tuples(gains, gains, gains, gains, gains, gains),
+    st.sampled_from(["reference", "measured"]),
+    st.sampled_from([0.0, 1e-3]),
+    st.sampled_from([0.0, 0.4, 3.0]),
+    st.integers(0, 1000),
+)
+@settings(max_examples=25, deadline=None)
+def test_a_pid_in_python_gives_the_bits_of_the_core(gains, velocity, width, limit, seed):
+    names, sizes = ("kp", "ki", "kd", "mass", "viscous", "coulomb"), (9600.0, 1e5, 48.0, 0.2, 0.3, 0.3)
+    fields = {name: gain * size for name, gain, size in zip(names, gains, sizes, strict=True)}
+    fields |= {"coulomb_width": width, "feedforward_velocity": velocity, "command_limit": limit}
+    parameters = cogging.PidParameters(sample_rate=RATE, **fields)
+    same(loop(OwnPid(parameters), seed=seed), loop(cogging.Pid(parameters), seed=seed))
+
+
+def compiled(**changes):
+    numba = pytest.importorskip("numba")
+    arguments = {"sample_rate": RATE, "state": LAW[1], "parameters": LAW[0], "command_limit": 2.5} | changes
+    return cogging.CompiledController(
+        numba.cfunc(cogging.CompiledController.COMMAND)(leaky_law),
+        update=numba.cfunc(cogging.CompiledController.UPDATE)(leaky_update),
+        **arguments,
+    )
+
+
+def test_a_compiled_law_gives_the_bits_of_the_same_in_python():
+    """Also its state, one row a sample; and the functions live as long as the controller, which alone holds them."""
+    same(loop(compiled(), seed=2, record_estimates=True), loop(Leaky(*LAW), seed=2, record_estimates=True))
+
+
+def test_a_function_of_a_c_compiler(tmp_path):
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.skip("no C compiler here")
+    (tmp_path / "law.c").write_text(
+        "double command(double* s, const double* p, const double* r, double y) {\n"
+        "  const double e = y - r[0];\n  s[0] = p[2] * s[0] + e;\n"
+        "  return p[3] * r[2] - p[0] * e - p[1] * s[0] - 0.01 * s[1];\n}\n"
+        "void update(double* s, const double* p, double applied) { s[1] = applied + 0.0 * p[0]; }\n"
+    )
+    flags = ["-O1", "-ffp-contract=off", "-shared", "-fPIC"]
+    subprocess.run([compiler, *flags, "law.c", "-o", "law.so"], cwd=tmp_path, check=True)
+    library = ctypes.CDLL(str(tmp_path / "law.so"))
+    mine = cogging.CompiledController(
+        library.command, update=library.update, sample_rate=RATE, state=LAW[1], parameters=LAW[0], command_limit=2.5
+    )
+    same(loop(mine), loop(Leaky(*LAW)))
+
+
+def test_a_batch_gives_what_single_runs_give():
+    pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))
+    each = [compiled(), Leaky(*LAW), pid, Proportional(), compiled(state=[0.1, 0.0]), OwnPid(pid.parameters)]
+    for threads in (1, 3):
+        logs = cogging.closed_loop_batch([PLANT] * 6, each, MOVE, seeds=list(range(6)), threads=threads)
+        for seed, (log, controller) in enumerate(zip(logs, each, strict=True)):
+            same(log, loop(controller, seed=seed))
+
+
+@pytest.mark.parametrize("make", [lambda: Leaky(*LAW), compiled, lambda: OwnPid(cogging.PidParameters(kp=9600.0))])
+def test_a_replay_repeats_the_commands(make):
+    log = loop(make(), seed=1)
+    columns = {
+        name: getattr(log, name) for name in ("time", "reference", "reference_velocity", "reference_acceleration")
+    }
+    replayed = cogging.replay_controller(make(), **columns, position=log.position)
+    np.testing.assert_array_equal(replayed, log.command)
+
+
+def test_a_controller_of_the_core_in_one_of_python():
+    """Its calls take the reference as a whole too, and a deep copy has a state of its own."""
+    pid = cogging.Pid(cogging.PidParameters(kp=9600.0, ki=1e5, kd=48.0))
+    same(loop(Wrapped(pid, 0.0)), loop(pid))
+    assert not np.array_equal(loop(Wrapped(pid, 0.05)).command, loop(pid).command)
+    for kind, (struct, controller) in CONTROLLERS.items():
+        one = controller(struct())
+        for copied in (copy.copy(one), copy.deepcopy(one)):
+            assert type(copied) is controller, kind
+            copied.update(1.0)
+
+
+# A run is pure --------------------------------------------------------------------------------------------------------
+
+
+def test_the_object_is_not_changed_and_reset_before_each_run():
+    mine = OwnPid(cogging.PidParameters(kp=9600.0, ki=1e5))
+    first = loop(mine)
+    assert mine.first
+    for _ in range(100):
+        mine.command(cogging.ReferencePoint(0.1, 0.0, 0.0), 0.2)
+    learned = dict(vars(mine))
+    same(loop(mine), first)
+    assert vars(mine) == learned
+    used = compiled()
+    fresh = loop(used)
+    used.command((0.1, 0.0, 0.0), 0.3)
+    moved = used.estimates.copy()
+    assert moved.any()
+    same(loop(used), fresh)
+    np.testing.assert_array_equal(used.estimates, moved)
+
+
+def test_what_cannot_be_copied_is_refused():
+    mine = Proportional()
+    mine.lock = threading.Lock()
+    for controller, why in ((mine, r"TypeError.*lock"), (Uncopied(), r"Error\('one of a kind'\)")):
+        with pytest.raises(
+            TypeError, match=rf"^controller: .*copy\.deepcopy.*got {type(controller).__name__}, .*{why}"
+        ):
+            loop(controller)
+
+
+def test_references_are_values():
+    """What a controller keeps of one sample is not changed by the next; each unpacks, compares and pickles."""
+    kept = []
+
+    class Keeps(Proportional):
+        def __deepcopy__(self, memo):
+            return self
+
+        def command(self, reference, reading):
+            kept.append((reference, reading))
+            return super().command(reference, reading)
+
+    log = loop(Keeps())
+    assert [reading for _, reading in kept] == log.position.tolist()
+    names = ("reference", "reference_velocity", "reference_acceleration")
+    np.testing.assert_array_equal([point for point, _ in kept], np.column_stack([getattr(log, name) for name in names]))
+    point = kept[100][0]
+    assert isinstance(point, cogging.ReferencePoint)
+    assert pickle.loads(pickle.dumps(point)) == (point.position, point.velocity, point.acceleration)
+
+
+def test_a_model_without_a_controller_and_what_the_log_says(tmp_path):
+    other = MODEL.replace(controller=cogging.PidParameters(kp=1.0), controller_type="pid")
+    for model in (MODEL, other):
+        log = cogging.simulate(model, MOVE, controller=Leaky(*LAW), seed=5)
+        same(log, loop(Leaky(*LAW), seed=5))
+        assert log.metadata["controller"] == "given"
+        assert log.metadata["controller_class"] == "tests.fixtures.own_controllers.Leaky"
+        assert "controller" not in log.metadata["model"]
+    with pytest.raises(ValueError, match="controller: must be the model's to repeat a log"):
+        cogging.repeat(log)
+    log.write(tmp_path / "log.csv")
+    assert cogging.read_log(tmp_path / "log.csv").metadata["controller_class"].endswith("Leaky")
+
+
+def test_a_prediction_takes_one():
+    intervals = {"axis.mass": (0.11, 0.13), "axis.viscous": (0.1, 0.2), "axis.coulomb": (0.1, 0.2)}
+    pid = cogging.PidParameters(kp=9600.0, ki=1e5, kd=48.0)
+    predicted = cogging.predict_error(
+        MODEL,
+        MOVE,
+        {"core": cogging.Pid(pid), "own": OwnPid(pid), "compiled": compiled()},
+        samples=3,
+        default={**intervals, "axis.coulomb_width": (1e-3, 1.2e-3)},
+    )
+    np.testing.assert_array_equal(predicted["own"].rms.values, predicted["core"].rms.values)
+    assert 0.0 < predicted["compiled"].rms.median < np.inf
+    with pytest.raises(TypeError, match="controllers: must be names, or controllers by name, got OwnPid"):
+        cogging.predict_error(MODEL, MOVE, OwnPid(pid))
+    with pytest.raises(TypeError, match=r"controller: must be the parameters of one of pid, .*, got OwnPid: "):
+        MODEL.replace(controller=OwnPid(pid), controller_type="pid")
+
+
+# What a command may be ------------------------------------------------------------------------------------------------
+
+NUMBERS = [
+    1,
+    -1,
+    0,
+    np.float32(0.5),
+    np.float64(0.25),
+    np.int8(1),
+    np.array(0.5),
+    np.array(1),
+    fractions.Fraction(1, 4),
+]
+NUMBERS += [decimal.Decimal("0.5"), np.longdouble(0.5), np.uint64(1)]
+
+
+@pytest.mark.parametrize("value", NUMBERS, ids=kind_of)
+def test_numbers_of_every_kind_are_commands(value):
+    np.testing.assert_array_equal(loop(Giving(value), duration=0.02).command, np.full(101, float(value)))
+
+
+NO_NUMBERS = [None, True, np.True_, "1.0", b"1", float("nan"), float("inf"), -float("inf"), np.float32("nan")]
+NO_NUMBERS += [
+    10**400,
+    np.array([0.5]),
+    np.zeros((1, 1)),
+    [0.5],
+    1j,
+    np.complex64(1.0),
+    object(),
+    lambda: 0.5,
+    Ellipsis,
+]
+
+
+@pytest.mark.parametrize("value", NO_NUMBERS, ids=kind_of)
+@pytest.mark.parametrize("row", [0, 217])
+def test_a_command_that_is_no_finite_number_is_refused(value, row):
+    with pytest.raises(cogging.ControllerError) as raised:
+        loop(Giving(value, row))
+    text = str(raised.value)
+    assert text.startswith("controller: Giving: command must give a finite number, got ")
+    assert text.endswith(f" in row {row} ({row / RATE:g} s)")
+    assert (raised.value.row, raised.value.time) == (row, row / RATE)
+    assert "\n" not in text
+    assert len(text) < 400
+
+
+def test_a_compiled_command_that_is_no_finite_number_is_refused():
+    with pytest.raises(cogging.ControllerError, match=r"CompiledController: .*got -?(nan|inf) in row 0 \(0 s\)"):
+        loop(compiled(parameters=[1e308, 1e308, 1e308, 0.0], state=[1e308, -1e308]))
+
+
+# What raises ----------------------------------------------------------------------------------------------------------
+
+
+RAISED = [
+    ZeroDivisionError("by zero"),
+    KeyError("x"),
+    cogging.DivergedError("mine"),
+    StopIteration(),
+    OSError(2, "a\nb"),
+]
+
+
+@pytest.mark.parametrize("row", [0, 1, 1000])
+@pytest.mark.parametrize(
+    "error",
+    [ZeroDivisionError("by zero"), KeyError("x"), cogging.DivergedError("mine"), StopIteration(), OSError(2, "a\nb")],
+)
+def test_an_exception_comes_out_with_row_and_time(row, error):
+    with pytest.raises(cogging.ControllerError) as raised:
+        loop(Failing(row, error))
+    text = str(raised.value)
+    assert text.startswith(f"controller: Failing: command raised {type(error).__name__}")
+    assert text.endswith(f" in row {row} ({row / RATE:g} s)")
+    assert "\n" not in text
+    assert (raised.value.row, raised.value.time) == (row, row / RATE)
+    cause = raised.value.__cause__
+    assert type(cause) is type(error)
+    frames = []
+    trace = cause.__traceback__
+    while trace is not None:
+        frames.append(trace.tb_frame.f_code.co_name)
+        trace = trace.tb_next
+    assert frames[-1] == "command", "the traceback leads to the line that raised"
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, GeneratorExit])
+@pytest.mark.parametrize("threads", [0, 1, 3])
+def test_what_is_no_exception_passes_and_ends_the_batch(error, threads):
+    if threads == 0:
+        with pytest.raises(error):
+            loop(Failing(100, error()))
+        return
+    slow = cogging.Pid(cogging.PidParameters(kp=9600.0))
+    controllers = [Failing(100, error())] + [slow] * 8
+    with pytest.raises(error):
+        cogging.closed_loop_batch([PLANT] * 9, controllers, MOVE, steps_per_sample=200, threads=threads)
+
+
+@pytest.mark.parametrize("method", ["update", "estimates", "reset"])
+def test_other_members_that_raise(method):
+    class Bad(Proportional):
+        if method == "estimates":
+            estimates = property(lambda self: 1 / 0)
+        elif method == "update":
+
+            def update(self, applied):
+                raise ValueError("no")
+        else:
+
+            def reset(self):
+                raise LookupError("no")
+
+    expected = LookupError if method == "reset" else cogging.ControllerError
+    with pytest.raises(expected, match="no" if method == "reset" else rf"Bad: {method} raised \w+Error: .* in row 0"):
+        loop(Bad(), record_estimates=True)
+
+
+def test_estimates_must_keep_their_number():
+    class Growing(Leaky):
+        def update(self, applied):
+            self.estimates = [*self.estimates, applied]
+
+    with pytest.raises(cogging.ControllerError, match=r"estimates must keep their number, 2, got 3 in row 1"):
+        loop(Growing(*LAW), record_estimates=True)
+
+
+def test_a_run_within_a_run():
+    class Nested(Proportional):
+        def __init__(self, depth):
+            super().__init__()
+            self.depth, self.calls, self.inner = depth, 0, 0.0
+
+        def command(self, reference, reading):
+            if self.calls == 5:
+                nested = Nested(self.depth - 1) if self.depth else Proportional()
+                self.inner = float(loop(nested).command[10])
+            self.calls += 1
+            return super().command(reference, reading) + 0.0 * self.inner
+
+    same(loop(Nested(2)), loop(Proportional()))
+    with pytest.raises(cogging.ControllerError) as raised:
+        loop(Nested(-1))  # for ever
+    assert len(str(raised.value)) < 2000
+    innermost = raised.value
+    while innermost.__cause__ is not None:
+        innermost = innermost.__cause__
+    assert isinstance(innermost, RecursionError)
+
+
+# What is refused before anything runs ---------------------------------------------------------------------------------
+
+command = Proportional().command
+NONE_AT_ALL = [None, 1.0, "pid", object(), PLANT, MODEL, [], {}, lambda reference, reading: 0.0]
+NO_RATES = [0.0, -1, float("nan"), float("inf"), "1000", True, [1e3], 1j]
+NO_LIMITS = [-1.0, float("nan"), float("inf"), "1", False, None]
+
+
+def having(**members):
+    return SimpleNamespace(**({"sample_rate": 1e3, "command": command} | members))
+
+
+REFUSED = [
+    *[(value, TypeError, "must be a controller of cogging or an object with .*, got ") for value in NONE_AT_ALL],
+    (
+        cogging.PidParameters(),
+        TypeError,
+        r"PidParameters\.command must be given, got nothing: a controller is an object",
+    ),
+    (Proportional, TypeError, r"must be an object, got the class .*Proportional.*: call it"),
+    (SimpleNamespace(command=command), TypeError, r"SimpleNamespace\.sample_rate must be given, got nothing"),
+    (SimpleNamespace(sample_rate=1e3), TypeError, r"SimpleNamespace\.command must be given, got nothing"),
+    *[
+        (having(sample_rate=rate), ValueError, r"\.sample_rate must be finite and above 0 \(Hz\), got ")
+        for rate in NO_RATES
+    ],
+    *[
+        (having(command_limit=limit), ValueError, r"\.command_limit must be finite and at least 0")
+        for limit in NO_LIMITS
+    ],
+    (having(command=1.0), TypeError, r"\.command must be a method: command\(reference, reading\), got 1"),
+    (having(command=lambda: 0.0), TypeError, r"must take \(reference, reading\), got command\(\)"),
+    (having(command=lambda a, b, c: 0.0), TypeError, r"got command\(a, b, c\)"),
+    (having(command=lambda a, *, b: 0.0), TypeError, r"got command\(a, \*, b\)"),
+    (having(update=3), TypeError, r"\.update must be a method: update\(applied\), got 3"),
+    (having(update=lambda: 0), TypeError, r"\.update must take \(applied\), got update\(\)"),
+    (having(reset=lambda a: 0), TypeError, r"\.reset must take \(\), got reset\(a\)"),
+]
+
+
+@pytest.mark.parametrize(("controller", "error", "message"), REFUSED, ids=kind_of)
+def test_what_is_no_controller_is_told_in_one_line(controller, error, message):
+    time = np.linspace(0.0, 1.0, 5)
+    runs = [
+        lambda: loop(controller),
+        lambda: cogging.closed_loop_batch([PLANT], [controller], MOVE),
+        lambda: cogging.replay_controller(controller, time=time, reference=time, position=time),
+    ]
+    if controller is not None:  # simulate: the model's own
+        runs.append(lambda: cogging.simulate(MODEL, MOVE, controller=controller))
+    for run in runs:
+        with pytest.raises(error, match=message) as raised:
+            run()
+        assert str(raised.value).startswith("controller: ")
+        assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    "kind", [*cogging.CONTROLLERS.values(), cogging.CompiledController], ids=lambda kind: kind.__name__
+)
+def test_a_subclass_of_the_core_is_refused(kind):
+    class Mine(kind):
+        def command(self, reference, reading):
+            return 0.0
+
+    mine = Mine(kind.PARAMETERS()) if hasattr(kind, "PARAMETERS") else Mine(GOOD, sample_rate=1e3)
+    text = (
+        rf"^controller: must not be of a subclass of {kind.__name__}, .*, got .*Mine: give an object with sample_rate"
+    )
+    with pytest.raises(TypeError, match=text):
+        loop(mine)
+    with pytest.raises(TypeError, match=text):
+        cogging.closed_loop_batch([PLANT] * 2, [Proportional(), mine], MOVE)
+    with pytest.raises(TypeError, match=text):
+        cogging.simulate(MODEL, MOVE, controller=mine)
+
+
+def number(*arguments):
+    return ctypes.CFUNCTYPE(*arguments)(lambda *values: 0.0)
+
+
+POINTER = ctypes.POINTER(ctypes.c_double)
+
+
+GOOD = number(ctypes.c_double, POINTER, POINTER, POINTER, ctypes.c_double)
+POINTERS = "command: must be a numba cfunc or a function pointer of ctypes, got "
+NO_COMPILED = [
+    ({"command": leaky_law}, TypeError, POINTERS + "<function"),
+    ({"command": 140_000_000}, TypeError, POINTERS + "140000000"),
+    ({"command": None}, TypeError, POINTERS + "None"),
+    ({"command": number(ctypes.c_double, ctypes.c_double)}, TypeError, r"command: must be double command\(double\*, "),
+    ({"command": number(ctypes.c_float, POINTER, POINTER, POINTER, ctypes.c_double)}, TypeError, "restype.*float"),
+    ({"command": number(ctypes.c_double, POINTER, POINTER, POINTER, POINTER)}, TypeError, "got argtypes"),
+    ({"update": GOOD}, TypeError, "update: must be void update"),
+    ({"sample_rate": 0.0}, ValueError, "sample_rate: must be finite and above 0, got 0"),
+    ({"state": [float("nan")]}, ValueError, "state: must be a finite number, got nan"),
+    ({"parameters": [float("inf")]}, ValueError, "parameters: must be a finite number, got inf"),
+    ({"command_limit": -1.0}, ValueError, "command_limit: must be finite and at least 0, got -1"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "error", "message"), NO_COMPILED, ids=kind_of)
+def test_what_no_compiled_controller_can_be_of(arguments, error, message):
+    with pytest.raises(error, match=message):
+        cogging.CompiledController(**({"command": GOOD, "sample_rate": 1e3} | arguments))
+
+
+# Objects of odd kinds, threads, signals -------------------------------------------------------------------------------
+
+
+def test_an_object_that_delegates_and_one_that_changes_its_mind():
+    same(loop(Delegating(Proportional())), loop(Proportional()))
+
+    class Switches(Proportional):
+        def command(self, reference, reading):
+            self.command = lambda reference, reading: 0.0
+            return super().command(reference, reading)
+
+    log = loop(Switches())
+    assert log.command[0] != 0.0
+    assert not log.command[1:].any()
+    same(loop(SimpleNamespace(sample_rate=RATE, command=Proportional().command)), loop(Proportional()))
+
+
+def test_many_threads_at_once():
+    """Each holds Python's lock while it runs and lets the others have it; none changes what another gives."""
+    expected, found = loop(Proportional(9000.0)), {}
+
+    def work(name):
+        found[name] = loop(Proportional(9000.0))
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 6
+    for log in found.values():
+        same(log, expected)
+
+
+def test_python_goes_on_beside_a_controller_without_python_code():
+    """Its command is one of the core, so that Python itself never offers the lock: the loop does."""
+    pid = cogging.Pid(cogging.PidParameters(kp=9600.0))
+    slow = SimpleNamespace(sample_rate=RATE, command=pid.command)
+    counted, done = [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            counted[0] += 1
+            time.sleep(1e-3)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    sine = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.0))
+    cogging.closed_loop(cogging.Plant(AXIS), slow, sine, duration=1.0, steps_per_sample=400)
+    done.set()
+    thread.join()
+    assert counted[0] >= 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("how", ["sleeps", "computes"])
+def test_an_interrupt_reaches_the_caller(how):
+    class Slow(Proportional):
+        def command(self, reference, reading):
+            if how == "sleeps":
+                time.sleep(0.01)
+            return super().command(reference, reading)
+
+    sine = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.1))
+    timer = threading.Timer(0.15, lambda: signal.raise_signal(signal.SIGINT))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            cogging.closed_loop(PLANT, Slow(), sine, duration=1e4)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_flag_ends_the_run_of_another_thread():
+    flag, raised = cogging._core.StopFlag(), []
+
+    def work():
+        flag.heed()
+        try:
+            cogging.closed_loop(PLANT, Proportional(), cogging.Sine(cogging.SineParameters(center=0.25)), duration=1e4)
+        except KeyboardInterrupt as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    time.sleep(0.1)
+    flag.set()
+    thread.join(20.0)
+    assert raised
+
+
+def test_the_protocol_is_what_runs_take():
+    assert isinstance(Proportional(), cogging.Controller)
+    assert isinstance(cogging.Pid(cogging.PidParameters()), cogging.Controller)
+    assert isinstance(compiled(), cogging.Controller)
+    assert not isinstance(cogging.PidParameters(), cogging.Controller)
+    assert re.search(r"command_limit.*largest command", cogging.Controller.__doc__)
