@@ -2,6 +2,7 @@
 #include "cogging/control/compiled.hpp"
 #include "cogging/control/desired_compensation_condition.hpp"
 #include "cogging/control/list.hpp"
+#include "controller_state.hpp"
 
 using namespace cogging;
 
@@ -40,6 +41,7 @@ void bind_controller(py::module_& module, py::dict& controllers) {
           "copy", [](const C& c) { return c; }, "A controller in the same state.")
       .def("__copy__", [](const C& c) { return c; })
       .def("__deepcopy__", [](const C& c, const py::dict&) { return c; }, py::arg("memo"));
+  bind_state(bound);
   constexpr const char* command_doc =
       "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).";
   if constexpr (LooksAhead<C>) {

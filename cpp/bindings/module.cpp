@@ -28,6 +28,42 @@ void tell_of_memory(std::exception_ptr thrown) {
   }
 }
 
+// A call that no signature takes is answered by pybind11 in many lines of C++ types. It is answered in one instead, by
+// cogging.calls, which reads the signature; every other error passes as it is.
+template <class... Self>
+py::cpp_function told_in_one_line(const py::object& bound, const std::string& name, const Self&... self) {
+  const std::string doc = bound.attr("__doc__").cast<std::string>();
+  const std::string untaken = bound.attr("__name__").cast<std::string>() + "(): incompatible ";  // pybind11's words
+  const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
+    try {
+      return bound(*given, **named);
+    } catch (py::error_already_set& error) {
+      if (!error.matches(PyExc_TypeError)) throw;
+      const auto text = py::str(error.value()).cast<std::string>();
+      if (!text.starts_with(untaken)) throw;
+      const auto line = py::module_::import("cogging.calls").attr("told")(doc, given, named).cast<std::string>();
+      throw py::type_error(line);
+    }
+  };
+  py::options options;
+  options.disable_function_signatures();  // the text begins with that of the function behind
+  return py::cpp_function(call, py::name(name.c_str()), doc.c_str(), self...);
+}
+
+void tell_calls_in_one_line(const py::module_& module) {
+  for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
+    const py::object bound = py::reinterpret_borrow<py::object>(value);
+    if (PyType_Check(bound.ptr())) {
+      if (!py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(bound.ptr()))) continue;
+      const py::object init = bound.attr("__dict__").attr("get")("__init__");
+      if (!init.is_none() && !init.attr("__doc__").is_none())
+        py::setattr(bound, "__init__", told_in_one_line(init, "construct", py::is_method(bound)));
+    } else if (PyCFunction_Check(bound.ptr())) {
+      py::setattr(module, py::str(name), told_in_one_line(bound, py::str(name), py::scope(module)));
+    }
+  }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, module) {
@@ -42,6 +78,8 @@ PYBIND11_MODULE(_core, module) {
   bind_simulation(module);
   bind_estimation(module);
   bind_table(module);
+  tell_calls_in_one_line(module);
+  tell_calls_in_one_line(module.attr("effects"));
   refuse_uninitialised_objects(module);
   refuse_uninitialised_objects(module.attr("effects"));
 }

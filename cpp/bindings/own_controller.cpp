@@ -224,7 +224,14 @@ Raises:
       .def(
           "copy", [](const C& c) { return c; }, "A controller in the same state.")
       .def("__copy__", [](const C& c) { return c; })
-      .def("__deepcopy__", [](const C& c, const py::dict&) { return c; }, py::arg("memo"));
+      .def(
+          "__deepcopy__", [](const C& c, const py::dict&) { return c; }, py::arg("memo"))
+      .def(
+          "__eq__", [](const C& c, const C& other) { return c == other; }, py::is_operator())
+      .def("__repr__", [](const C& c) {
+        return "CompiledController(" + format(c.sample_rate()) + " Hz, state " + std::to_string(c.estimates().size()) +
+               ", parameters " + std::to_string(c.settings().parameters.size()) + ")";
+      });
 }
 
 }  // namespace

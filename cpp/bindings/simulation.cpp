@@ -175,7 +175,15 @@ Raises:
       .def_readonly("error_final_max", &Performance::error_final_max, "max |e| in the final window, m")
       .def_readonly("command_rms", &Performance::command_rms, "sqrt(mean u^2), V")
       .def_readonly("command_change_rms", &Performance::command_change_rms, "rms of u_k - u_(k-1), V")
-      .def_readonly("command_chatter", &Performance::command_chatter, "command_change_rms / command_rms");
+      .def_readonly("command_chatter", &Performance::command_chatter, "command_change_rms / command_rms")
+      .def(py::pickle(
+          [](const Performance& p) {
+            return std::array<double, 6>{p.error_max,   p.error_rms,          p.error_final_max,
+                                         p.command_rms, p.command_change_rms, p.command_chatter};
+          },
+          [](const std::array<double, 6>& kept) {
+            return Performance{kept[0], kept[1], kept[2], kept[3], kept[4], kept[5]};
+          }));
   module.def(
       "performance",
       [](const Array& time, const Array& error, const Array& command, double start, double stop, double final_window) {

@@ -2,6 +2,7 @@
 // The last values of a signal that comes sample by sample.
 
 #include <cstddef>
+#include <tuple>
 #include <vector>
 
 namespace cogging {
@@ -21,6 +22,9 @@ class DelayLine {
   const Scalar& at(std::size_t age) const noexcept {
     return values_[newest_ >= age ? newest_ - age : newest_ + values_.size() - age];
   }
+
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept { return std::tie(newest_, values_); }
 
  private:
   std::vector<Scalar> values_;

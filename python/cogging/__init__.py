@@ -35,6 +35,7 @@ from cogging._core import (
     project,
     replay_controller,
 )
+from cogging.core_values import as_values
 from cogging.log_check.audit import Audit, audit
 from cogging.log_check.unit_check import check_against_model
 from cogging.design.bounds import Bounds
@@ -69,6 +70,7 @@ from cogging.file_schema import schema
 from cogging.simulation.run import repeat, simulate
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 
+as_values()
 __version__ = importlib.metadata.version("cogging")
 
 __all__ = [

@@ -23,6 +23,11 @@ def get_include() -> str:
 
     Raises:
         InputError: the headers are neither in the package nor beside it.
+
+    Example:
+        >>> import pathlib
+        >>> (pathlib.Path(cogging.get_include()) / "cogging" / "control" / "pid.hpp").is_file()
+        True
     """
     for folder in (*_installed("include"), SOURCES):
         if (folder / "cogging" / "require.hpp").is_file():
@@ -38,6 +43,10 @@ def get_cmake_dir() -> str:
 
     Raises:
         InputError: the package is used from its source tree, where nothing is installed.
+
+    Example:
+        >>> print(cogging.get_cmake_dir())  # doctest: +SKIP
+        /usr/lib/python3/site-packages/cogging/cmake
     """
     for folder in _installed("share/cmake/cogging"):
         if (folder / "coggingConfig.cmake").is_file():

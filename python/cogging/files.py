@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from cogging.calls import did_you_mean
 from cogging.shown import quoted
 
 if sys.version_info >= (3, 11):
@@ -181,4 +182,4 @@ def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str
     known = list(known)
     for key in given:
         if key not in known:
-            raise FieldError(section, key, f"is not known here; known: {', '.join(known)}")
+            raise FieldError(section, key, f"is not known here; {did_you_mean(key, known)}")

@@ -335,8 +335,8 @@ def test_a_command_that_is_no_number_never_rests(width, lag):
         with pytest.raises(cogging.DivergedError, match=told):
             cogging.closed_loop(machine(lagging, width), pid, motion, **run)
         if mass == 0.0:  # an infinite command that is cut is a number again
-            log = cogging.closed_loop(machine(saturated, width), pid, motion, **run)
-            assert log.true_position[-1] < 2.5 - 1e-3
+            columns = _core.closed_loop(machine(saturated, width), pid, motion, **run)  # no Log holds that command
+            assert columns["true_position"][-1] < 2.5 - 1e-3
 
 
 @pytest.mark.parametrize("lag", [5e-324, 1e-308, 1e-300, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12])

@@ -35,7 +35,7 @@ def test_a_strong_effect_is_named_up_to_its_look_alikes(hidden, tmp_path):
     assert result.verdict in ("named", "ambiguous")
     assert any(hidden.NAME in (effect.name, *effect.alternatives) for effect in result.effects), str(result)
     assert str(result) == result.text()
-    assert repr(result).startswith(f"Diagnosis(verdict='{result.verdict}', effects=['")
+    assert repr(result).startswith(f"Diagnosis({result.verdict}: {result.effects[0].name}")
     assert result.gap.after < result.gap.before
     assert result.gap.floor <= result.gap.after
     # The patched model is a model like any other.

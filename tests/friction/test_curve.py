@@ -157,7 +157,7 @@ def test_rows_of_one_speed_are_one_point():
 
 
 def test_summary():
-    lines = fit_friction_curve(BOTH, law(BOTH)).summary().splitlines()
+    lines = fit_friction_curve(BOTH, law(BOTH)).text().splitlines()
     assert lines[0] == "friction curve: 32 points at 16 speeds from 0.002 to 0.2 m/s"
     assert [line.split()[0] for line in lines[2:6]] == list(NEUTRAL)
     assert sum("<- best" in line for line in lines) == 1
@@ -191,7 +191,7 @@ def test_a_lead_screw_drive():
     speed, torque = tro2021.steady_speeds(FOLDER)
     assert len(speed) == 32
     curve = fit_friction_curve(speed, torque)
-    print("\n" + curve.summary())
+    print("\n" + curve.text())
     held_out = {model.name: model.held_out_rms for model in curve.models}
     assert curve.best.name == "direction_stribeck"
     assert held_out["direction"] < 0.45 * held_out["coulomb_viscous"]

@@ -285,7 +285,7 @@ def test_one_way_scan_says_that_friction_is_unknown():
         assert fit.coulomb_standard_error is None
         assert fit.offset == pytest.approx(0.2 + 0.15 * direction, abs=5.0 * fit.offset_standard_error)
         assert any("one way" in note for note in fit.notes)
-        assert "coulomb" not in fit.summary()
+        assert "coulomb" not in fit.text()
         assert np.all(fit.direction == direction)
 
 
@@ -377,7 +377,7 @@ def test_a_trend_is_reported_where_there_is_one():
     assert tilted.trend_standard_error < 0.02
     assert tilted.offset == pytest.approx(0.2 + 0.4 * 0.255, abs=0.01)  # at the centre of the travel
     assert any("trend" in note for note in tilted.notes)
-    assert "V/m" in tilted.summary()
+    assert "V/m" in tilted.text()
 
 
 # --- what the scan does not say ---------------------------------------------------------------------------------------
@@ -678,7 +678,7 @@ def fit():
 
 
 def test_summary(fit):
-    lines = fit.summary().splitlines()
+    lines = fit.text().splitlines()
     assert lines[0] == "cogging map: 1016 points over 0.51 m, pitch 0.05 m, order 3, 13 control points"
     assert sum("<- chosen" in line for line in lines) == 1
     assert [int(line.split()[0]) for line in lines[2:7]] == HARMONICS
@@ -721,7 +721,7 @@ def test_map_without_harmonics_has_the_whole_interface(tmp_path):
     fit = fit_map(GRID, np.full(GRID.size, 0.7), pitch=PITCH)
     assert fit.offset == pytest.approx(0.7)
     assert fit.amplitudes == ()
-    assert "periodic" in fit.summary()
+    assert "periodic" in fit.text()
     fit.write(tmp_path / "map.toml")
     assert read_toml(tmp_path / "map.toml")["cogging"]["sine"] == [[0.0]]
 

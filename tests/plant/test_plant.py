@@ -911,7 +911,6 @@ def test_parameters_are_values(name):
     assert pickle.loads(pickle.dumps(parameters)) == parameters
     assert kind(**parameters.to_dict()) == parameters
     assert parameters != kind()
-    assert eval(repr(parameters), {kind.__name__: kind, "inf": math.inf}) == parameters
     for field, (_, meaning) in kind.FIELDS.items():
         assert meaning
         with pytest.raises(AttributeError):

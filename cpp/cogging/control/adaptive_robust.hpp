@@ -189,6 +189,11 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
   std::span<const Scalar> estimates() const { return estimates_; }
   const Scalar& sliding_variable() const { return p_; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept {
+    return std::tie(guard_, estimates_, active_.spline.first, active_.spline.weight, active_.harmonic, regressor_,
+                    reading_previous_, p_);
+  }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
     return guard_.command(guard_.usable(reference), reading,

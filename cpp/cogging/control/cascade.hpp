@@ -64,6 +64,8 @@ class Cascade {
   double command_limit() const { return parameters_.command_limit; }
   std::span<const Scalar> estimates() const { return {}; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept { return std::tie(feedforward_, guard_); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
     return guard_.command(guard_.usable(reference), reading, [&](const auto& sample, const Scalar& y) {

@@ -25,6 +25,8 @@ struct CompiledFunctions {
   Command command = nullptr;
   Update update = nullptr;  // none: nothing is done
   std::shared_ptr<const void> owner = nullptr;
+
+  bool operator==(const CompiledFunctions& other) const { return command == other.command && update == other.update; }
 };
 
 struct CompiledSettings {
@@ -32,6 +34,8 @@ struct CompiledSettings {
   std::vector<double> state{};       // with which a run begins
   std::vector<double> parameters{};  // never written
   double command_limit = 0.0;        // V; 0 = none
+
+  bool operator==(const CompiledSettings&) const = default;
 
   void validate() const {
     require_positive("sample_rate", sample_rate);
@@ -72,6 +76,11 @@ class CompiledController {
 
   void update(double applied) {
     if (functions_.update != nullptr) functions_.update(state_.data(), settings_.parameters.data(), applied);
+  }
+
+  /// Whether it is made of the same and is in the same state: it goes on alike.
+  bool operator==(const CompiledController& other) const {
+    return functions_ == other.functions_ && settings_ == other.settings_ && state_ == other.state_;
   }
 
   /// As it was made: the state with which a run begins.

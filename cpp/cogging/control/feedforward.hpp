@@ -56,6 +56,9 @@ class Feedforward {
     return mass_ * reference.acceleration + viscous_ * velocity + coulomb_ * smooth_sign(velocity, coulomb_width_);
   }
 
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept { return std::tie(reading_previous_, measured_velocity_); }
+
   /// Backward difference of the readings, m/s; 0 in the first sample.
   const Scalar& measured_velocity() const { return measured_velocity_; }
 

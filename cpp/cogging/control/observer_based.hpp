@@ -137,6 +137,10 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
   std::span<const Scalar> estimates() const { return {state_.data(), static_cast<std::size_t>(3 + 2 * count_)}; }
 
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept {
+    return std::tie(guard_, state_, acted_, kept_, visited_, direction_, reference_previous_, reading_previous_);
+  }
 
   Scalar command(const ReferencePoint& reference, const ReferencePoint& ahead, Scalar reading) noexcept {
     return guard_.command(guard_.usable(reference) && guard_.usable(ahead), reading,

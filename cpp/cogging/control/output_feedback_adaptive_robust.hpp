@@ -185,6 +185,10 @@ filters of the applied command go on through samples that are refused; that of t
   /// theta_hat.
   std::span<const Scalar> estimates() const { return theta_; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept {
+    return std::tie(guard_, theta_, phi_1_, phi_2_, eta_, lambda_, psi_, z_1_, z_2_, origin_, position_, compensation_);
+  }
   const Scalar& z_1() const { return z_1_; }
   const Scalar& z_2() const { return z_2_; }
   /// eta, lambda, psi.

@@ -80,6 +80,8 @@ take up an error that pushes further into it.)";
   double command_limit() const { return parameters_.command_limit; }
   std::span<const Scalar> estimates() const { return {}; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
+  /// What changes while it runs, in order: by it controllers are compared and kept in files.
+  auto state() noexcept { return std::tie(feedforward_, guard_, error_previous_, sum_, step_, computed_); }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
     return guard_.command(guard_.usable(reference), reading,

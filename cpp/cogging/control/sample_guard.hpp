@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "cogging/reference/reference.hpp"
@@ -113,6 +114,9 @@ class SampleGuard {
     const Scalar cut = limit_ > 0.0 ? clamp(command, Scalar(-limit_), Scalar(limit_)) : command;
     return select(abs(cut) <= std::numeric_limits<double>::max(), cut, Scalar(0.0));
   }
+
+  /// What changes while it runs (see Pid::state).
+  auto state() noexcept { return std::tie(missed_, refused_, last_); }
 
   /// How many samples were refused, a whole number.
   const Scalar& samples_refused() const { return refused_; }

@@ -23,7 +23,14 @@ class BSpline:
     Raises:
         ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.
     """
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, *, order: typing.SupportsInt | typing.SupportsIndex, origin: typing.SupportsFloat | typing.SupportsIndex, pitch: typing.SupportsFloat | typing.SupportsIndex, control_points: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     def design_matrix(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
@@ -65,7 +72,14 @@ class SplineHarmonics:
     Raises:
         ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.
     """
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, *, pitch: typing.SupportsFloat | typing.SupportsIndex | None = None, harmonics: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None = None, periods: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] | None = None, order: typing.SupportsInt | typing.SupportsIndex = 3, origin: typing.SupportsFloat | typing.SupportsIndex = 0.0, control_points: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     def active_regressor(self, position: typing.SupportsFloat | typing.SupportsIndex) -> tuple[int, list[float]]:
         """
@@ -117,9 +131,14 @@ class CoggingModel:
     Raises:
         ValueError: wrong shape, or a value that is not finite.
     """
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __getstate__(self) -> tuple[float, list[int], list[float], int, float, int, list[float]]:
         ...
     def __init__(self, basis: SplineHarmonics, sine: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], cosine: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    def __repr__(self) -> str:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
@@ -187,7 +206,7 @@ class PointToPointParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'start': ('m', 'position before the first move'), 'distance': ('m', 'length of a move, with its sign'), 'velocity': ('m/s', 'limit on the speed'), 'acceleration': ('m/s^2', 'limit on the acceleration'), 'jerk': ('m/s^3', 'limit on the jerk; infinite = trapezoidal velocity'), 'dwell': ('s', 'rest after each move'), 'repeats': ('1', 'number of moves there and back')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -248,8 +267,15 @@ class PointToPoint(Reference):
     the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.
     """
     NAME: typing.ClassVar[str] = 'point_to_point'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = PointToPointParameters
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, parameters: PointToPointParameters) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     @property
     def move_time(self) -> float:
@@ -273,7 +299,7 @@ class SineParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'center': ('m', 'middle of the motion'), 'amplitude': ('m', 'half the stroke'), 'frequency': ('Hz', 'strokes there and back a second')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -311,8 +337,15 @@ class Sine(Reference):
     x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.
     """
     NAME: typing.ClassVar[str] = 'sine'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = SineParameters
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, parameters: SineParameters) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     @property
     def parameters(self) -> SineParameters:
@@ -333,7 +366,7 @@ class FilteredSineParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'center': ('m', 'where the motion starts, at rest'), 'amplitude': ('m', 'of the sine that it approaches'), 'frequency': ('Hz', 'of that sine'), 'beta_1': ('1/s', 'damping of the generator'), 'beta_2': ('1/s^2', 'stiffness of the generator')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -384,8 +417,15 @@ class FilteredSine(Reference):
     the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.
     """
     NAME: typing.ClassVar[str] = 'filtered_sine'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = FilteredSineParameters
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, parameters: FilteredSineParameters) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     @property
     def parameters(self) -> FilteredSineParameters:
@@ -401,7 +441,14 @@ class Sampled(Reference):
         ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.
     """
     NAME: typing.ClassVar[str] = 'sampled'
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     @property
     def samples(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
@@ -424,7 +471,7 @@ class AxisParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'mass': ('V/(m/s^2)', 'M'), 'viscous': ('V/(m/s)', 'B'), 'coulomb': ('V', 'Fc (A_f in Lu et al. 2008)'), 'coulomb_width': ('m/s', 'S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking'), 'travel': ('m', 'lower and upper end of the motion')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -480,7 +527,7 @@ class EncoderParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'resolution': ('m', 'one count; 0 = ideal'), 'noise': ('m', 'rms of the white noise before rounding')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -521,7 +568,7 @@ class NoiseParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'rms of the force noise'), 'bandwidth': ('Hz', 'corner of its first-order spectrum')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -557,7 +604,14 @@ class Plant:
         ValueError: more than one actuator_lag, presliding_friction, or load (backlash, flexible_mode) among the effects;
             an effect that needs the travel or the knots of the cogging where there are none.
     """
-    def __init__(self, axis: AxisParameters, *, cogging: CoggingModel | None = None, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone | effects.EmpiricalForce | effects.OwnLaws] = [], encoder: EncoderParameters = ..., noise: NoiseParameters = ...) -> None:
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __init__(self, axis: AxisParameters, *, cogging: CoggingModel | None = None, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone | effects.EmpiricalForce] = [], encoder: EncoderParameters = ..., noise: NoiseParameters = ...) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     def acceleration(self, *, position: typing.SupportsFloat | typing.SupportsIndex, velocity: typing.SupportsFloat | typing.SupportsIndex, command: typing.SupportsFloat | typing.SupportsIndex, time: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> float:
         """
@@ -599,7 +653,7 @@ class PidParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('V/m', 'proportional gain'), 'ki': ('V/(m s)', 'integral gain'), 'kd': ('V/(m/s)', 'derivative gain'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command, with anti-windup; 0 = none')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -680,12 +734,21 @@ class Pid:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'pid'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = PidParameters
     def __copy__(self) -> Pid:
         ...
     def __deepcopy__(self, memo: dict) -> Pid:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[PidParameters, list[float]]:
+        ...
     def __init__(self, parameters: PidParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -743,7 +806,7 @@ class CascadeParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('1/s', 'gain of the position loop'), 'kv': ('V/(m/s)', 'gain of the velocity loop'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -815,12 +878,21 @@ class Cascade:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'cascade'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = CascadeParameters
     def __copy__(self) -> Cascade:
         ...
     def __deepcopy__(self, memo: dict) -> Cascade:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[CascadeParameters, list[float]]:
+        ...
     def __init__(self, parameters: CascadeParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -878,7 +950,7 @@ class SpeedParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('V/(m/s)', 'gain of the velocity loop'), 'delay': ('s', 'from a reading to the command that it gives'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -955,12 +1027,21 @@ class Speed:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'speed'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = SpeedParameters
     def __copy__(self) -> Speed:
         ...
     def __deepcopy__(self, memo: dict) -> Speed:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[SpeedParameters, list[float]]:
+        ...
     def __init__(self, parameters: SpeedParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -1036,7 +1117,7 @@ class AdaptiveRobustParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'error_gain': ('1/s', "k_1 of p = e' + k_1 e (eq. 15)"), 'feedback_gain': ('V/(m/s)', 'k_s1 of u_s1 = -k_s1 p (eq. 19, 27)'), 'mass': ('V/(m/s^2)', 'initial estimate of theta_1 = M'), 'mass_bounds': ('V/(m/s^2)', 'theta_1 min and max (eq. 11)'), 'mass_adaptation': ('V/(m/s^2)/(V m/s) m/s', 'Gamma of theta_1'), 'viscous': ('V/(m/s)', 'initial estimate of theta_2 = B'), 'viscous_bounds': ('V/(m/s)', 'theta_2 min and max'), 'viscous_adaptation': ('V s/m^2', 'Gamma of theta_2'), 'coulomb': ('V', 'initial estimate of theta_3 = A_f'), 'coulomb_bounds': ('V', 'theta_3 min and max'), 'coulomb_adaptation': ('V/m', 'Gamma of theta_3'), 'coulomb_width': ('m/s', 'of S_f(v) = (2/pi) atan(v / width) (eq. 2)'), 'disturbance': ('V', 'initial estimate of d_n = -theta_5'), 'disturbance_bounds': ('V', 'd_n min and max'), 'disturbance_adaptation': ('V/m', 'Gamma of theta_5'), 'cogging_pitch': ('m', 'P of the harmonics and of the knots'), 'cogging_harmonics': ('1', 'those compensated; empty = no cogging compensation'), 'cogging_order': ('1', 'k of the B-splines (eq. 6)'), 'cogging_origin': ('m', 'first knot inside the travel'), 'cogging_control_points': ('1', 'm of the B-splines; 1 = periodic, amplitudes constant along the travel'), 'cogging_bounds': ('V', 'min and max of every entry of theta_4b = A_r'), 'cogging_adaptation': ('V/m', 'Gamma of every entry of A_r'), 'cogging_estimates': ('V', 'initial A_r, one control point after the other; empty = zeros'), 'epsilon': ('V m/s', 'of the robust term u_s2 (eq. 20, 30); 0 = no such term'), 'disturbance_bound': ('V', 'delta_d of eq. 12, for u_s2'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1201,12 +1282,21 @@ class Arc:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'arc'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = AdaptiveRobustParameters
     def __copy__(self) -> Arc:
         ...
     def __deepcopy__(self, memo: dict) -> Arc:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[AdaptiveRobustParameters, list[float]]:
+        ...
     def __init__(self, parameters: AdaptiveRobustParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -1256,12 +1346,21 @@ class Dcarc:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'dcarc'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = AdaptiveRobustParameters
     def __copy__(self) -> Dcarc:
         ...
     def __deepcopy__(self, memo: dict) -> Dcarc:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[AdaptiveRobustParameters, list[float]]:
+        ...
     def __init__(self, parameters: AdaptiveRobustParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -1340,7 +1439,7 @@ class OutputFeedbackArcParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'observer_gain_1': ('1/s', 'k_1 of A_0 (eq. 10)'), 'observer_gain_2': ('1/s^2', 'k_2 of A_0 (eq. 10)'), 'theta': ('', 'initial estimates of 1/M, B/M, d_n/M'), 'theta_min': ('', 'lower bounds (eq. 8)'), 'theta_max': ('', 'upper bounds (eq. 8)'), 'adaptation': ('', 'diagonal of Gamma (eq. 19); 0 = no adaptation'), 'weight_1': ('1', 'w_1 (eq. 30)'), 'weight_2': ('1', 'w_2 (eq. 41)'), 'gain_1': ('1/s', 'g_1 (eq. 28)'), 'gain_2': ('1/s', 'g_2 (eq. 43)'), 'epsilon_11': ('', 'of alpha_1s2 (eq. 33)'), 'epsilon_12': ('', 'of alpha_1s3 (eq. 35)'), 'epsilon_21': ('', 'of u_s2 (eq. 46)'), 'epsilon_22': ('', 'of u_s3 (eq. 46)'), 'c_phi_1': ('', 'diagonal of C_phi1 (eq. 28)'), 'c_phi_2': ('', 'diagonal of C_phi2 (eq. 43)'), 'c_theta_2': ('', 'diagonal of C_theta2 (eq. 43)'), 'use_alpha_1s2': ('', 'robust term against parameters, step 1 (eq. 37)'), 'use_alpha_1s3': ('', 'robust term against estimation errors, step 1 (eq. 38)'), 'use_c_phi_1': ('', 'state-dependent part of k_1s (eq. 28)'), 'use_c_theta_2': ('', 'part of k_2s with d alpha_1 / d theta_hat (eq. 43)'), 'use_c_phi_2': ('', 'part of k_2s with phi_2 (eq. 43)'), 'use_u_s2': ('', 'robust term against parameters, step 2 (eq. 47)'), 'use_u_s3': ('', 'robust term against estimation errors, step 2 (eq. 47)'), 'robust_factor': ('1', 'common factor on the terms that are switched on'), 'coulomb': ('V', 'level of the friction compensation at reference velocity (eq. 5)'), 'coulomb_width': ('m/s', 'of its S(v); 0 = sgn'), 'filter_steps': ('', '"exact" for held inputs, or "euler"'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1521,12 +1620,21 @@ class OutputFeedbackArc:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'output_feedback_arc'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = OutputFeedbackArcParameters
     def __copy__(self) -> OutputFeedbackArc:
         ...
     def __deepcopy__(self, memo: dict) -> OutputFeedbackArc:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[OutputFeedbackArcParameters, list[float]]:
+        ...
     def __init__(self, parameters: OutputFeedbackArcParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @typing.overload
     def command(self, *, reference: typing.SupportsFloat | typing.SupportsIndex, reference_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, reference_acceleration: typing.SupportsFloat | typing.SupportsIndex = 0.0, reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
@@ -1610,7 +1718,7 @@ class ObserverBasedParameters:
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'periods': ('m', 'spatial periods P_n that are cancelled (eq. 2)'), 'observer_gain': ('', "K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)"), 'observer_gain_slope': ('', 'K grows by |nu*| (m/s) times this; empty = constant'), 'position_gain': ('1/s^2', 'L_x = omega^2 (section IV.C)'), 'velocity_gain': ('1/s', 'L_nu = 2 xi omega - mu'), 'mass': ('V/(m/s^2)', 'by which accelerations become commands'), 'viscous': ('1/s', 'mu (eq. 1)'), 'velocity_min': ('m/s', 'below this |nu*| the harmonics are frozen'), 'delay': ('s', 'from reading to acting command; feedforward looks ahead by it'), 'rotation': ('', 'harmonics turn with the "reference" (the paper) or the "measured" position'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1701,12 +1809,21 @@ class ObserverBased:
     of the next reading are taken over all samples that have passed.
     """
     NAME: typing.ClassVar[str] = 'observer_based'
+    __hash__: typing.ClassVar[None] = None
     PARAMETERS = ObserverBasedParameters
     def __copy__(self) -> ObserverBased:
         ...
     def __deepcopy__(self, memo: dict) -> ObserverBased:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[ObserverBasedParameters, list[float]]:
+        ...
     def __init__(self, parameters: ObserverBasedParameters) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     def command(self, *, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], ahead: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
@@ -1776,11 +1893,18 @@ class CompiledController:
     """
     COMMAND: typing.ClassVar[str] = 'float64(CPointer(float64), CPointer(float64), CPointer(float64), float64)'
     UPDATE: typing.ClassVar[str] = 'void(CPointer(float64), CPointer(float64), float64)'
+    __hash__: typing.ClassVar[None] = None
     def __copy__(self) -> CompiledController:
         ...
     def __deepcopy__(self, memo: dict) -> CompiledController:
         ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
     def __init__(self, command: typing.Any, *, update: typing.Any = None, sample_rate: typing.SupportsFloat | typing.SupportsIndex, state: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], parameters: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], command_limit: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
         ...
     def command(self, reference: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], reading: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
@@ -1839,6 +1963,15 @@ class Performance:
     """
     The indexes of one run.
     """
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Annotated[list[float], "FixedSize(6)"]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(6)"]) -> None:
+        ...
     @property
     def command_change_rms(self) -> float:
         """

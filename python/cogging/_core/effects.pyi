@@ -296,7 +296,7 @@ class ConstantForce:
     NAME: typing.ClassVar[str] = 'constant_force'
     ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -348,7 +348,7 @@ class CableSpring:
     NAME: typing.ClassVar[str] = 'cable_spring'
     ROLES: typing.ClassVar[dict] = {'stiffness': {'role': 'amplitude', 'quantity': 'force_per_position', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'center': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -406,7 +406,7 @@ class EndEffect:
     NAME: typing.ClassVar[str] = 'end_effect'
     ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'decay_length': {'role': 'shape', 'quantity': 'distance', 'low': 0.005, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'travel': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -469,7 +469,7 @@ class CoggingHarmonic:
     NAME: typing.ClassVar[str] = 'cogging_harmonic'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.0001, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -535,7 +535,7 @@ class CoggingModulation:
     NAME: typing.ClassVar[str] = 'cogging_modulation'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'pitch': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'order': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'origin': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -611,7 +611,7 @@ class CoulombAsymmetry:
     NAME: typing.ClassVar[str] = 'coulomb_asymmetry'
     ROLES: typing.ClassVar[dict] = {'difference': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -662,7 +662,7 @@ class ViscousAsymmetry:
     NAME: typing.ClassVar[str] = 'viscous_asymmetry'
     ROLES: typing.ClassVar[dict] = {'difference': {'role': 'amplitude', 'quantity': 'force_per_velocity', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -715,7 +715,7 @@ class StribeckFriction:
     NAME: typing.ClassVar[str] = 'stribeck_friction'
     ROLES: typing.ClassVar[dict] = {'static_excess': {'role': 'amplitude', 'quantity': 'friction', 'low': 0.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}, 'velocity': {'role': 'shape', 'quantity': 'velocity', 'low': 0.001, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'exponent': {'role': 'shape', 'quantity': 'exponent', 'low': 0.5, 'high': 3.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -777,7 +777,7 @@ class PreslidingFriction:
     NAME: typing.ClassVar[str] = 'presliding_friction'
     ROLES: typing.ClassVar[dict]
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -830,7 +830,7 @@ class PositionDependentFriction:
     NAME: typing.ClassVar[str] = 'position_dependent_friction'
     ROLES: typing.ClassVar[dict] = {'nodes': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'levels': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': list()}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -886,7 +886,7 @@ class QuadraticDrag:
     NAME: typing.ClassVar[str] = 'quadratic_drag'
     ROLES: typing.ClassVar[dict] = {'coefficient': {'role': 'amplitude', 'quantity': 'force_per_velocity_squared', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -939,7 +939,7 @@ class ForceConstantRipple:
     NAME: typing.ClassVar[str] = 'force_constant_ripple'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.0001, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1001,7 +1001,7 @@ class ForceConstantDrift:
     NAME: typing.ClassVar[str] = 'force_constant_drift'
     ROLES: typing.ClassVar[dict] = {'change': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'time_constant': {'role': 'shape', 'quantity': 'time', 'low': 0.02, 'high': 5.0, 'logarithmic': True, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1057,7 +1057,7 @@ class CommandDelay:
     NAME: typing.ClassVar[str] = 'command_delay'
     ROLES: typing.ClassVar[dict] = {'delay': {'role': 'shape', 'quantity': 'sample_time', 'low': 0.0, 'high': 50.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1104,7 +1104,7 @@ class ActuatorLag:
     NAME: typing.ClassVar[str] = 'actuator_lag'
     ROLES: typing.ClassVar[dict] = {'time_constant': {'role': 'shape', 'quantity': 'sample_time', 'low': 0.1, 'high': 100.0, 'logarithmic': True, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1151,7 +1151,7 @@ class CommandSaturation:
     NAME: typing.ClassVar[str] = 'command_saturation'
     ROLES: typing.ClassVar[dict]
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1202,7 +1202,7 @@ class CommandDeadZone:
     NAME: typing.ClassVar[str] = 'command_dead_zone'
     ROLES: typing.ClassVar[dict] = {'width': {'role': 'shape', 'quantity': 'command', 'low': 0.0, 'high': 0.5, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1255,7 +1255,7 @@ class EncoderPeriodicError:
     NAME: typing.ClassVar[str] = 'encoder_periodic_error'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 1e-05, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'distance', 'low': -0.01, 'high': 0.01, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'distance', 'low': -0.01, 'high': 0.01, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1316,7 +1316,7 @@ class EncoderScaleError:
     NAME: typing.ClassVar[str] = 'encoder_scale_error'
     ROLES: typing.ClassVar[dict] = {'scale': {'role': 'amplitude', 'quantity': 'relative', 'low': -0.1, 'high': 0.1, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1370,7 +1370,7 @@ class Backlash:
     NAME: typing.ClassVar[str] = 'backlash'
     ROLES: typing.ClassVar[dict] = {'gap': {'role': 'shape', 'quantity': 'distance', 'low': 1e-06, 'high': 0.02, 'logarithmic': True, 'neutral': 0.0}, 'mass_ratio': {'role': 'shape', 'quantity': 'relative', 'low': 0.0, 'high': 0.9, 'logarithmic': False, 'neutral': 0.0}, 'contact_frequency': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'contact_damping_ratio': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1434,7 +1434,7 @@ class FlexibleMode:
     NAME: typing.ClassVar[str] = 'flexible_mode'
     ROLES: typing.ClassVar[dict]
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1493,7 +1493,7 @@ class DisturbanceStep:
     NAME: typing.ClassVar[str] = 'disturbance_step'
     ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'start': {'role': 'shape', 'quantity': 'time', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'stop': {'role': 'shape', 'quantity': 'time', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1556,7 +1556,7 @@ class DisturbanceTone:
     NAME: typing.ClassVar[str] = 'disturbance_tone'
     ROLES: typing.ClassVar[dict] = {'frequency': {'role': 'shape', 'quantity': 'frequency', 'low': 0.0005, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -1622,7 +1622,7 @@ class EmpiricalForce:
     NAME: typing.ClassVar[str] = 'empirical_force'
     ROLES: typing.ClassVar[dict] = {'position_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'position_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'velocity_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'velocity_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'time_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'time_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...

@@ -46,6 +46,6 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError(f"{arguments.scan}: {error}") from None
     if arguments.out:
         fit.write(arguments.out)
-    say(fit.summary())
+    say(fit.text())
     if arguments.out:
         say(f"{printable(arguments.out)} and {printable(str(Path(arguments.out).with_suffix('.png')))} written")

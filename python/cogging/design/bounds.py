@@ -20,12 +20,14 @@ from cogging._core import (
     desired_compensation_condition,
     friction_slope_max,
 )
+from cogging.calls import told_constructor
 from cogging.design.cogging_periods import periods_of, pitch_and_harmonics
 from cogging.design.disturbance_range import disturbance_range
 from cogging.design.observer import ObserverDesign, ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model
+from cogging.values import ByValue, brief
 
 BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
 SAMPLES_A_RADIAN = 25.0  # its sample rate over its k_1
@@ -35,8 +37,9 @@ NO_DISTURBANCE = (
 )
 
 
-@dataclass(frozen=True)
-class Bounds:
+@told_constructor
+@dataclass(frozen=True, eq=False, repr=False)
+class Bounds(ByValue):
     """Between which numbers an axis lies, and the controllers designed for all of it.
 
     The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
@@ -54,6 +57,13 @@ class Bounds:
         disturbance_estimate: V, at rest in mid-travel.
         fallbacks: which parameters' intervals did not come from `[bounds]` of the model, in words.
         notes: what is not within the disturbance, and where it is a guess.
+
+    Example:
+        >>> bounds = cogging.Bounds.of(model)
+        >>> bounds
+        Bounds(mass [0.112944, 0.127056] V/(m/s^2), ...)
+        >>> cogging.Dcarc(bounds.adaptive_robust(bandwidth=100.0))
+        Dcarc(error_gain=100 1/s, ...)
     """
 
     model: Model = field(repr=False)
@@ -65,6 +75,10 @@ class Bounds:
     disturbance_estimate: float
     fallbacks: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def _brief(self) -> str:
+        units = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V", "disturbance": "V"}
+        return ", ".join(f"{name} {brief(getattr(self, name), unit)}" for name, unit in units.items())
 
     @classmethod
     def of(cls, model: Model, *, default: Mapping[str, Interval] | None = None, velocity_max: float = 1.0) -> Bounds:

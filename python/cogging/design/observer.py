@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.calls import Kind, takes, told_constructor
+from cogging.values import ByValue, brief
 
 # By how much the solver is asked to keep the inequalities, so that they hold in truth. Tried in turn: what stops it for
 # one of them (it is near the end of double precision there) often does not for the next.
@@ -22,8 +24,8 @@ MARGINS = (1e-5, 1e-6, 1e-4)
 POLE_GRID = 41  # velocities at which the frozen poles are looked at
 
 
-@dataclass(frozen=True)
-class ObserverDesign:
+@dataclass(frozen=True, eq=False, repr=False)
+class ObserverDesign(ByValue):
     """Gains of an ObserverBased controller, and what is certain about them.
 
     Attributes:
@@ -55,9 +57,14 @@ class ObserverDesign:
     slowest_pole: float
     slowest_pole_at_rest: float
 
+    def _brief(self) -> str:
+        harmonics = (len(self.observer_gain) - 3) // 2
+        return f"{harmonics} periods, lambda* {self.lambda_equal:.4g} m/s^2, slowest pole {self.slowest_pole:.4g} 1/s"
 
-@dataclass(frozen=True)
-class ObserverProblem:
+
+@told_constructor
+@dataclass(frozen=True, eq=False, repr=False)
+class ObserverProblem(ByValue):
     """What the observer is designed for.
 
     Attributes:
@@ -72,6 +79,10 @@ class ObserverProblem:
     Raises:
         ValueError: a period <= 0 or none, velocity_min <= 0 or >= velocity_max, decay_rate < 0 or not below omega's
             slowest pole, another number that is not above 0.
+
+    Example:
+        >>> cogging.ObserverProblem(periods=[0.05, 0.025], velocity_min=0.05, velocity_max=0.4)
+        ObserverProblem(periods [0.05, 0.025] m, 0.05 to 0.4 m/s, omega 120 1/s, decay_rate 3 1/s)
     """
 
     periods: Sequence[float]
@@ -106,6 +117,12 @@ class ObserverProblem:
         rule = f"must be below {slowest:g} 1/s, the position loop's slowest pole"
         _require(self.decay_rate < slowest, "decay_rate", rule, self.decay_rate)
 
+    def _brief(self) -> str:
+        return (
+            f"periods {brief(list(self.periods), 'm')}, {self.velocity_min:g} to {self.velocity_max:g} m/s, "
+            f"omega {self.omega:g} 1/s, decay_rate {self.decay_rate:g} 1/s"
+        )
+
     def closed_loop_norm(self) -> float:
         """gamma_c = ||H(s - alpha)||_infinity, H(s) = s / (s^2 + 2 damping omega s + omega^2) (section IV.C), s."""
         scale = self.omega * np.concatenate([[0.0], np.logspace(-4, 3, 20_001)])
@@ -130,15 +147,25 @@ class ObserverProblem:
         return a, c, c_o, b_o
 
 
+@takes(problem=Kind((ObserverProblem,), "an ObserverProblem"))
 def design_observer(problem: ObserverProblem) -> ObserverDesign:
     """Find the gain K with the smallest gamma_o (Theorem 3 with the pole disk), and certify it by eigenvalues.
 
     Args:
         problem: periods, velocities, position loop, decay rate and pole radius.
 
+    Returns:
+        The gains and what is certain about them.
+
     Raises:
         ValueError: no gain is feasible; offers the largest feasible decay rate.
         ImportError: cvxpy is not installed; names the extra.
+
+    Example:
+        >>> problem = cogging.ObserverProblem(periods=[0.05], velocity_min=0.05, velocity_max=0.2)
+        >>> design = cogging.design_observer(problem)
+        >>> bool(design.inequality_margin < 0.0 and design.slowest_pole < -problem.decay_rate)
+        True
     """
     design = _solve(problem)
     if design is None:

@@ -20,6 +20,11 @@ def pid_gains(poles: Sequence[complex], mass: float) -> tuple[float, float, floa
 
     Raises:
         ValueError: not three poles, one without a negative real part, one without its pair, or mass <= 0.
+
+    Example:
+        >>> kp, ki, kd = cogging.pid_gains([-100.0, -100.0, -100.0], mass=0.12)
+        >>> print(f"kp {kp:.0f} V/m, ki {ki:.0f} V/(m s), kd {kd:.0f} V/(m/s)")
+        kp 3600 V/m, ki 120000 V/(m s), kd 36 V/(m/s)
     """
     if len(poles) != 3:
         raise ValueError(f"poles: must be three, got {len(poles)}")
@@ -36,5 +41,19 @@ def pid_gains(poles: Sequence[complex], mass: float) -> tuple[float, float, floa
 
 
 def pid_poles(kp: float, ki: float, kd: float, mass: float) -> npt.NDArray[np.complex128]:
-    """The poles (1/s) that PID gains give on a pure mass (Xu and Yao 2001, eq. 56): what pid_gains inverts."""
+    """The poles (1/s) that PID gains give on a pure mass (Xu and Yao 2001, eq. 56): what pid_gains inverts.
+
+    Args:
+        kp: V/m.
+        ki: V/(m s).
+        kd: V/(m/s).
+        mass: V/(m/s^2).
+
+    Returns:
+        The three poles, 1/s.
+
+    Example:
+        >>> [round(pole.real) for pole in cogging.pid_poles(3600.0, 120000.0, 36.0, mass=0.12)]
+        [-100, -100, -100]
+    """
     return np.asarray(np.roots([1.0, kd / mass, kp / mass, ki / mass]), dtype=np.complex128)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from cogging.calls import takes
 from cogging.diagnosis.assembly import assemble, with_empirical_term
 from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
@@ -19,10 +20,13 @@ from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.whitening import NothingCounts
 from cogging.model.model import Model
+from cogging.progress import Progress, steps
+from cogging.simulation.arguments import LOGS, MODEL
 
 SECONDS_MIN = 1.0  # of motion
 
 
+@takes(logs=LOGS, model=MODEL, confirm=LOGS)
 def diagnose(
     logs: Logs,
     model: Model | str | os.PathLike[str],
@@ -32,7 +36,7 @@ def diagnose(
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
     also: Sequence[Custom] = (),
-    progress: Callable[[str], None] = lambda step: None,
+    progress: Progress = False,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
 
@@ -51,12 +55,21 @@ def diagnose(
             the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
         also: effects of your own (cogging.effects.Custom) that are tried beside the vocabulary: what stands of them
             bears their names.
-        progress: function that is called with what is being done.
+        progress: True shows a line of what is being done, a function is told each step in words.
+
+    Returns:
+        Verdict, missing effects with confidence and parameters, and the patched model; print it to read them.
 
     Raises:
         ValueError: a log or model that cannot be used, `also` with two effects of one name, or a confirm log with rows
             of a given one.
         InputError: a file that cannot be read.
+
+    Example:
+        >>> short = cogging.Log(log.time[:600], log.position[:600], log.command[:600])
+        >>> result = cogging.diagnose(short, model)
+        >>> print(result.verdict, result.notes[-1])
+        insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
     own = by_name(also)
     if not isinstance(model, Model):
@@ -75,13 +88,14 @@ def diagnose(
         rest = f"the axis moves for {moving:.2g} s only: at rest, friction hides every force"
         return _unmeasured("insufficient_excitation", model, (*ready.notes, rest))
     _require_commands(ready)
-    try:
-        loops = running.replay and all(obeys(log, model) for log in ready.confirm)
-        found = search(ready.given, model, ready.confirm, progress, loops, vocabulary=vocabulary)
-    except NothingCounts as error:
-        return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)))
-    progress("measuring the gap")
-    result = assemble(found, ready, model, running.replay)
+    with steps(progress, "diagnose") as begin:
+        try:
+            loops = running.replay and all(obeys(log, model) for log in ready.confirm)
+            found = search(ready.given, model, ready.confirm, begin, loops, vocabulary=vocabulary)
+        except NothingCounts as error:
+            return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)))
+        begin("measuring the gap")
+        result = assemble(found, ready, model, running.replay)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
 

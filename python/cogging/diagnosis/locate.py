@@ -10,6 +10,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.diagnosis.candidates.findings import Finding, judged
 from cogging.diagnosis.candidates.scan import sharpen
 from cogging.diagnosis.candidates.tables import tables
@@ -26,12 +27,14 @@ from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.statistics import moving_average
 from cogging.log_check.unit_check import check_against_model
 from cogging.model.model import Model
+from cogging.simulation.arguments import LOGS, MODEL
 
 WAVES_MAX = 5
 TURNS_MIN = 4.0  # over the travel or the log: slower waves are told by the coordinates
 WAVE_MIN = 0.1  # of the strongest wave's share: weaker ones are its shadows
 
 
+@takes(logs=LOGS, model=MODEL)
 def locate_gap(
     logs: Logs,
     model: Model | str | os.PathLike[str],
@@ -41,9 +44,21 @@ def locate_gap(
     The model is re-tuned first, as far as its statement allows; what is left is tested against a force of any shape in
     each coordinate and against waves in place and in time. No effect is named.
 
+    Args:
+        logs: one or several, or their files.
+        model: what is believed, or its file.
+
+    Returns:
+        Shares of the gap by coordinate, and what repeats itself in place or time; print it to read them.
+
     Raises:
         ValueError: a log or model that cannot be used.
         InputError: a file that cannot be read.
+
+    Example:
+        >>> where = cogging.locate_gap(log, model)
+        >>> where.significant
+        ()
     """
     if not isinstance(model, Model):
         model = Model.read(model)

@@ -13,6 +13,7 @@ from cogging.diagnosis.residual.location_words import length_text, ranges, shape
 from cogging.diagnosis.residual.shape import Shape
 from cogging.model.model import Model
 from cogging.outputs import finite
+from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,8 +54,8 @@ class Wave:
         return f"every {length_text(self.value)} of position: {size}"
 
 
-@dataclass(frozen=True)
-class Location:
+@dataclass(frozen=True, eq=False, repr=False)
+class Location(ByValue):
     """Where logs and a model disagree after the model was re-tuned.
 
     Attributes:
@@ -70,6 +71,11 @@ class Location:
     residual: float
     model: Model
     series: dict[str, list[FloatArray]]
+
+    def _brief(self) -> str:
+        first = max(self.significant, key=lambda shape: shape.share, default=None)
+        told = "no coordinate stands out" if first is None else f"{100 * first.share:.0f} % by {first.coordinate}"
+        return f"gap {self.residual:.4g} V rms, {told}"
 
     @property
     def significant(self) -> tuple[Shape, ...]:

@@ -14,13 +14,14 @@ from cogging.diagnosis.report.words import step_text, term_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
+from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True, repr=False)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(ByValue):
     """What `diagnose` found. Printed, it is its `text`; `to_dict` is what `--json` writes.
 
     Attributes:
@@ -58,11 +59,10 @@ class Diagnosis:
     series: Mapping[str, Any] = field(default_factory=dict)
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
 
-    def __repr__(self) -> str:
-        return f"Diagnosis(verdict={self.verdict!r}, effects={[effect.name for effect in self.effects]})"
-
-    def __str__(self) -> str:
-        return self.text()
+    def _brief(self) -> str:
+        names = ", ".join(effect.name for effect in self.effects)
+        gap = f"gap {self.gap.before:.3g} {self.gap.unit} before, {self.gap.after:.3g} {self.gap.unit} after"
+        return f"{self.verdict}{': ' * bool(names)}{names}; {gap}"
 
     def to_dict(self) -> dict[str, Any]:
         """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""

@@ -10,13 +10,15 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
+from cogging.calls import takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
+from cogging.values import ByValue
 
 SPARE = 2  # points more than parameters, at least, for a model to be tried
 
 
-@dataclass(frozen=True)
-class FrictionModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionModel(ByValue):
     """One law of the ladder, fitted to all points.
 
     Attributes:
@@ -26,6 +28,12 @@ class FrictionModel:
         held_out_rms: V, of the errors at speeds that were left out of the fit, each in turn.
         held_out_standard_error: V, of that rms, from its scatter between speeds.
         gain: 1 - held_out_rms over that of Coulomb + viscous.
+
+    Example:
+        >>> v = np.linspace(0.05, 1.0, 12)
+        >>> law = cogging.fit_friction_curve(v, 0.15 + 0.2 * v)["coulomb_viscous"]
+        >>> round(float(law.force(-0.5)), 3)
+        -0.25
     """
 
     name: str
@@ -34,6 +42,12 @@ class FrictionModel:
     held_out_rms: float
     held_out_standard_error: float
     gain: float
+
+    def _brief(self) -> str:
+        told = ", ".join(
+            f"{path} {p.value:.4g}{'' if p.unit == '1' else ' ' + p.unit}" for path, p in self.parameters.items()
+        )
+        return f"{self.name}: {told}; {self.held_out_rms:.3g} V rms at speeds left out"
 
     def force(self, velocity: npt.ArrayLike) -> FloatArray:
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
@@ -52,8 +66,8 @@ class FrictionModel:
         return tuple(EFFECTS[effect](**values) for effect, values in fields.items())
 
 
-@dataclass(frozen=True)
-class FrictionCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionCurve(ByValue):
     """What fit_friction_curve found.
 
     Attributes:
@@ -74,6 +88,9 @@ class FrictionCurve:
     confidence: float
     notes: tuple[str, ...]
 
+    def _brief(self) -> str:
+        return f"{self.best.name} of {len(self.models)} laws, {self.best.held_out_rms:.3g} V rms at speeds left out"
+
     def __getitem__(self, name: str) -> FrictionModel:
         """The model of this name.
 
@@ -82,7 +99,7 @@ class FrictionCurve:
         """
         return {model.name: model for model in self.models}[name]
 
-    def summary(self) -> str:
+    def text(self) -> str:
         """The fits in a few lines for the screen."""
         lines = [
             f"friction curve: {len(self.velocity)} points at {self.speed.max() + 1} speeds from "
@@ -100,6 +117,7 @@ class FrictionCurve:
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
 
+@takes()
 def fit_friction_curve(
     velocity: npt.ArrayLike,
     force: npt.ArrayLike,
@@ -132,8 +150,17 @@ def fit_friction_curve(
         same_speed: |v| this close (relative to the lowest of them) are one speed.
         confidence: of the intervals.
 
+    Returns:
+        The laws that the points suffice for, and which of them is best; print it to read them.
+
     Raises:
         ValueError: names the field, the rule and the value.
+
+    Example:
+        >>> v = np.concatenate([-np.linspace(0.05, 1.0, 12), np.linspace(0.05, 1.0, 12)])
+        >>> curve = cogging.fit_friction_curve(v, 0.15 * np.sign(v) + 0.2 * v)
+        >>> print(f"{curve.models[0].name}: {curve.models[0].parameters['viscous'].value:.3f} V/(m/s)")
+        coulomb_viscous: 0.200 V/(m/s)
     """
     _check_options(exponent, same_speed, confidence)
     v, f, speed = _points(_numbers("velocity", velocity), _numbers("force", force), same_speed)

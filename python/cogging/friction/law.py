@@ -12,6 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
 from cogging.linear import least_squares
+from cogging.values import ByValue
 
 UNITS = {
     "coulomb": "V",
@@ -26,14 +27,24 @@ EXPONENTS = (0.5, 4.0)  # between which it is looked for
 STARTS = 24  # of the search, speeds on a logarithmic scale
 
 
-@dataclass(frozen=True)
-class FrictionParameter:
-    """A fitted value with its interval, in its unit; the bounds are infinite where the points do not tell."""
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionParameter(ByValue):
+    """A fitted value with its interval, in its unit; the bounds are infinite where the points do not tell.
+
+    Attributes:
+        value: as fitted.
+        low, high: ends of the interval.
+        unit: SI and V.
+    """
 
     value: float
     low: float
     high: float
     unit: str
+
+    def _brief(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.value:.6g}{unit}, [{self.low:.6g}, {self.high:.6g}]"
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from cogging.calls import takes
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.result import Identification
 from cogging.identification.two_estimators import TwoEstimators
@@ -17,11 +18,14 @@ from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, parameters_of, role_of
+from cogging.progress import Progress
+from cogging.simulation.arguments import LOGS, MODEL
 
 FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which noise does not rule
 
 
+@takes(logs=LOGS, model=MODEL)
 def identify(
     logs: Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str],
@@ -31,7 +35,7 @@ def identify(
     rest: float | None = None,
     added_commands: Sequence[npt.ArrayLike | None] | None = None,
     names: Sequence[str] | None = None,
-    progress: bool = False,
+    progress: Progress = False,
 ) -> Identification:
     """Fit the parameters of a model to one or several logs together. Rows that stand in several of them count once.
 
@@ -55,12 +59,21 @@ def identify(
         rest: rows slower than this do not count, m/s; None: 2 % of the largest speed.
         added_commands: for each log, what was added to its controller's command, V, (n,), or None.
         names: of the logs, for the text.
-        progress: show a bar.
+        progress: True shows a bar, a function is told each stage in words.
+
+    Returns:
+        The fitted model, its parameters with intervals and what the logs cannot tell; print it to read them.
 
     Raises:
         InputError: a file that cannot be used, a log whose units cannot be those of the model.
         ValueError: a free parameter that the model has not, no logs, a log that is too short or at rest, a cut-off or
             rest that breaks its rule.
+
+    Example:
+        >>> prior = model.replace(axis=model.axis.replace(mass=0.1))
+        >>> found = cogging.identify(log, prior, free=["axis.mass", "axis.viscous"])
+        >>> print(f"{found['axis.mass'].value:.3f} V/(m/s^2), determined: {found['axis.mass'].determined}")
+        0.120 V/(m/s^2), determined: True
     """
     if not isinstance(model, Model):
         model = Model.read(model)

@@ -11,6 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.log_check.audit import Audit
 from cogging.model.model import Model
+from cogging.values import ByValue
 
 CORRELATED = 0.8  # above which two parameters are shown as correlated
 
@@ -101,8 +102,8 @@ class LogFit:
         }
 
 
-@dataclass(frozen=True, repr=False)
-class Identification:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(ByValue):
     """The fit of a model to logs. Printed, it is its `text`.
 
     Attributes:
@@ -117,6 +118,11 @@ class Identification:
         estimator: whose values are reported: "inverse_dynamics" or "output_error".
         controller: what is to be said of a stated controller, one line a log.
         notes: what else is to be said of the logs, such as rows that stand in several of them.
+
+    Example:
+        >>> found = cogging.identify(log, model, free=["axis.mass"])
+        >>> found.parameters[0].path, found.model.axis.mass == found["axis.mass"].value
+        ('axis.mass', True)
     """
 
     model: Model
@@ -131,11 +137,10 @@ class Identification:
     controller: tuple[str, ...]
     notes: tuple[str, ...] = ()
 
-    def __repr__(self) -> str:
-        return f"Identification(estimator={self.estimator!r}, parameters={[p.path for p in self.parameters]})"
-
-    def __str__(self) -> str:
-        return self.text()
+    def _brief(self) -> str:
+        sure, logs = sum(p.determined for p in self.parameters), len(self.logs)
+        which = f"{sure} of {len(self.parameters)} parameters determined by {logs} log{'s' * (logs != 1)}"
+        return f"{which}, {self.estimator}"
 
     def __getitem__(self, path: str) -> ParameterEstimate:
         """The parameter at a path.

@@ -20,12 +20,13 @@ from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, role_of, with_values
+from cogging.progress import Progress, steps
 
 READING_SHARE = 0.5  # of the residual's rms, below which what quantiser and encoder noise alone make is borne
 STARTS = 3  # further starts where the law is not linear in a parameter
 SHAPELESS = 2.0  # 1-sigma of a shape, relative to its size, above which it is left alone altogether
 SPREAD = 0.1  # of their sizes, by which they are apart
-STAGES = ("what the logs determine", "inverse dynamics", "output error", "logs one by one")
+STAGES = ("inverse dynamics", "output error", "logs one by one")
 
 
 class TwoEstimators:
@@ -43,32 +44,23 @@ class TwoEstimators:
         self.prior = parameters_of(model)
         self.simulate = [run.simulator() for run in runs]
 
-    def run(self, progress: bool) -> Identification:
-        """Fit, stage by stage; with a bar where there is to be progress."""
-        from tqdm import tqdm
-
-        with tqdm(total=len(STAGES), unit="stage", disable=None if progress else True, leave=False) as bar:
-
-            def stage(i: int) -> None:
-                bar.set_description(STAGES[i])
-                bar.update(1 if i else 0)
-
+    def run(self, progress: Progress) -> Identification:
+        """Fit, stage by stage, and say which is begun."""
+        with steps(progress, "identify", len(STAGES)) as begin:
+            begin(STAGES[0])
             for cutoff in self.cutoffs:
-                stage(0)
                 balances = [ForceBalance.of(run.log, cutoff=cutoff, rest=self.rest) for run in self.runs]
                 self._require_rows(balances)
                 scales = Scales.largest(balance.scales for balance in balances)
                 told = self._determine(self.model, balances, scales)
-                bar.set_description(STAGES[1])
                 told, estimate = self._by_balance(told, balances, scales)
                 floors = [noise_floor(balance, estimate.model) for balance in balances]
                 shares = [f / max(rms, 1e-300) for f, rms in zip(floors, estimate.residual_rms, strict=True)]
                 if max(shares) < READING_SHARE:
                     break
-            stage(1)
-            stage(2)
+            begin(STAGES[1])
             output = self._output_error(estimate.model, told)
-            stage(3)
+            begin(STAGES[2])
             spread = self._one_by_one(estimate.model, told, balances, scales)
             inside = tuple(self._moving(told))
             balance = Values(inside, estimate.values, estimate.covariance, estimate.freedom)

@@ -8,11 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.log_check.command_comparison import Compared, compared, root_mean_square
 from cogging.log_check.controller_gains import fit_gains, linear_regressors
 from cogging.log_check.controller_samples import LONG
 from cogging.logs.log import Log
 from cogging.model.model import Model
+from cogging.simulation.arguments import LOG, MODEL_ALONE
+from cogging.values import ByValue
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
 RATE_TOLERANCE = 0.02  # of the stated sample rate
@@ -21,8 +24,8 @@ ENOUGH = 0.25  # of the rows: so many before the first gap tell whether a contro
 AT_REST = 1e-3  # of the top speed: slower is rest
 
 
-@dataclass(frozen=True)
-class ControllerCheck:
+@dataclass(frozen=True, eq=False, repr=False)
+class ControllerCheck(ByValue):
     """A logged command beside the one that the stated controller gives for the logged references and readings.
 
     Attributes:
@@ -59,7 +62,13 @@ class ControllerCheck:
     unseen_readings: tuple[int, ...] = ()
     doubted_commands: tuple[int, ...] = ()
 
+    def _brief(self) -> str:
+        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[self.reproduces]
+        left = "" if self.relative is None else f": {100 * self.relative:.3g} % of {self.command_rms:.4g} V rms is left"
+        return f"{self.type} {verdict} the command{left}"
 
+
+@takes(log=LOG, model=MODEL_ALONE)
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 
@@ -71,6 +80,18 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     Samples without a row are put on the line between their neighbours where they are few on end, and rows whose command
     hangs on them are not compared; after a longer gap the integral is another constant. Single readings that the
     controller did not see, and commands that it did not give, are left out: where that alone explains them.
+
+    Args:
+        log: with a reference.
+        model: that states the controller.
+
+    Returns:
+        How far the two commands agree; None where the model states no controller.
+
+    Example:
+        >>> other = model.replace(controller=model.controller.replace(kp=9000.0))
+        >>> cogging.check_controller(log, other).reproduces
+        True
     """
     if model.controller is None or model.controller_type is None:
         return None

@@ -10,10 +10,12 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
+from cogging.calls import takes
 from cogging.log_check.controller_gains import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
+from cogging.simulation.arguments import LOG
 
 Columns = dict[str, FloatArray]
 
@@ -31,7 +33,11 @@ class RecoveredController(NamedTuple):
     parameters: PidParameters | CascadeParameters
     residual_rms: float
 
+    def __repr__(self) -> str:
+        return f"RecoveredController({self.parameters!r}, leaves {self.residual_rms:.3g} V rms)"
 
+
+@takes(log=LOG)
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.
 
@@ -40,6 +46,17 @@ def recover_controller(log: Log) -> RecoveredController | None:
     width that is searched for. Accepted when it leaves at most 0.5 % of the rms command and no gain is negative; gains
     that contribute less than 0.1 % are set to zero. The simpler of two that fit alike is taken. What the log lacks, or
     has as single values that leave and return, is gone over as check_controller does.
+
+    Args:
+        log: with a reference, of at least 200 rows.
+
+    Returns:
+        Type and parameters of the controller, or None.
+
+    Example:
+        >>> found = cogging.recover_controller(log)
+        >>> print(f"{found.type}, kp {found.parameters.kp:.0f} V/m")
+        pid, kp 9600 V/m
     """
     if log.reference is None or len(log) < FEWEST_ROWS:
         return None

@@ -7,15 +7,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cogging.calls import takes
 from cogging.files import InputError
 from cogging.log_check.outliers import find_outliers
 from cogging.logs.log import Log, require_sizes
 from cogging.model.model import Model
+from cogging.simulation.arguments import LOG, MODEL_ALONE
 
 UNITS = {1e-3: "mm", 1e-6: "um", 1e-2: "cm", 0.0254: "inches"}
 TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 
+@takes(log=LOG, model=MODEL_ALONE)
 def check_against_model(log: Log, model: Model, name: str = "log") -> None:
     """Refuse a log whose units cannot be those of the model: asked about, not guessed.
 
@@ -29,6 +32,13 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
 
     Raises:
         InputError: names the column, the figures and the scale to state.
+
+    Example:
+        >>> in_mm = cogging.Log(log.time, 1e3 * log.position, log.command)
+        >>> cogging.check_against_model(in_mm, model)
+        Traceback (most recent call last):
+            ...
+        cogging.files.InputError: log: position: spans ... but the model's travel is 0.51 m: give ...
     """
     try:
         require_sizes(log)

@@ -17,9 +17,11 @@ import numpy.typing as npt
 
 from cogging._core import format_rows
 from cogging.arrays import FloatArray
+from cogging.calls import PATHS, takes, told_constructor
 from cogging.files import LARGEST, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.outputs import sidecar, target_of, to_toml, write_files
+from cogging.values import ByValue
 
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
@@ -28,8 +30,9 @@ ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 
 
-@dataclass(frozen=True)
-class Log:
+@told_constructor
+@dataclass(frozen=True, eq=False, repr=False)
+class Log(ByValue):
     """One run of an axis, measured or simulated: one row a sample.
 
     Columns may be anything that is an array of real numbers (lists, pandas Series). They are held as read-only float64
@@ -39,7 +42,7 @@ class Log:
         time: s, strictly increasing, (n,).
         position: m, encoder reading at `time`.
         command: V, computed from that reading, applied from `time` and held until the next row.
-        reference: m, or None; its derivatives (m/s, m/s^2) likewise.
+        reference: m, or None; reference_velocity (m/s) and reference_acceleration (m/s^2) likewise.
         true_position: m, the plant's own; None in a measured log. Likewise true_velocity, m/s.
         estimates: what the controller believed, (n, p), where it was asked for.
         metadata: what a CSV cannot hold: model, reference, version and seed of a simulated log.
@@ -47,6 +50,10 @@ class Log:
     Raises:
         ValueError: a column is missing, not of real numbers, of another shape or length than `time`, has a masked
             entry or one that is not finite, or `time` is not strictly increasing; names column, row, rule and value.
+
+    Example:
+        >>> cogging.Log(time=[0.0, 0.001, 0.002], position=[0.0, 1e-6, 3e-6], command=[0.1, 0.1, 0.0])
+        Log(3 rows, 0.002 s at 1000 Hz, 0 to 3e-06 m)
     """
 
     time: FloatArray
@@ -89,6 +96,22 @@ class Log:
             estimates=columns.get("estimates"),
             metadata=metadata or {},
         )
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                value.flags.writeable = False  # a copy has the right to be written, a log has not
+            self.__dict__[name] = value
+
+    def _brief(self) -> str:
+        if len(self) < 2:
+            return "1 row"
+        span = float(self.time[-1] - self.time[0])
+        extra = [name for name in OPTIONAL[:1] if getattr(self, name) is not None]
+        extra += ["true motion"] * (self.true_position is not None) + ["estimates"] * (self.estimates is not None)
+        low, high = float(self.position.min()), float(self.position.max())
+        told = f"{len(self)} rows, {span:.6g} s at {(len(self) - 1) / span:.6g} Hz, {low:.6g} to {high:.6g} m"
+        return f"{told}, with {', '.join(extra)}" if extra else told
 
     def __len__(self) -> int:
         return len(self.time)
@@ -219,6 +242,7 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
+@takes(path=PATHS)
 def read_log(
     path: str | os.PathLike[str],
     *,
@@ -228,8 +252,23 @@ def read_log(
 ) -> Log:
     """Read a log from a file (see columns.read_columns for formats and arguments), and `PATH.toml` if it is there.
 
+    Args:
+        path: of a CSV, MATLAB, ASAM MDF or Parquet file.
+        columns: names in the file by the names of a log: `{"position": "qm"}`.
+        scale: factors on columns, by the names of a log: `{"position": 1e-3}` for mm.
+        rows: the data rows to take, from 0.
+
+    Returns:
+        The log.
+
     Raises:
         InputError: the file cannot be used, has fewer than two rows, or `time` is not strictly increasing.
+
+    Example:
+        >>> log.write("log.csv")
+        >>> in_mm = cogging.read_log("log.csv", scale={"position": 1e3})
+        >>> [len(in_mm) == len(log), bool(abs(in_mm.position[9] / log.position[9] - 1e3) < 1e-6)]
+        [True, True]
     """
     table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows)
     time = table["time"]

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.logs.log import Log
+from cogging.simulation.arguments import LOG
+from cogging.values import ByValue
 
 OVERSAMPLING = 8  # frequencies between two that the travel tells apart
 THRESHOLD = 8.0  # times the noise level (the median of the amplitudes that are left): a line above it is proposed
@@ -15,8 +18,8 @@ POINTS_PER_PERIOD = 8.0  # of the shortest: more samples than these are not used
 CONSTANT = 0.98  # of the top speed: what counts as constant speed
 
 
-@dataclass(frozen=True)
-class TrackingSpectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackingSpectrum(ByValue):
     """Amplitudes of a tracking error against spatial period, on the parts of constant speed.
 
     Attributes:
@@ -24,6 +27,10 @@ class TrackingSpectrum:
         noise: m, the median amplitude once the proposed lines are taken out.
         resolution: 1/m, one over the travel at constant speed: closer lines cannot be told apart.
         periods: m, proposed for cancellation, strongest first; period_amplitudes: m.
+
+    Example:
+        >>> cogging.tracking_spectrum(log)
+        TrackingSpectrum(49.21 mm ... um, ...; noise ... um)
     """
 
     frequency: FloatArray
@@ -33,7 +40,14 @@ class TrackingSpectrum:
     periods: tuple[float, ...]
     period_amplitudes: tuple[float, ...]
 
+    def _brief(self) -> str:
+        lines = [
+            f"{1e3 * p:.4g} mm {1e6 * a:.3g} um" for p, a in zip(self.periods, self.period_amplitudes, strict=True)
+        ]
+        return f"{', '.join(lines) or 'no line'}; noise {1e6 * self.noise:.3g} um"
 
+
+@takes(log=LOG)
 def tracking_spectrum(
     log: Log, *, shortest_period: float = 2e-3, most: int = 8, share: float = 0.15
 ) -> TrackingSpectrum:
@@ -49,8 +63,16 @@ def tracking_spectrum(
         most: at most so many periods are proposed.
         share: of the strongest line's amplitude that a further one must have, beside standing above the noise.
 
+    Returns:
+        The spectrum, and the periods that it proposes to cancel, strongest first.
+
     Raises:
         ValueError: no reference, or no stretch of constant speed three shortest periods long.
+
+    Example:
+        >>> spectrum = cogging.tracking_spectrum(log)
+        >>> [f"{1e3 * period:.0f} mm" for period in spectrum.periods]
+        ['49 mm', '25 mm']
     """
     stretches = _stretches(log, shortest_period)
     travel = max((float(np.ptp(x)) for x, _ in stretches), default=0.0)

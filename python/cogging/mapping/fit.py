@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
+from cogging.calls import takes
 from cogging.mapping.fitted import TREND_TRAVEL, FittedMap, nuisance_columns
 from cogging.mapping.request import MapRequest
 from cogging.mapping.result import CrossValidation, MapFit
@@ -20,6 +21,7 @@ MOST_TERMS = 32  # of SplineHarmonics
 MOST_COMPARED = 2000  # coefficients of each fit in a comparison
 
 
+@takes()
 def fit_map(
     position: npt.ArrayLike,
     force: npt.ArrayLike,
@@ -57,9 +59,19 @@ def fit_map(
         highest_harmonic: the last one that is looked for, if the points tell it from others (2.5 in a period).
         false_alarm: the probability at which a scan of noise alone yields any harmonic.
 
+    Returns:
+        The cogging model with its standard errors and how it was chosen; print it to read them.
+
     Raises:
         ValueError: names the field, the rule and the value: fewer than 10 points, NaN, lengths that differ, a travel
             below one pitch, points too far apart, a harmonic that they do not resolve, more coefficients than points.
+
+    Example:
+        >>> x = np.linspace(0.0, 0.4, 2001)
+        >>> force = 0.1 * np.sin(2 * np.pi * x / 0.05) + 1e-3 * np.random.default_rng(1).normal(size=x.size)
+        >>> fit = cogging.fit_map(x, force, pitch=0.05)
+        >>> [(entry.harmonic, round(entry.amplitude, 3)) for entry in fit.amplitudes]
+        [(1, 0.1)]
     """
     request = MapRequest(pitch, harmonics, order, origin, highest_harmonic, false_alarm)
     scan = read_scan(position, force, pitch=pitch, force_sign=force_sign, highest_harmonic=request.highest)

@@ -15,6 +15,7 @@ from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
 from cogging.outputs import same_file, to_toml, write_files
+from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,8 +57,8 @@ class CrossValidation:
     standard_error: float
 
 
-@dataclass(frozen=True)
-class MapFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class MapFit(ByValue):
     """A cogging model fitted to a scan, force = F_cogging(x) + offset + trend (x - centre) + coulomb direction.
 
     Attributes:
@@ -67,8 +68,10 @@ class MapFit:
             control point in `unexcited` is the prior's.
         amplitudes: one entry a harmonic.
         offset: V, at the centre of the travel; offset_standard_error likewise.
-        coulomb: V, half of the difference of the two directions; None where the scan goes one way only.
-        trend: V/m; 0 with the standard error 0 where it is within 3 standard errors of none and therefore left out.
+        coulomb, coulomb_standard_error: V, half of the difference of the two directions; None where the scan goes one
+            way only.
+        trend, trend_standard_error: V/m; both 0 where the trend is within 3 standard errors of none and therefore left
+            out.
         residual_rms: V, of the averaged points.
         noise: V rms of one averaged point, from the median of the residual's spectrum; where residual_rms is larger,
             the scan has structure that the model lacks.
@@ -106,7 +109,12 @@ class MapFit:
     line_amplitude: FloatArray
     line_threshold: FloatArray
 
-    def summary(self) -> str:
+    def _brief(self) -> str:
+        which = ", ".join(str(entry.harmonic) for entry in self.amplitudes) or "none"
+        kind = f"splines of order {self.order}" if self.order else "periodic"
+        return f"harmonics {which} of {self.cogging.basis.pitch:g} m, {kind}; residual {self.residual_rms:.4g} V rms"
+
+    def text(self) -> str:
         """The fit in a few lines for the screen."""
         spline, pitch = self.cogging.basis.spline, self.cogging.basis.pitch
         kind = f"order {self.order}, {spline.control_points} control points" if self.order else "periodic"

@@ -20,6 +20,9 @@ class ReferencePoint(NamedTuple):
     velocity: float
     acceleration: float
 
+    def __repr__(self) -> str:
+        return f"ReferencePoint({self.position:.6g} m, {self.velocity:.6g} m/s, {self.acceleration:.6g} m/s^2)"
+
 
 @runtime_checkable
 class Controller(Protocol):

@@ -20,12 +20,14 @@ from cogging._core import (
     Plant,
     SplineHarmonics,
 )
+from cogging.calls import told_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
+from cogging.values import ByValue
 
 #: Controllers by the name that a model file gives them: parameter struct and class.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
@@ -41,8 +43,9 @@ STEPS_MAX = 10_000  # a sample, of those that may be asked for
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
-@dataclass(frozen=True)
-class Model:
+@told_constructor
+@dataclass(frozen=True, eq=False, repr=False)
+class Model(ByValue):
     """An axis as a model file describes it: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects.
 
     A model read from a file, fitted from a log or written by hand is this one type.
@@ -60,11 +63,18 @@ class Model:
             logs do not determine the parameter.
         steps_per_sample: the fewest integration steps between two samples of a simulated run; it takes as many more
             as its accuracy needs.
+
+    Example:
+        >>> axis = cogging.AxisParameters(mass=0.12, viscous=0.2, travel=[0.0, 0.5])
+        >>> cogging.Model(axis, effects=[cogging.effects.CableSpring(stiffness=0.4)])
+        Model(mass 0.12 V/(m/s^2), cable_spring)
+        >>> cogging.Model.from_dict(model.to_dict()) == model
+        True
     """
 
     axis: AxisParameters
     cogging: CoggingModel | None = None
-    effects: tuple[Effect, ...] = ()
+    effects: Sequence[Effect] = ()
     encoder: EncoderParameters = field(default_factory=EncoderParameters)
     noise: NoiseParameters = field(default_factory=NoiseParameters)
     controller: ControllerParameters | None = None
@@ -84,6 +94,17 @@ class Model:
             raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         object.__setattr__(self, "effects", tuple(self.effects))
         refuse_two_of_one_name(self.effects)
+        intervals = {path: (float(low), float(high)) for path, (low, high) in self.intervals.items()}
+        object.__setattr__(self, "intervals", intervals)
+
+    def _brief(self) -> str:
+        told = [f"mass {self.axis.mass:.6g} V/(m/s^2)"]
+        if self.cogging is not None:
+            told.append(f"cogging of {self.cogging.basis.terms} terms")
+        told += [effect.NAME for effect in self.effects]
+        if self.controller is not None:
+            told.append(f"{self.controller_type} at {self.controller.sample_rate:g} Hz")
+        return ", ".join(told)
 
     def plant(self) -> Plant:
         """Make the machine to simulate."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import AxisParameters, CoggingModel
+from cogging.calls import Kind, takes
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.model.model import Model
 
@@ -114,6 +115,7 @@ class Scales:
         return 1e-3 * max(size, 0.1 * self.of(parameter.unit))
 
 
+@takes(model=Kind((Model,), "a Model"))
 def parameters_of(model: Model, *, together: bool = False) -> dict[str, Parameter]:
     """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects.
 
@@ -121,6 +123,18 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
     each control point (its value is their mean), `cogging.gain[0]` multiplies them, `cogging.phase[0]` (rad) turns
     them, `cogging.stretch[0]` lengthens the sines by what it shortens the cosines (relative), and `cogging.shear[0]`
     adds of each to the other.
+
+    Args:
+        model: any.
+        together: also what moves the cogging as a whole, such as the gain and phase of a harmonic.
+
+    Returns:
+        Every number of the model that can be fitted, by its path.
+
+    Example:
+        >>> known = cogging.parameters_of(model)
+        >>> print(known["axis.mass"].value, known["axis.mass"].unit, len(known))
+        0.12 V/(m/s^2) 10
     """
     found: list[Parameter] = []
     for name in AXIS_FIELDS:

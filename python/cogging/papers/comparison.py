@@ -179,7 +179,7 @@ UNITS = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Table):
     """A table with a row a controller and a column an index on the screen."""
 

@@ -5,51 +5,62 @@ from __future__ import annotations
 import importlib
 import os
 
+from cogging.calls import takes
 from cogging.papers.result import Reproduction
+from cogging.progress import Progress, steps
 
 #: The papers that can be reproduced; each is a package beside this file.
 PAPERS = ("lu2008", "malaize2009", "xu2001")
 
 
-def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:
+@takes()
+def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Reproduce the experiments of a paper: its tables beside ours, and its figures.
 
     Args:
         paper: one of PAPERS.
         out: folder into which `<paper>.json` and the figures are written; None writes nothing.
-        progress: show a progress bar on standard error.
+        progress: True shows a bar, a function is told each step as it is done.
+
+    Returns:
+        Tables beside the printed ones, and figures; print it to read the tables.
 
     Raises:
         ValueError: the paper is not one of PAPERS.
+
+    Example:
+        >>> cogging.reproduce("lu2009")
+        Traceback (most recent call last):
+            ...
+        ValueError: paper: must be one of lu2008, malaize2009, xu2001, got 'lu2009'
     """
     if paper not in PAPERS:
         raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}")
     return _run(f"cogging.papers.{paper}.reproduce", "reproduce", paper, out, progress)
 
 
-def compare(*, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Reproduction:
+@takes()
+def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.
 
     Args:
         out: folder into which `comparison.json` and the figure are written; None writes nothing.
-        progress: show a progress bar on standard error.
+        progress: True shows a bar, a function is told each step as it is done.
+
+    Returns:
+        The table and its figure.
+
+    Example:
+        >>> result = cogging.compare()  # doctest: +SKIP
     """
     return _run("cogging.papers.comparison", "compare", "comparison", out, progress)
 
 
 def _run(
-    module_name: str, function: str, name: str, out: str | os.PathLike[str] | None, progress: bool
+    module_name: str, function: str, name: str, out: str | os.PathLike[str] | None, progress: Progress
 ) -> Reproduction:
     module = importlib.import_module(module_name)
-    from tqdm import tqdm
-
-    hidden = None if progress else True  # None: where standard error is no terminal
-    with tqdm(total=len(module.STEPS), desc=name, unit="step", disable=hidden, leave=False) as bar:
-
-        def done(step: str) -> None:
-            bar.set_postfix_str(step)
-            bar.update()
-
+    with steps(progress, name, len(module.STEPS)) as done:
         result: Reproduction = getattr(module, function)(done)
     if out is not None:
         result.write(out)

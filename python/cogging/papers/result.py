@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from cogging.files import InputError
 from cogging.outputs import to_json, write_files
+from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,13 +52,16 @@ class Row:
         }
 
 
-@dataclass(frozen=True)
-class Table:
+@dataclass(frozen=True, eq=False, repr=False)
+class Table(ByValue):
     """A table of the paper with ours beside it."""
 
     id: str
     title: str
     rows: Sequence[Row]
+
+    def _brief(self) -> str:
+        return f"{self.id}, {len(self.rows)} rows"
 
     @staticmethod
     def _name(row: Row) -> str:
@@ -78,8 +82,8 @@ class Table:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True)
-class Reproduction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reproduction(ByValue):
     """Tables and figures of one paper.
 
     Attributes:
@@ -93,6 +97,9 @@ class Reproduction:
     tables: Sequence[Table]
     figures: Mapping[str, Figure]
     notes: Sequence[str] = ()
+
+    def _brief(self) -> str:
+        return f"{self.paper}: {len(self.tables)} tables, {len(self.figures)} figures"
 
     def to_dict(self) -> dict[str, Any]:
         """The content of `<paper>.json`."""

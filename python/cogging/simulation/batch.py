@@ -8,12 +8,15 @@ from typing import overload
 
 from cogging import _core
 from cogging._core import Plant, Reference
+from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
+from cogging.simulation.arguments import MOTION
+from cogging.values import ByValue
 
 
-@dataclass(frozen=True, repr=False)
-class Batch(Sequence[Log]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Batch(ByValue, Sequence[Log]):
     """The runs of closed_loop_batch, in the order of their plants: a sequence of logs, and what each was made of.
 
     Attributes:
@@ -36,10 +39,8 @@ class Batch(Sequence[Log]):
     controllers: tuple[AnyController, ...]
     seeds: tuple[int, ...]
 
-    def __repr__(self) -> str:
-        if not self.logs:
-            return "Batch(0 runs)"
-        return f"Batch({len(self.logs)} runs of {len(self.logs[0])} rows)"
+    def _brief(self) -> str:
+        return f"{len(self.logs)} runs" + (f" of {len(self.logs[0])} rows" if self.logs else "")
 
     def __len__(self) -> int:
         return len(self.logs)
@@ -58,6 +59,7 @@ class Batch(Sequence[Log]):
         return self.logs[which]
 
 
+@takes(reference=MOTION)
 def closed_loop_batch(
     plants: Sequence[Plant],
     controllers: Sequence[AnyController],
@@ -96,6 +98,7 @@ def closed_loop_batch(
         >>> move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
         >>> batch = cogging.closed_loop_batch(plants, pids, move, duration=0.5)
         >>> [f"{1e6 * abs(log.error).max():.0f} um" for log in batch]
+        ['181 um', '306 um']
     """
     runs = _core.closed_loop_batch(
         plants,

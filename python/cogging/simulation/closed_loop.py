@@ -7,10 +7,13 @@ import numpy.typing as npt
 
 from cogging import _core
 from cogging._core import Plant, Reference
+from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
+from cogging.simulation.arguments import MOTION, PLANT
 
 
+@takes(plant=PLANT, reference=MOTION)
 def closed_loop(
     plant: Plant,
     controller: AnyController,
@@ -59,7 +62,8 @@ def closed_loop(
         >>> pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))
         >>> move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
         >>> log = cogging.closed_loop(plant, pid, move, duration=0.5)
-        >>> f"{len(log)} rows, largest error {1e6 * abs(log.error).max():.0f} um"
+        >>> print(f"{len(log)} rows, largest error {1e6 * abs(log.error).max():.0f} um")
+        2501 rows, largest error 209 um
     """
     columns = _core.closed_loop(
         plant,

@@ -12,6 +12,7 @@ import numpy as np
 
 from cogging import _core
 from cogging._core import Reference, Sampled
+from cogging.calls import PATHS, takes
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
@@ -26,11 +27,24 @@ REFERENCES: dict[str, tuple[Any, Any]] = {
 SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
 
 
+@takes(path=PATHS)
 def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
     """Read a reference file (TOML): the motion and its `duration` (s; 0 = the motion's own end).
 
+    Args:
+        path: of the file.
+
+    Returns:
+        The motion, and the duration that the file states, s; 0 where it states none.
+
     Raises:
         InputError: the file cannot be used; names file, line, field, rule and value.
+
+    Example:
+        >>> with open("sine.toml", "w") as file:
+        ...     _ = file.write('type = "sine"\\namplitude = 0.02\\nduration = 3.0')
+        >>> cogging.read_reference("sine.toml")
+        (Sine(amplitude=0.02 m), 3.0)
     """
     document = read_toml(path)
     try:

@@ -10,13 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
+from cogging.calls import takes
 from cogging.effects.custom import Custom
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.model.model import CONTROLLERS, Model
+from cogging.simulation.arguments import LOG, MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 
 
+@takes(model=MODEL, reference=REFERENCE)
 def simulate(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
@@ -49,12 +52,20 @@ def simulate(
         initial_velocity: m/s.
         added_command: V, (n,), added to what the controller computes: test pulses.
 
+    Returns:
+        The log, with the true motion beside the readings, and in its metadata what `repeat` needs.
+
     Raises:
         ValueError: an argument breaks its rule, the reference leaves the travel, no controller is known, or the plant
             is so fast beside its sample time that it needs more than 1e5 steps a sample: the message says how fast.
         TypeError: the controller is none, or cannot be copied; says what it lacks.
         DivergedError: the run left the travel by half its length, or is not finite; says when and where.
         ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
+
+    Example:
+        >>> log = cogging.simulate(model, move, seed=1)
+        >>> print(f"{len(log)} rows, largest error {1e6 * abs(log.error).max():.0f} um")
+        13201 rows, largest error 28 um
     """
     if not isinstance(model, Model):
         model = Model.read(model)
@@ -102,11 +113,22 @@ def _stating(model: Model, controller: Any) -> Model:
     return model.replace(controller=None, controller_type=None)
 
 
+@takes(log=LOG)
 def repeat(log: Log, *, effects: Sequence[Custom] = ()) -> Log:
     """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
 
+    Args:
+        log: that `simulate` made, or that was read from a file it was written to.
+
+    Returns:
+        The same run once more.
+
     Raises:
         ValueError: the log was not simulated, or its controller was given as an object, which a log does not hold.
+
+    Example:
+        >>> bool((cogging.repeat(log).position == log.position).all())
+        True
     """
     told = log.metadata
     for name in ("model", "reference", "seed"):

@@ -1,0 +1,206 @@
+"""Every public object: one line that says what it is, equality by content, copies, pickle; mistakes in one line."""
+
+import copy
+import inspect
+import pickle
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cogging
+from cogging.model.model import CONTROLLERS
+from cogging.values import same
+from tests.fixtures.examples import ABSTRACT, EXAMPLES, LOG, MODEL
+from tests.fixtures.plants_by_hand import example
+
+CLASSES = sorted(name for name in cogging.__all__ if inspect.isclass(getattr(cogging, name)))
+OBJECTS = {**EXAMPLES, **{f"effects.{name}": example(name) for name in cogging.EFFECTS}}
+EVERY = pytest.mark.parametrize("name", sorted(OBJECTS))
+ERRORS = ("ControllerError", "DivergedError", "InputError")
+UNIT = re.compile(r"[\d\]] (m|s|V|Hz|mm|um|1/s|m/s|V/\S+|rows|of)\b|\d %")
+
+
+def test_every_public_class_has_an_example_of_its_own():
+    assert set(CLASSES) == set(EXAMPLES) | ABSTRACT
+    for name, value in EXAMPLES.items():
+        assert type(value) is getattr(cogging, name)
+
+
+@EVERY
+def test_one_line_says_what_it_is(name):
+    line = repr(OBJECTS[name])
+    assert line.startswith(name.split(".")[-1] if "." not in name else type(OBJECTS[name]).__name__)
+    assert line.endswith(")")
+    assert "\n" not in line
+    assert "object at 0x" not in line
+    assert "array(" not in line
+    assert len(line) < 400
+    pure = {unit for unit, _ in getattr(OBJECTS[name], "FIELDS", {}).values()} == {"1"}  # all relative
+    assert name in (*ERRORS, "Identification") or pure or UNIT.search(line), line
+
+
+@EVERY
+def test_printed_it_is_its_text(name):
+    value = OBJECTS[name]
+    assert not hasattr(value, "summary")
+    assert str(value) == (value.text() if hasattr(value, "text") else str(value))
+    assert str(value).count("\n") == 0 or hasattr(value, "text")
+
+
+@EVERY
+def test_copies_are_equal_and_others_are_not(name):
+    value = OBJECTS[name]
+    again = [copy.copy(value), copy.deepcopy(value)]
+    if name == "CompiledController":  # its functions lie in the memory of this process
+        with pytest.raises(TypeError, match=r"cannot pickle 'cogging\._core\.CompiledController' object"):
+            pickle.dumps(value)
+    else:
+        again.append(pickle.loads(pickle.dumps(value)))
+    if name in ERRORS:
+        assert [(type(one), one.args) for one in again] == [(type(value), value.args)] * 3
+        return
+    for one in again:
+        assert type(one) is type(value)
+        assert one == value
+        assert repr(one) == repr(value)
+    others = [other for other in OBJECTS.values() if type(other) is not type(value)]
+    assert not any(value == other for other in (*others, None, 1.0, "text"))
+    if not isinstance(value, tuple):
+        assert type(value).__eq__(value, object()) is NotImplemented
+
+
+@EVERY
+def test_what_holds_arrays_or_mappings_has_no_hash(name):
+    if isinstance(OBJECTS[name], tuple) or name in ERRORS:
+        return
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(OBJECTS[name])
+
+
+@pytest.mark.parametrize("name", [name for name, value in OBJECTS.items() if hasattr(value, "FIELDS")])
+def test_one_field_makes_the_difference(name):
+    value = OBJECTS[name]
+    for field, was in value.to_dict().items():
+        if not isinstance(was, float) or not np.isfinite(was):
+            continue
+        try:
+            other = value.replace(**{field: 1.0625 * was + 0.03125})
+        except ValueError:
+            continue  # a rule that binds it to another field
+        assert other != value, field
+        assert repr(other) != repr(value), field
+
+
+@pytest.mark.parametrize("name", sorted(kind.__name__ for _, kind in CONTROLLERS.values()))
+def test_a_copied_controller_goes_on_as_the_one_it_was_copied_from(name):
+    warm = OBJECTS[name]
+    fresh = type(warm)(warm.parameters)
+    assert warm != fresh
+    ahead = hasattr(warm, "preview")
+    runs = []
+    for one in (warm.copy(), copy.deepcopy(warm), pickle.loads(pickle.dumps(warm)), fresh):
+        commands = []
+        for k in range(40):
+            point = (0.1 + 1e-4 * k, 0.1, 1.0)
+            reading = 0.1 + 1e-4 * k + 1e-5 * np.sin(k)
+            if ahead:
+                command = one.command(reference=point, ahead=point, reading=reading)
+            else:
+                command = one.command(
+                    reference=point[0], reference_velocity=point[1], reference_acceleration=point[2], reading=reading
+                )
+            one.update(command)
+            commands.append(command)
+        runs.append((commands, one.estimates.tolist(), one.samples_refused))
+    assert runs[0] == runs[1] == runs[2]
+    assert runs[3] != runs[0]
+    assert warm.samples_refused == 1
+
+
+def test_compiled_controllers_are_equal_in_the_same_state():
+    one = OBJECTS["CompiledController"].copy()
+    other = one.copy()
+    assert one == other
+    one.command((0.2, 0.0, 0.0), 0.1)
+    assert one != other
+    one.reset()
+    other.reset()
+    assert one == other
+
+
+def test_a_copied_log_stays_read_only():
+    for log in (copy.deepcopy(LOG), pickle.loads(pickle.dumps(LOG))):
+        with pytest.raises(ValueError, match="read-only"):
+            log.position[0] = 1.0
+
+
+def test_a_million_rows_are_one_line():
+    time = 1e-3 * np.arange(1_000_000)
+    log = cogging.Log(time, np.zeros_like(time), np.zeros_like(time))
+    assert repr(log) == "Log(1000000 rows, 999.999 s at 1000 Hz, 0 to 0 m)"
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "equal"),
+    [
+        (np.array([1.0, np.nan]), np.array([1.0, np.nan]), True),
+        (np.array([1.0]), np.array([2.0]), False),
+        (np.array([1.0, 1.0]), np.array([1.0]), False),
+        (np.array(["a"]), np.array(["a"]), True),
+        (np.array([1.0]), [1.0], False),
+        (float("nan"), float("nan"), True),
+        (float("nan"), 1.0, False),
+        ({"a": np.arange(3)}, {"a": np.arange(3)}, True),
+        ({"a": 1}, {"b": 1}, False),
+        ([1, (2.0, "x")], [1, (2.0, "x")], True),
+        ([1, 2], (1, 2), False),
+        (1, 1.0, True),
+    ],
+)
+def test_same(one, other, equal):
+    assert same(one, other) is equal
+
+
+@settings(derandomize=True, deadline=None, max_examples=80)
+@given(
+    random=st.integers(0, 2**32 - 1),
+    effects=st.lists(
+        st.sampled_from(sorted(set(cogging.EFFECTS) - {"backlash", "flexible_mode"})), max_size=4, unique=True
+    ),
+    controller=st.sampled_from([None, *sorted(CONTROLLERS)]),
+    periods=st.booleans(),
+    points=st.integers(0, 5),
+)
+def test_a_model_comes_back_from_its_document(random, effects, controller, periods, points):
+    rng = np.random.default_rng(random)
+    cog = None
+    if points:
+        which = {"periods": [0.021, 0.05]} if periods else {"harmonics": [1, 4]}
+        order = int(rng.integers(1, points + 1))
+        basis = cogging.SplineHarmonics(pitch=0.05, order=order, origin=rng.normal(), control_points=points, **which)
+        cog = cogging.CoggingModel(basis, *rng.normal(size=(2, 2, points)))
+    model = cogging.Model(
+        axis=cogging.AxisParameters(mass=rng.lognormal(), viscous=rng.lognormal(), travel=[-rng.lognormal(), 1.0]),
+        cogging=cog,
+        effects=[example(name) for name in effects],
+        encoder=cogging.EncoderParameters(resolution=rng.lognormal()),
+        noise=cogging.NoiseParameters(force=rng.lognormal()),
+        controller=None if controller is None else CONTROLLERS[controller][0](sample_rate=rng.uniform(100, 9000)),
+        controller_type=controller,
+        uncertainty={"mass": rng.random()} if rng.random() < 0.5 else {},
+        intervals={"axis.mass": [0.0, np.inf]} if rng.random() < 0.5 else {},
+        steps_per_sample=int(rng.integers(1, 9)),
+    )
+    again = cogging.Model.from_dict(model.to_dict())
+    assert again == model
+    assert again.replace(steps_per_sample=model.steps_per_sample + 1) != model
+    assert pickle.loads(pickle.dumps(model)) == model
+
+
+def test_progress_is_told_each_step():
+    told = []
+    cogging.identify(LOG, MODEL, free=["axis.mass"], progress=told.append)
+    assert told == ["inverse dynamics", "output error", "logs one by one"]

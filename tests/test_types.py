@@ -1,0 +1,49 @@
+"""The lines of the README and of the notebooks pass `mypy --strict`: what a user copies is typed."""
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parents[1]
+#: What a notebook has of itself.
+GIVEN = "from typing import Any\ndef display(*shown: Any) -> None: ...\n"
+NOTEBOOKS = sorted((HERE / "notebooks").glob("*.ipynb"))
+
+
+def snippets():
+    """Python code by the name of what it stands in: all blocks of a text as one program, as a reader runs them."""
+    for path in (HERE / "README.md", *sorted((HERE / "docs").glob("*.md"))):
+        blocks = re.findall(r"```python\n(.*?)```", path.read_text(), flags=re.DOTALL)
+        if blocks:
+            yield path.stem, "\n".join(blocks)
+    for path in NOTEBOOKS:
+        cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+        yield path.stem, GIVEN + "\n".join("".join(cell["source"]) for cell in cells)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed (extra: test)")
+def test_what_a_user_copies_is_typed(tmp_path):
+    made = dict(snippets())
+    assert {"README", *(path.stem for path in NOTEBOOKS)} <= set(made)
+    names = []
+    for name, code in made.items():
+        lines = ["pass  # " + line if line.startswith(("%", "!")) else line for line in code.splitlines()]
+        path = tmp_path / (re.sub(r"\W", "_", f"of_{name}") + ".py")
+        path.write_text("\n".join(lines) + "\n")
+        names.append(path.name)
+    config = ["--config-file=", "--strict", "--ignore-missing-imports", "--follow-imports=silent"]
+    cache = f"--cache-dir={HERE / '.mypy_cache'}"
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", *config, cache, *names],
+        cwd=tmp_path,
+        env={"MYPYPATH": str(HERE / "python"), "PATH": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
