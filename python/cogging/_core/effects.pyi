@@ -22,7 +22,7 @@ class Wave:
     """
     FIELDS: typing.ClassVar[dict] = {'shape': ('', 'its period (m), or its frequency (Hz)'), 'sine': ('', 'amplitude of the sine'), 'cosine': ('', 'amplitude of the cosine')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -68,7 +68,7 @@ class Window:
     """
     FIELDS: typing.ClassVar[dict] = {'start': ('', 'time at which it begins (s)'), 'stop': ('', 'time at which it ends (s)')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -110,7 +110,7 @@ class Knots:
     """
     FIELDS: typing.ClassVar[dict] = {'coordinate': ('', 'of the nodes: position, velocity or time'), 'nodes': ('', 'list of places, increasing'), 'levels': ('', 'list of values, one a node')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -157,7 +157,7 @@ class SplineKnots:
     """
     FIELDS: typing.ClassVar[dict] = {'pitch': ('', 'distance of the knots (m)'), 'order': ('', 'of the B-splines'), 'origin': ('', 'first knot of the first full span (m)')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
@@ -202,7 +202,7 @@ class Travel:
     """
     FIELDS: typing.ClassVar[dict] = {'ends': ('', 'lower and upper end (m)')}
     __hash__: typing.ClassVar[None] = None
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, other: typing.Any) -> bool:
         ...
     def __getstate__(self) -> dict:
         ...
