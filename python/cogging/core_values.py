@@ -50,22 +50,14 @@ def _equal(self: Any, other: object) -> bool:
     return same(_parts(self), _parts(other))
 
 
-def _defaults(kind: Any) -> Any:
-    """The fields of a parameter struct as they are when nothing is given; none where something must be."""
-    try:
-        return kind().to_dict()
-    except ValueError:
-        return {}
-
-
 def _fields(struct: Any) -> str:
     """The fields of a parameter struct that are not its defaults, with their units."""
     kind = _kind(struct)
-    values, usual = struct.to_dict(), _defaults(kind)
+    values, usual = struct.to_dict(), kind().to_dict()
     shown = [
         f"{name}={brief(value, kind.FIELDS[name][0])}"
         for name, value in values.items()
-        if name not in usual or not same(value, usual[name]) or len(values) == 1
+        if not same(value, usual[name]) or len(values) == 1
     ]
     return ", ".join(shown)
 

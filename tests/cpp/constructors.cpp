@@ -127,9 +127,15 @@ void in_axis_and_amplifier(const Effect<double>& effect) {
   if (by_axis != "taken") refused(by_axis);
 }
 
+// An effect of the user's own has no fields: its parameters are its functions'.
+template <class E>
+void effect() {
+  if constexpr (requires { E::fields(); }) spoil_each_field(std::string(E::name), E{}, in_axis_and_amplifier);
+}
+
 template <class... E>
 void effects(const std::variant<E...>*) {
-  (spoil_each_field(std::string(E::name), E{}, in_axis_and_amplifier), ...);
+  (effect<E>(), ...);
 }
 
 void plant() {

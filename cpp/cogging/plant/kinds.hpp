@@ -36,7 +36,8 @@ struct Window {
 
 /// Values at nodes, linear between two.
 struct Knots {
-  std::string coordinate, nodes, levels;
+  std::string coordinate = "position";
+  std::string nodes, levels;
 
   static constexpr auto fields() {
     return std::tuple{
