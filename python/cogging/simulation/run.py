@@ -69,31 +69,23 @@ def simulate(
     """
     if not isinstance(model, Model):
         model = Model.read(model)
-    if isinstance(reference, Mapping):
-        reference, own_duration = reference_from(reference)
-        duration = duration or own_duration
-    elif not isinstance(reference, Reference):
-        reference, own_duration = read_reference(reference)
-        duration = duration or own_duration
+    motion, own_duration = _motion(reference)
+    duration = duration or own_duration
     steps_per_sample = model.steps_per_sample if steps_per_sample is None else steps_per_sample
     metadata: dict[str, Any] = {"seed": seed, "steps_per_sample": steps_per_sample}
     if controller is not None:
-        metadata["controller"] = "given"  # whatever it had learned is not in the log
-        model = _stating(model, controller)
-        if model.controller is None:
-            metadata["controller_class"] = f"{type(controller).__module__}.{type(controller).__qualname__}"
-    else:
-        controller = model.make_controller()
+        model, told = _stating(model, controller)
+        metadata |= told
     if initial_position is not None:
         metadata["initial_position"] = initial_position
     if initial_velocity != 0.0:
         metadata["initial_velocity"] = initial_velocity
-    metadata["reference"] = reference_to_dict(reference) | ({"duration": duration} if duration else {})
+    metadata["reference"] = reference_to_dict(motion) | ({"duration": duration} if duration else {})
     metadata["model"] = model.to_dict()
     columns = closed_loop(
         model.plant(),
-        controller,
-        reference,
+        model.make_controller() if controller is None else controller,
+        motion,
         duration=duration,
         seed=seed,
         steps_per_sample=steps_per_sample,
@@ -105,12 +97,21 @@ def simulate(
     return Log.of(columns, metadata)
 
 
-def _stating(model: Model, controller: Any) -> Model:
-    """The model as a log tells of it: with the parameters of the controller that is used, none where it has none."""
+def _motion(reference: Reference | Mapping[str, Any] | str | os.PathLike[str]) -> tuple[Reference, float]:
+    """A motion, and the duration that its file states, 0 where it states none."""
+    if isinstance(reference, Reference):
+        return reference, 0.0
+    return reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference)
+
+
+def _stating(model: Model, controller: Any) -> tuple[Model, dict[str, Any]]:
+    """The model with the parameters of a given controller, none where it has none, and what a log tells of it."""
+    told = {"controller": "given"}  # whatever it had learned is not in the log
     for kind, (_, made) in CONTROLLERS.items():
         if type(controller) is made:
-            return model.replace(controller=controller.parameters, controller_type=kind)
-    return model.replace(controller=None, controller_type=None)
+            return model.replace(controller=controller.parameters, controller_type=kind), told
+    told["controller_class"] = f"{type(controller).__module__}.{type(controller).__qualname__}"
+    return model.replace(controller=None, controller_type=None), told
 
 
 @takes(log=LOG)
@@ -119,6 +120,7 @@ def repeat(log: Log, *, effects: Sequence[Custom] = ()) -> Log:
 
     Args:
         log: that `simulate` made, or that was read from a file it was written to.
+        effects: definitions of the model's own effects (cogging.effects.Custom), which a log cannot hold.
 
     Returns:
         The same run once more.
