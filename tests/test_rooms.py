@@ -19,7 +19,7 @@ BASE = {"_core", "arrays", "calls", "core_values", "cpp_library", "effects", "fi
 BASE |= {"progress", "shown", "threads", "values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
-ROOMS += ["identification", "design", "diagnosis", "papers", "cli"]
+ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
 DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]

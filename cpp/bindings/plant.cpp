@@ -1,6 +1,7 @@
 #include "cogging/plant/plant.hpp"
 #include "bindings.hpp"
 #include "cogging/plant/amplifier.hpp"
+#include "own_effect.hpp"
 
 using namespace cogging;
 
@@ -41,6 +42,14 @@ py::dict roles_of() {
     roles[py::str(std::string(field.name))] = role;
   });
   return roles;
+}
+
+template <class E>
+py::tuple kinds_of() {
+  py::list kinds;
+  if constexpr (HasKinds<E>)
+    for (const Kind& kind : E::kinds()) kinds.append(py::cast(kind));
+  return py::tuple(kinds);
 }
 
 // The effect in a plant, or by itself where there is none.
@@ -91,13 +100,14 @@ void bind_laws(py::class_<E>& bound) {
 }
 
 template <class E>
-void bind_effect(py::module_& module, py::dict& effects) {
+void bind_listed(py::module_& module, py::dict& effects) {
   const std::string doc = "Effect `" + std::string(E::name) + "`: " + std::string(E::law) + ".";
   auto bound = bind_parameters<E>(module, class_name(E::name), doc);
   bound.attr("NAME") = std::string(E::name);
   bound.attr("LAW") = std::string(E::law);
   bound.attr("HOOKS") = hooks_of<E>();
   bound.attr("ROLES") = roles_of<E>();
+  bound.attr("KINDS") = kinds_of<E>();
   bind_laws<E>(bound);
   bound.def(
       "resolved",
@@ -108,6 +118,12 @@ void bind_effect(py::module_& module, py::dict& effects) {
       "A copy whose fields that stand for those of the plant (travel, knots) are filled in.\n\n"
       "Raises:\n    ValueError: the plant lacks what it needs.");
   effects[py::str(std::string(E::name))] = bound;
+}
+
+template <class E>
+void bind_effect(py::module_& module, py::dict& effects) {
+  if constexpr (!ChoosesHooks<E>)
+    bind_listed<E>(module, effects);  // of others each says itself what it is: own_effect.cpp
 }
 
 template <class... E>
@@ -129,6 +145,15 @@ void bind_plant(py::module_& module) {
   bind_parameters<NoiseParameters>(module, "NoiseParameters",
                                    "Force noise of a first-order spectrum, held between samples.");
   py::module_ submodule = module.def_submodule("effects", "Every effect that a plant may have, one class each.");
+  bind_parameters<Wave>(submodule, "Wave", "A sine and a cosine of one period; the names of their fields.");
+  bind_parameters<Window>(submodule, "Window", "A stretch of time; the names of its fields.");
+  bind_parameters<Knots>(submodule, "Knots", "Values at nodes, linear between two; the names of their fields.");
+  bind_parameters<SplineKnots>(submodule, "SplineKnots",
+                               "Even knots of B-splines whose control points are the lists of amplitudes; the names of "
+                               "their fields.");
+  bind_parameters<Travel>(submodule, "Travel",
+                          "The ends of the travel, of the plant where not given; the field's name.");
+  bind_own_effect(submodule);
   py::dict effects;
   bind_effects(submodule, effects, static_cast<const Effect<>*>(nullptr));
   module.attr("EFFECTS") = effects;
@@ -153,7 +178,12 @@ Raises:
                              [](const Plant<>& plant) {
                                return plant.cogging.basis().empty() ? std::nullopt : std::optional(plant.cogging);
                              })
-      .def_property_readonly("effects", [](const Plant<>& plant) { return plant.effects; })
+      .def_property_readonly("effects",
+                             [](const Plant<>& plant) {
+                               py::list originals;
+                               for (const Effect<>& effect : plant.effects) originals.append(original_of(effect));
+                               return originals;
+                             })
       .def_property_readonly("encoder", [](const Plant<>& plant) { return plant.encoder; })
       .def_property_readonly("noise", [](const Plant<>& plant) { return plant.noise; })
       .def(

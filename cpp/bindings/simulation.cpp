@@ -116,6 +116,9 @@ Raises:
                 static_cast<double>(controllers.size()));
         require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
                 static_cast<double>(seeds.size()));
+        // Where a plant asks Python, it holds a lock for which other threads would only wait.
+        for (const Plant<>& plant : plants)
+          if (is_serial(plant.effects)) threads = 1;
         std::vector<GivenController> given;
         for (const py::object& controller : controllers) given.push_back(take_controller(controller));
         std::vector<Log<>> logs(plants.size());

@@ -50,14 +50,22 @@ def _equal(self: Any, other: object) -> bool:
     return same(_parts(self), _parts(other))
 
 
+def _defaults(kind: Any) -> dict[str, Any]:
+    """What its fields are where nothing is given; nothing where it must be given something."""
+    try:
+        return kind().to_dict()  # type: ignore[no-any-return]
+    except ValueError:
+        return {}
+
+
 def _fields(struct: Any) -> str:
     """The fields of a parameter struct that are not its defaults, with their units."""
     kind = _kind(struct)
-    values, usual = struct.to_dict(), kind().to_dict()
+    values, usual = struct.to_dict(), _defaults(kind)
     shown = [
         f"{name}={brief(value, kind.FIELDS[name][0])}"
         for name, value in values.items()
-        if not same(value, usual[name]) or len(values) == 1
+        if name not in usual or not same(value, usual[name]) or len(values) == 1
     ]
     return ", ".join(shown)
 

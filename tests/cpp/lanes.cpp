@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -66,6 +67,14 @@ Scalar of(const std::vector<Machine>& list, const Get& get) {
   }
 }
 
+// Drag of a user's own, which falls again beyond a speed.
+class EddyDrag final : public OwnLaw {
+ public:
+  double at(double, double velocity, double) const override {
+    return -0.05 * velocity / (1.0 + 16.0 * velocity * velocity);
+  }
+};
+
 template <class Scalar>
 Plant<Scalar> plant_of(const std::vector<Machine>& list) {
   AxisParameters<Scalar> axis;
@@ -124,6 +133,9 @@ Plant<Scalar> plant_of(const std::vector<Machine>& list) {
   PositionDependentFriction<Scalar> along;
   along.nodes = {0.1, 0.2, 0.4};
   along.levels = {0.05, -0.02, 0.1};
+  Custom<Scalar> own;
+  own.label = "eddy_drag";
+  own.force_law = std::make_shared<const EddyDrag>();
   ConstantForce<Scalar> force;
   force.level = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
   return {axis,
@@ -148,6 +160,7 @@ Plant<Scalar> plant_of(const std::vector<Machine>& list) {
            ends,
            modulation,
            along,
+           own,
            PreslidingFriction<Scalar>{},
            Backlash<Scalar>{},
            FlexibleMode<Scalar>{}},

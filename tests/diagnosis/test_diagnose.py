@@ -9,8 +9,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.diagnosis.candidates import scan, signatures, waves
-from cogging.diagnosis.search import search
+from cogging.effects.effect import VOCABULARY
 from tests.fixtures.pid_axis import MODEL, PID, run
 
 effects = cogging.effects
@@ -101,24 +100,13 @@ def test_an_effect_under_a_new_name_is_found(monkeypatch):
         def replace(self, **changes):
             return Rubber(**{**self.to_dict(), **changes})
 
-    listed = {name: effect for name, effect in cogging.EFFECTS.items() if name != "cable_spring"}
-    listed["rubber_band"] = Rubber
-    for module in {scan, search, signatures, waves, *_modules()}:
-        if hasattr(module, "EFFECTS"):
-            monkeypatch.setattr(module, "EFFECTS", listed)
+    monkeypatch.delitem(VOCABULARY, "cable_spring")
+    monkeypatch.setitem(VOCABULARY, "rubber_band", Rubber())
     result = cogging.diagnose(run(effects.CableSpring(stiffness=0.6, center=0.25)), MODEL)
     named = {name for effect in result.effects for name in (effect.name, *effect.alternatives)}
     assert "rubber_band" in named
     assert "cable_spring" not in named
     assert "rubber band" in result.html() or "rubber_band" in result.html()
-
-
-def _modules():
-    import importlib
-
-    folder = PACKAGE.parents[1]
-    paths = [path.relative_to(folder).with_suffix("") for path in PACKAGE.rglob("*.py")]
-    return {importlib.import_module(".".join(path.parts)) for path in paths if path.stem != "__init__"}
 
 
 # What cannot be diagnosed ---------------------------------------------------------------------------------------------

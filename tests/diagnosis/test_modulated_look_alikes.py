@@ -9,6 +9,7 @@ from cogging.diagnosis.candidates.findings import profiled
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
+from cogging.effects.effect import VOCABULARY
 from tests.fixtures.moving_axis import machine, motion, record
 
 
@@ -23,7 +24,9 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
     )  # fmt: skip
     logged = cogging.Log(columns.time, columns.position, columns.command - added)
     evidence = fit_null([logged], nominal)[1]
-    best = max(scan(evidence, ["force_constant_ripple", "cogging_harmonic"]), key=lambda one: one.score)
+    best = max(
+        scan(evidence, [VOCABULARY["force_constant_ripple"], VOCABULARY["cogging_harmonic"]]), key=lambda one: one.score
+    )
     found = {shape.coordinate.split(" every ")[0]: shape for shape in modulated_look_alikes(evidence, best)}
     square = found.pop("square of the command")
     assert square.coordinate.endswith(" mm")
@@ -31,13 +34,13 @@ def test_a_force_with_the_square_of_the_command_is_no_ripple():
     assert square.score > best.score + 6.0
     assert all(square.test.statistic > other.test.statistic for other in found.values())
     assert np.ptp(square.force) == pytest.approx(2.0 * 0.5, rel=0.3)
-    spring = max(scan(evidence, ["cable_spring"]), key=lambda one: one.score)
+    spring = max(scan(evidence, [VOCABULARY["cable_spring"]]), key=lambda one: one.score)
     assert modulated_look_alikes(evidence, spring) == []
 
 
 def test_a_true_ripple_has_no_better_look_alike():
     hidden = machine([EFFECTS["force_constant_ripple"](period=0.02, sine=0.05)])
     evidence = fit_null([record(hidden, 24)], machine())[1]
-    (ripple,) = profiled(evidence, scan(evidence, ["force_constant_ripple"]))
+    (ripple,) = profiled(evidence, scan(evidence, [VOCABULARY["force_constant_ripple"]]))
     assert ripple.candidate.shape["period"] == pytest.approx(0.02, rel=0.01)
     assert all(look_alike.score < ripple.score for look_alike in modulated_look_alikes(evidence, ripple))

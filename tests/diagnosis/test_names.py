@@ -8,13 +8,15 @@ import pytest
 from cogging import EFFECTS
 from cogging.diagnosis.naming.names import fully_named, named
 from cogging.diagnosis.search.search import search
+from cogging.effects.effect import VOCABULARY
 from tests.fixtures.moving_axis import machine, record
 
 
 @pytest.mark.parametrize(("terms", "expected"), [(3, ["encoder_periodic_error"]), (2, [])])
 def test_a_wave_beside_as_many_terms_as_a_name_may_have_is_doubtful(terms, expected):
     names = [*["encoder_periodic_error"] * terms, "disturbance_tone", "cable_spring"]
-    found = SimpleNamespace(added=[SimpleNamespace(finding=SimpleNamespace(name=name)) for name in names])
+    added = [SimpleNamespace(finding=SimpleNamespace(name=name)) for name in names]
+    found = SimpleNamespace(added=added, vocabulary=VOCABULARY)
     assert fully_named(found, terms) == expected
     assert fully_named(found, terms + 1) == []  # no wave
     assert fully_named(found, 0) == []

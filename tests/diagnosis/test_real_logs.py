@@ -1,24 +1,24 @@
 """Missing effects of machines that other people measured; what is not met is asserted as it is, and said."""
 
-import os
+import itertools
 
 import numpy as np
 import pytest
 
 import cogging
-from tests.fixtures import emps, laas
+from cogging.datasets import laas
+from cogging.datasets.emps import SCREW_LEAD
+from tests.fixtures import emps
+from tests.fixtures.measured import FOLDER, beside_notebooks, needs
+
+motor_logs = beside_notebooks("motor_logs")
 
 pytestmark = pytest.mark.data
 
 
-def needs(folder):
-    if not folder.is_dir() and not os.environ.get("CI"):
-        pytest.skip(f"the measured data are not at {folder}")
-
-
 @pytest.fixture(scope="module")
 def logs():
-    needs(emps.FOLDER)
+    needs("emps")
     return emps.read("DATA_EMPS"), emps.read("DATA_EMPS_PULSES")
 
 
@@ -50,7 +50,7 @@ def test_the_screw_shows_its_turns(axis):
     found = [e for e in axis.effects if e.name in ("cogging_harmonic", "force_constant_ripple")]
     assert found
     periods = [term["period"].value for e in found for term in (e.parameters, *e.further)]
-    assert min(abs(period - emps.SCREW) for period in periods) < 5e-6
+    assert min(abs(period - SCREW_LEAD) for period in periods) < 5e-6
     assert "cogging_harmonic" in {found[0].name, *found[0].alternatives}
 
 
@@ -62,10 +62,19 @@ def test_the_gap_shrinks_on_other_motion(axis):
     assert axis.gap.confirm_after < 0.85 * axis.gap.confirm_before
 
 
+def laps_of(log):
+    """The rows of each lap from rest to rest at the start, as the reference repeats itself: a list of slices."""
+    span = log.reference - log.reference.min()
+    below = span < 0.02 * span.max()
+    edges = np.flatnonzero(np.diff(below.astype(int)))
+    leave = edges[~below[edges + 1]]  # from below the mark to above it
+    return [slice(int(first), int(last)) for first, last in itertools.pairwise(leave)]
+
+
 def test_the_floor_of_four_laps(logs):
     """What differs from lap to lap no model of position and speed can explain: a floor that needs no model."""
     log = logs[0]
-    laps = emps.laps(log)
+    laps = laps_of(log)
     length = min(lap.stop - lap.start for lap in laps)
     command = np.stack([log.command[lap.start : lap.start + length] for lap in laps])
     spread = np.sqrt(np.mean(command.var(axis=0, ddof=1)))
@@ -79,17 +88,16 @@ def test_the_floor_of_four_laps(logs):
 
 @pytest.fixture(scope="module")
 def motor():
-    needs(laas.FOLDER)
-    scan, rows = laas.read("stopped_data"), laas.read("speed_test1")
-    log = cogging.Log(time=rows.time, position=rows.position, command=rows.current)
-    axis = laas.axis_from_acceleration(laas.read("acc_current"))
+    needs("laas")
+    scan, rows = laas.read("stopped_data", FOLDER), laas.read("speed_test1", FOLDER)
+    axis = motor_logs.axis_from_acceleration(laas.read("acc_current", FOLDER))
     model = cogging.Model(
         axis=cogging.AxisParameters(
             mass=axis["mass"].value, viscous=axis["viscous"].value, coulomb=axis["coulomb"].value, coulomb_width=0.0
         ),
         uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2},
     )
-    result = cogging.diagnose(log, model)
+    result = cogging.diagnose(rows.log(), model)
     print("\n" + result.text())
     return result, cogging.fit_map(scan.position, scan.current, pitch=laas.TURN)
 
@@ -106,8 +114,8 @@ def test_the_detent_of_the_motor_is_named(motor):
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
     # A missed figure, held as it is: the amplitude comes out larger than at rest (seen: 1.37 times).
     assert 0.5 < abs(moving) / abs(static) < 1.6
-    # The current is logged 0.2 to 0.6 ms after it acted (laas.current_lateness): 8 degrees a 0.4 ms at 5 rad/s, more
-    # in the fast strokes of the ripple. Seen: -3.7 degrees, the same where the last digits of the log are changed.
+    # The current is logged 0.2 to 0.6 ms after it acted (motor_logs.current_lateness): 8 degrees a 0.4 ms at 5 rad/s,
+    # more in the fast strokes of the ripple. Seen: -3.7 degrees, the same where the last digits of the log are changed.
     assert abs(turned) < 8.0
 
 
@@ -116,7 +124,7 @@ def test_the_delay_of_its_loop_is_named(motor):
     delay = next(e for e in result.effects if e.name == "command_delay").parameters["delay"]
     print(f"\ndelay {1e3 * delay.value:.2f} ms, 95 % {1e3 * delay.ci95[0]:.2f} to {1e3 * delay.ci95[1]:.2f}")
     # Its authors say 2 ms from speed to current, which is the controller's; no other source says what lies between
-    # current and motion, and laas.current_lateness has the opposite sign: named, and not to be trusted in size.
+    # current and motion, and motor_logs.current_lateness has the opposite sign: named, and not to be trusted in size.
     assert 0.5e-3 < delay.value < 2e-3  # seen: 1.34 ms, 1.08 to 1.60
 
 

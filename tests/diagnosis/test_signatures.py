@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from cogging import EFFECTS
 from cogging.diagnosis.candidates.signatures import candidates
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_wave
+from cogging.effects.effect import VOCABULARY
 
 
 def test_every_effect_has_candidates_or_is_a_wave(quiet_evidence):
-    for name, effect in EFFECTS.items():
+    for name, effect in VOCABULARY.items():
         if is_wave(effect):
             continue
-        found = list(candidates(quiet_evidence, name))
+        found = list(candidates(quiet_evidence, effect))
         if any(field.endswith("_nodes") and role["role"] == "setting" for field, role in effect.ROLES.items()):
             assert not found  # its places are the user's choice: it is added where it is asked for
             continue

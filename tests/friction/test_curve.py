@@ -1,15 +1,14 @@
 """Friction laws against known truth, against scipy, and on a lead-screw drive."""
 
-import os
-
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
 import cogging
 from cogging import fit_friction_curve
+from cogging.datasets import tro2021
 from cogging.friction.law import Law
-from tests.fixtures import tro2021
+from tests.fixtures.measured import FOLDER, needs
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)
 BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])
@@ -188,9 +187,8 @@ def test_refused(change, message):
 @pytest.mark.data
 def test_a_lead_screw_drive():
     """Direction and Stribeck each gain on speeds that were not seen; only together do they explain the curve."""
-    if not tro2021.FOLDER.is_dir() and not os.environ.get("CI"):
-        pytest.skip(f"the measured data of tro2021 are not at {tro2021.FOLDER}")
-    speed, torque = tro2021.steady_speeds()
+    needs("tro2021")
+    speed, torque = tro2021.steady_speeds(FOLDER)
     assert len(speed) == 32
     curve = fit_friction_curve(speed, torque)
     print("\n" + curve.text())

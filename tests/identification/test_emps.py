@@ -1,27 +1,27 @@
 """From the measured log of a ball-screw axis to its model, and from there to a motion that took no part in the fit."""
 
-import os
-
 import numpy as np
 import pytest
 
 from cogging.cli.main import main
+from cogging.datasets import emps
 from cogging.identification.identify import identify
 from cogging.identification.logged_run import LoggedRun
-from tests.fixtures import emps
+from cogging.model.model import Model
+from tests.fixtures.emps import prior, read
+from tests.fixtures.measured import FOLDER, needs
 
 pytestmark = pytest.mark.data
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _files():
-    if not emps.FOLDER.is_dir() and not os.environ.get("CI"):
-        pytest.skip(f"the measured data of EMPS are not at {emps.FOLDER}")
+    needs("emps")
 
 
 @pytest.fixture(scope="module")
 def found():
-    result = identify(emps.read(), emps.prior(), names=["DATA_EMPS.mat"])
+    result = identify(read(), prior(), names=["DATA_EMPS.mat"])
     print("\n" + result.text())
     return result
 
@@ -53,31 +53,29 @@ def test_the_controller_is_reported_with_gains_four_percent_larger(found):
 
 def test_replay_is_no_worse_than_the_authors(found):
     for name, error in found.logs[0].replay.items():
-        assert error < emps.AUTHORS[name], name
+        assert error < emps.AUTHORS_ERRORS["DATA_EMPS"][name], name
 
 
 def test_pulses_that_took_no_part_in_the_fit_are_foreseen_no_worse_than_by_the_authors(found):
-    run = LoggedRun.of(emps.read("DATA_EMPS_PULSES.mat"), found.model, "DATA_EMPS_PULSES.mat", emps.pulses())
+    run = LoggedRun.of(read("DATA_EMPS_PULSES"), found.model, "DATA_EMPS_PULSES.mat", emps.pulses(FOLDER))
     errors = run.relative_errors(found.model)
+    authors = emps.AUTHORS_ERRORS["DATA_EMPS_PULSES"]
     print("\n" + run.line)
     print(
-        ", ".join(
-            f"{name} {100 * error:.3g} % (authors {100 * emps.AUTHORS_PULSES[name]:.3g} %)"
-            for name, error in errors.items()
-        )
+        ", ".join(f"{name} {100 * error:.3g} % (authors {100 * authors[name]:.3g} %)" for name, error in errors.items())
     )
     for name, error in errors.items():
-        assert error < emps.AUTHORS_PULSES[name], name
+        assert error < authors[name], name
 
 
 def test_without_its_pulses_the_second_log_contradicts_its_controller():
-    found = identify(emps.read("DATA_EMPS_PULSES.mat"), emps.prior(), names=["pulses"])
+    found = identify(read("DATA_EMPS_PULSES"), prior(), names=["pulses"])
     assert "did not make this log" in found.controller[0]
     assert found["axis.mass"].value == pytest.approx(95.1, rel=0.03)
 
 
 def test_a_width_of_one_millimetre_a_second_moves_friction(found):
-    fixed = identify(emps.read(), emps.prior(1e-3), free=list(emps.PUBLISHED))
+    fixed = identify(read(), prior(1e-3), free=list(emps.PUBLISHED))
     ratios = {path: fixed[path].value / found[path].value for path in ("axis.viscous", "axis.coulomb")}
     print(
         f"\nwidth 1 mm/s: viscous {100 * (ratios['axis.viscous'] - 1):+.1f} %, "
@@ -89,7 +87,7 @@ def test_a_width_of_one_millimetre_a_second_moves_friction(found):
 
 
 def test_a_free_width_is_found_well_above_zero_and_trades_with_both(found):
-    free = identify(emps.read(), emps.prior(1e-3))
+    free = identify(read(), prior(1e-3))
     print("\n" + free.text())
     width = free["axis.coulomb_width"]
     assert width.determined
@@ -103,8 +101,8 @@ def test_direction_explains_most_of_the_offset(found):
     """The publication's offset stands for a viscous friction that differs with direction."""
     from cogging import effects
 
-    model = emps.prior()
-    richer = identify(emps.read(), model.replace(effects=(*model.effects, effects.ViscousAsymmetry())))
+    model = prior()
+    richer = identify(read(), model.replace(effects=(*model.effects, effects.ViscousAsymmetry())))
     offset, difference = richer["effects.constant_force.force"], richer["effects.viscous_asymmetry.difference"]
     assert abs(offset.value) < 0.4 * found["effects.constant_force.force"].value
     assert difference.value == pytest.approx(166.0 - 240.0, rel=0.2)
@@ -113,14 +111,14 @@ def test_direction_explains_most_of_the_offset(found):
 
 
 def test_command(tmp_path, capsys):
-    prior, out = tmp_path / "prior.toml", tmp_path / "fitted.toml"
-    emps.prior().write(prior)
+    guess, out = tmp_path / "prior.toml", tmp_path / "fitted.toml"
+    prior().write(guess)
     columns = ",".join(f"{ours}={theirs}" for ours, theirs in emps.COLUMNS.items())
-    log = str(emps.FOLDER / "DATA_EMPS.mat")
-    arguments = ["identify", log, "--model", str(prior), "--columns", columns, "--out", str(out)]
+    log = str(emps.files(FOLDER)["DATA_EMPS"])
+    arguments = ["identify", log, "--model", str(guess), "--columns", columns, "--out", str(out)]
     assert main([*arguments, "--scale", f"command={emps.FORCE_CONSTANT}"]) == 0
     print(capsys.readouterr().out)
-    fitted = emps.cogging.Model.read(out)
+    fitted = Model.read(out)
     assert fitted.axis.mass == pytest.approx(95.11, rel=0.015)
     low, high = fitted.intervals["axis.mass"]
     assert low < fitted.axis.mass < high

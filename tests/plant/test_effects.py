@@ -2,11 +2,14 @@
 
 import math
 import pickle
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cogging
+from tests.fixtures.own_laws import COPIES, own_eddy
 from tests.fixtures.plants_by_hand import TWO_PI, effect, example, spline, wave
 
 # What an effect takes from its plant ------------------------------------------------------------------------
@@ -86,10 +89,19 @@ def test_an_end_effect_takes_the_ends_of_the_travel():
 # What an effect says of itself -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+#: Each effect of the list, and some of a user's own, as they are when they do nothing.
+NEUTRAL = {name: kind() for name, kind in cogging.EFFECTS.items()}
+NEUTRAL |= {one.NAME: one.neutral() for one in (own_eddy(), *(make() for make, _ in COPIES.values()))}
+#: The same as they are when they do something.
+ACTIVE = {name: example(name) for name in cogging.EFFECTS}
+ACTIVE |= {make().NAME: make().replace(**fields) for make, fields in COPIES.values()}
+ACTIVE |= {"eddy_drag": own_eddy().replace(slope=1.3, corner=0.4)}
+
+
+@pytest.mark.parametrize("name", sorted(NEUTRAL))
 def test_roles_are_complete(name):
-    kind = cogging.EFFECTS[name]
-    assert set(kind.ROLES) == set(kind.FIELDS)
+    kind = NEUTRAL[name]
+    assert set(kind.ROLES) == set(kind.FIELDS) == set(kind.to_dict())
     neutral = 0
     for field, role in kind.ROLES.items():
         assert set(role) == {"role", "quantity", "low", "high", "logarithmic", "neutral"}
@@ -100,17 +112,17 @@ def test_roles_are_complete(name):
         assert role["low"] > 0 or not role["logarithmic"]
         if role["role"] == "amplitude":
             assert role["low"] in (-role["high"], 0.0)
-            assert role["neutral"] in (0.0, [])
+            assert role["neutral"] in (0.0, []) or set(role["neutral"]) == {0.0}
         neutral += role["neutral"] is not None
         if role["neutral"] is not None:
-            assert role["neutral"] == getattr(kind(), field)
+            assert role["neutral"] == getattr(kind, field)
     assert neutral > 0  # there is a way to make it vanish
 
 
-@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+@pytest.mark.parametrize("name", sorted(ACTIVE))
 def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
-    one = example(name)
-    roles = type(one).ROLES
+    one = ACTIVE[name]
+    roles = one.ROLES
     amplitudes = {field for field, role in roles.items() if role["role"] == "amplitude"}
     rng = np.random.default_rng(3)
     x, v, t, u = rng.uniform(0, 0.3, 50), rng.normal(size=50), rng.uniform(0, 1, 50), rng.normal(size=50)
@@ -140,3 +152,71 @@ def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
     for field, role in roles.items():
         if role["role"] == "shape" and role["neutral"] is not None:
             np.testing.assert_array_equal(answer(one.replace(**{field: role["neutral"]})), 0.0)
+
+
+# What parameters are together ----------------------------------------------------------------------------------------
+
+PACKAGE = Path(cogging.__file__).parent
+COGGING = {"sine", "cosine"}  # tables of the known cogging, which is no effect
+SECTION = {"pitch", "order", "origin", "periods", *COGGING}  # keys of [cogging] in a file
+#: By the beginning of a path, names of fields that are also something else there.
+EXCEPTIONS = {
+    "model/": {"levels", *SECTION},  # and an example of a path
+    "file_schema.py": SECTION,
+    "diagnosis/candidates/map_errors.py": COGGING,
+    "diagnosis/report/figures.py": {"center"},  # of a text in a figure
+    "design/": {"periods"},  # of an observer
+    "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
+    "log_check/": {"start"},  # columns of a fit
+}
+
+
+@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
+def test_kinds_name_fields_that_are_what_the_kind_says(name):
+    kind_of, one = cogging.EFFECTS[name], cogging.EFFECTS[name]()
+    roles = kind_of.ROLES
+    for kind in kind_of.KINDS:
+        fields = {part: field for part, field in kind.to_dict().items() if part != "coordinate"}
+        assert set(fields.values()) <= set(roles)
+        if isinstance(kind, cogging.effects.Wave):
+            assert roles[kind.shape]["quantity"] in ("distance", "frequency")
+            assert roles[kind.sine] == roles[kind.cosine]
+            assert roles[kind.sine]["role"] == "amplitude"
+        if isinstance(kind, cogging.effects.Window):
+            assert {roles[field]["quantity"] for field in fields.values()} == {"time"}
+            assert getattr(one, kind.start) < getattr(one, kind.stop)
+        if isinstance(kind, cogging.effects.Knots):
+            assert isinstance(getattr(one, kind.nodes), list)
+            assert isinstance(getattr(one, kind.levels), list)
+            assert roles[kind.levels]["role"] == "amplitude"
+            assert kind_of.FIELDS[kind.nodes][0] == {"position": "m", "velocity": "m/s", "time": "s"}[kind.coordinate]
+        if isinstance(kind, cogging.effects.Travel):
+            assert getattr(one, kind.ends) == [-math.inf, math.inf]
+            assert getattr(one.resolved(cogging.AxisParameters(travel=[0.1, 0.4])), kind.ends) == [0.1, 0.4]
+
+
+def test_every_effect_whose_fields_belong_together_says_so():
+    said = {name: {type(kind).__name__ for kind in effect.KINDS} for name, effect in cogging.EFFECTS.items()}
+    for name, law in cogging.EFFECTS.items():
+        fields = set(law.FIELDS)
+        assert ("Wave" in said[name]) == ({"sine", "cosine"} <= fields), name
+        assert ("Window" in said[name]) == ({"start", "stop"} <= fields), name
+        assert ("Knots" in said[name]) == any(field.endswith("nodes") for field in fields), name
+        assert ("SplineKnots" in said[name]) == ({"pitch", "order"} <= fields), name
+        assert ("Travel" in said[name]) == ("travel" in fields), name
+
+
+def test_no_program_asks_for_the_fields_of_an_effect_by_name():
+    """Quoted names of fields of effects, outside file formats and what is no field there."""
+    names = {value for effect in cogging.EFFECTS.values() for kind in effect.KINDS for value in kind.to_dict().values()}
+    names |= {"periods", "center"}
+    names -= {"position", "velocity", "time", "travel", "frequency"}  # coordinates, the axis' own, and a quantity
+    quoted = re.compile(r"""["'.](""" + "|".join(sorted(names)) + r""")["'\[]""")
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        relative = path.relative_to(PACKAGE).as_posix()
+        if relative.split("/")[0] in ("papers", "effects", "_core"):
+            continue
+        allowed = set().union(*(names for start, names in EXCEPTIONS.items() if relative.startswith(start)))
+        found |= {(relative, name) for name in quoted.findall(path.read_text()) if name not in allowed}
+    assert found == set()

@@ -35,8 +35,29 @@ inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect)
     if (has_states) addable = false;
   });
   visit_law(effect, [&](const HasBristle auto&) { addable = false; });
-  visit_law(effect, [&](const HasReading<double> auto&) { addable = false; });
+  visit_law(effect, [&](const HasReading<double> auto& law) {
+    if (uses(law, Hook::reading_error)) addable = false;
+  });
   return addable;
+}
+
+/// The same of effects that are loads behind a coupling, each by its own course.
+inline void add_loads(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
+                      const std::vector<std::size_t>& loads, const Plant<double>& plant, const Prediction& along,
+                      const Recording& log, const ObserverLoop& loop, unsigned threads,
+                      std::vector<double>& innovation) {
+  if (loads.empty()) return;
+  const std::size_t rows = loop.rows();
+  const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity, loop.stop());
+  run_batch(loads.size(), threads, loop.stop(), [&](std::size_t job) {
+    const std::size_t effect = loads[job];
+    visit_law(effects[effect], [&](const HasCoupling auto& law) {
+      const CouplingParameters coupling = law.coupling();
+      double* out = innovation.data() + effect * rows;
+      if (!coupling.rigid()) pass_load(coupling, plant.axis, loop, along.slope_velocity, force, out);
+      for (std::size_t k = 0; k < rows; ++k) out[k] /= sizes[effect];
+    });
+  });
 }
 
 /// What each effect adds to the innovations of a plant, m, per size of it: one row of the log's length an effect.
@@ -68,18 +89,7 @@ inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, 
         [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
         [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
   }
-  if (!loads.empty()) {
-    const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity, loop.stop());
-    run_batch(loads.size(), threads, loop.stop(), [&](std::size_t job) {
-      const std::size_t effect = loads[job];
-      visit_law(effects[effect], [&](const HasCoupling auto& law) {
-        const CouplingParameters coupling = law.coupling();
-        double* out = innovation.data() + effect * rows;
-        if (!coupling.rigid()) pass_load(coupling, plant.axis, loop, along.slope_velocity, force, out);
-        for (std::size_t k = 0; k < rows; ++k) out[k] /= sizes[effect];
-      });
-    });
-  }
+  add_loads(effects, sizes, loads, plant, along, log, loop, threads, innovation);
   return innovation;
 }
 

@@ -43,6 +43,24 @@ class AddedForce {
   void add(Effect<double> effect, double size, std::span<double> force, std::span<double> excess) const {
     const double share = 1.0 / size;
     visit_law(effect, [&](HasBind auto& law) { law.bind(context_); });
+    bool at_once = false;
+    visit_law(effect, [&](const AnswersAlong auto& law) {
+      add_along(law, share, force);
+      at_once = true;
+    });
+    if (!at_once) add_row_by_row(effect, share, force, excess);
+    force.back() = force[force.size() - 2];
+  }
+
+ private:
+  struct Row {
+    Motion<double> motion;
+    CommandMoments acting;
+    double friction_level, gain;  // V, before it is kept from pushing; 1, of the command
+  };
+
+  void add_row_by_row(const Effect<double>& effect, double share, std::span<double> force,
+                      std::span<double> excess) const {
     const auto add_pushes = [&](const auto& push) {  // push(row), V
       StopCheck check(stop_);
       for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -64,15 +82,27 @@ class AddedForce {
           [&](const Row& row) { return law.command_gain(row.motion.position, row.motion.time) * row.acting.mean; });
     });
     visit_law(effect, [&](const AltersCommand auto&) { add_command(effect, share, force, excess); });
-    force.back() = force[force.size() - 2];
   }
 
- private:
-  struct Row {
-    Motion<double> motion;
-    CommandMoments acting;
-    double friction_level, gain;  // V, before it is kept from pushing; 1, of the command
-  };
+  // All rows in one call of each law.
+  template <class E>
+  void add_along(const E& law, double share, std::span<double> force) const {
+    std::vector<double> position, velocity, time;
+    for (const Row& row : rows_) {
+      position.push_back(row.motion.position);
+      velocity.push_back(row.motion.velocity);
+      time.push_back(row.motion.time);
+    }
+    const Course course{position, velocity, time};
+    const std::vector<double> pushes = law.along(Hook::force, course);
+    const std::vector<double> levels = law.along(Hook::friction_level, course);
+    const std::vector<double> gains = law.along(Hook::command_gain, course);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const Row& row = rows_[k];
+      const double level = std::max(row.friction_level + levels[k], 0.0) - std::max(row.friction_level, 0.0);
+      force[k] += (pushes[k] - level * row.motion.direction + gains[k] * row.acting.mean) * share;
+    }
+  }
 
   void add_command(const Effect<double>& effect, double share, std::span<double> force,
                    std::span<double> excess) const {

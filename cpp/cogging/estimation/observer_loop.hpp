@@ -56,52 +56,65 @@ class ObserverLoop {
   template <std::size_t width>
   void pass(double mass, const std::array<const double*, width>& force, const std::array<const double*, width>& excess,
             const std::array<const double*, width>& error, const std::array<double*, width>& innovation) const {
-    const double inverse_mass = 1.0 / mass;
-    const bool has_excess = excess[0] != nullptr, has_error = error[0] != nullptr;
-    std::array<double, width> x{}, v{}, wrong{};
-    for (std::size_t i = 0; i < width; ++i) {
-      innovation[i][0] = 0.0;
-      if (has_error) x[i] = -error[i][0];
-    }
+    Course<width> course{1.0 / mass, force, excess, error, innovation, {}, {}};
+    course.begin();
     StopCheck stop(stop_);
     for (std::size_t k = 0; k < intervals_.size();) {
       const std::size_t asked_again = stop.rows_until(k, intervals_.size());
-      for (; k < asked_again; ++k) {
-        const Interval& interval = intervals_[k];
-        if (has_error)
-          for (std::size_t i = 0; i < width; ++i) wrong[i] = error[i][k + 1];
-        if (interval.kind == Kind::starts_anew) {
-          for (std::size_t i = 0; i < width; ++i) {
-            innovation[i][k + 1] = 0.0;
-            x[i] = -wrong[i];
-            v[i] = 0.0;
-          }
-          continue;
-        }
-        if (interval.kind == Kind::rests) {
-          v.fill(0.0);
-        } else {
-          const double half = 0.5 * interval.length;
-          std::array<double, width> next;
-          for (std::size_t i = 0; i < width; ++i)
-            next[i] =
-                v[i] * interval.keep + (force[i][k] * inverse_mass + interval.slope_position * x[i]) * interval.push;
-          for (std::size_t i = 0; i < width; ++i) x[i] += half * (v[i] + next[i]);
-          if (has_excess)
-            for (std::size_t i = 0; i < width; ++i) x[i] += excess[i][k] * inverse_mass;
-          v = next;
-        }
-        for (std::size_t i = 0; i < width; ++i) {
-          const double seen = -wrong[i] - x[i];
-          innovation[i][k + 1] = seen;
-          x[i] += interval.position_gain * seen;
-          v[i] += interval.velocity_gain * seen;
-        }
-      }
+      for (; k < asked_again; ++k) course.follow(intervals_[k], k);
     }
   }
 
  private:
+  /// Changes of position and velocity that go through the loop side by side.
+  template <std::size_t width>
+  struct Course {
+    double inverse_mass;
+    const std::array<const double*, width>&force, &excess, &error;
+    const std::array<double*, width>& innovation;
+    std::array<double, width> x, v;
+
+    void begin() {
+      for (std::size_t i = 0; i < width; ++i) {
+        innovation[i][0] = 0.0;
+        if (error[0] != nullptr) x[i] = -error[i][0];
+      }
+    }
+
+    COGGING_INLINE void follow(const Interval& interval, std::size_t k) {
+      std::array<double, width> wrong{};
+      if (error[0] != nullptr)
+        for (std::size_t i = 0; i < width; ++i) wrong[i] = error[i][k + 1];
+      if (interval.kind == Kind::starts_anew) {
+        for (std::size_t i = 0; i < width; ++i) {
+          innovation[i][k + 1] = 0.0;
+          x[i] = -wrong[i];
+          v[i] = 0.0;
+        }
+        return;
+      }
+      if (interval.kind == Kind::rests) {
+        v.fill(0.0);
+      } else {
+        const double half = 0.5 * interval.length;
+        std::array<double, width> next;
+        for (std::size_t i = 0; i < width; ++i)
+          next[i] =
+              v[i] * interval.keep + (force[i][k] * inverse_mass + interval.slope_position * x[i]) * interval.push;
+        for (std::size_t i = 0; i < width; ++i) x[i] += half * (v[i] + next[i]);
+        if (excess[0] != nullptr)
+          for (std::size_t i = 0; i < width; ++i) x[i] += excess[i][k] * inverse_mass;
+        v = next;
+      }
+      for (std::size_t i = 0; i < width; ++i) {
+        const double seen = -wrong[i] - x[i];
+        innovation[i][k + 1] = seen;
+        x[i] += interval.position_gain * seen;
+        v[i] += interval.velocity_gain * seen;
+      }
+    }
+  };
+
   std::vector<Interval> intervals_;
   StopRequest* stop_;
 };

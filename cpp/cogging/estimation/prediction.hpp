@@ -139,9 +139,8 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   axis.leave_steps();  // each row is held to its reading: what one step errs by does not add up
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
   StopCheck stop(options.stop);
-  stop.ask();
+  stop.ask();  // finding the median takes long
   const ObserverGain gain(options.bandwidth, median_step(log.time));
-  stop.ask();
   Prediction result = detail::empty_prediction(rows, with_slopes);
 
   // Where the axis is when the encoder shows `reading`: its error is small against the scale on which it changes.
@@ -157,10 +156,8 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     if (h > options.gap) {  // not followed: it may last a year
       amplifier.over(start, end, [](const Drive<double>&, double, double) {});
       state = {behind(log.position[k + 1]), (log.position[k + 1] - log.position[k]) / h};
-      if (with_slopes) {
-        result.middle_position[k] = 0.5 * (before.position + state.position);
-        result.middle_velocity[k] = state.velocity;
-      }
+      if (with_slopes) result.middle_position[k] = 0.5 * (before.position + state.position);
+      if (with_slopes) result.middle_velocity[k] = state.velocity;
       continue;
     }
     const double acting = detail::advance_interval(axis, amplifier, state, start, end, options.steps_per_sample);

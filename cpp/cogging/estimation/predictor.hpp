@@ -56,7 +56,7 @@ class Predictor {
   /// Innovations of many plants, m: (plants, rows).
   std::vector<double> innovations(const std::vector<Plant<double>>& plants, unsigned threads,
                                   StopRequest* stop = nullptr) const {
-    return table(plants.size(), threads, stop,
+    return table(plants.size(), useful(plants, threads), stop,
                  [&](std::size_t i) { return expected_prediction(plants[i], log(), options(stop), false).innovation; });
   }
 
@@ -66,7 +66,7 @@ class Predictor {
                                  StopRequest* stop = nullptr) const {
     require_length("middle_position", middle_position);
     require_length("middle_velocity", middle_velocity);
-    return table(plants.size(), threads, stop,
+    return table(plants.size(), useful(plants, threads), stop,
                  [&](std::size_t i) { return net_force(plants[i], log(), middle_position, middle_velocity, stop); });
   }
 
@@ -108,7 +108,8 @@ class Predictor {
         require(is_addable(plant, effect), law.name, "must be predicted as a whole in this plant, added", 1);
       });
     const ObserverLoop loop(along, log(), options(stop));
-    return added_by(effects, sizes, plant, along, log(), loop, threads);
+    const bool one_by_one = is_serial(effects) || is_serial(plant.effects);
+    return added_by(effects, sizes, plant, along, log(), loop, one_by_one ? 1 : threads);
   }
 
  private:
@@ -120,6 +121,12 @@ class Predictor {
 
   void require_length(std::string_view name, std::span<const double> column) const {
     require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
+  }
+
+  // As many threads as plants can use: where one needs a lock, others would only wait for it.
+  static unsigned useful(const std::vector<Plant<double>>& plants, unsigned threads) {
+    const auto serial = [](const Plant<double>& plant) { return is_serial(plant.effects); };
+    return std::any_of(plants.begin(), plants.end(), serial) ? 1 : threads;
   }
 
   // Rows of a table, one a job, made by row(i).

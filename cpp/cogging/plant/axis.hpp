@@ -65,16 +65,18 @@ class Axis {
         inverse_mass_(Scalar(1.0) / parameters.mass),
         has_friction_(!all(parameters.coulomb == 0.0)) {
     const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
-    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) { laws_.push_back(law); });
+    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) {
+      if (uses(law, Hook::force) || uses(law, Hook::friction_level)) laws_.push_back(law);
+    });
     bool effects_rub = false;
-    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto&) { effects_rub = true; });
+    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto& law) {
+      effects_rub = effects_rub || uses(law, Hook::friction_level);
+    });
     has_friction_ = has_friction_ || effects_rub;
-    for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) { gains_.push_back(law); });
+    for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) {
+      if (uses(law, Hook::command_gain)) gains_.push_back(law);
+    });
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
-    for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
-    for_each_law(bound, [&](const HasVelocityKinks auto& law) { accuracy_.add_kinks({}, law.velocity_kinks()); });
-    for_each_law(bound,
-                 [&](const HasVariation auto& law) { accuracy_.add(law.variation(), smallest(parameters_.mass)); });
     for_each_law(bound, [&](const HasBristle auto& law) {
       if (law.bristle().exists()) add_state(law.name, bristle_, law.bristle(), bristle_.exists());
     });
@@ -88,11 +90,7 @@ class Axis {
     }
     has_states_ = bristle_.exists() || coupling_.exists();
     plain_ = !has_states_ && !sticks_ && gains_.empty();
-    if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
-      accuracy_.add_turning(bristle_.exists() ? Scalar(0.0) : smooth_width(effects_rub));
-    accuracy_.add_kinks(cogging_.kinks(), {});
-    for (const auto& [amplitude, wavenumber] : cogging_.waves())
-      accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
+    learn_variation(bound, effects_rub);
   }
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
@@ -161,6 +159,19 @@ class Axis {
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
 
  private:
+  /// How fast the laws vary, by which the steps are chosen.
+  void learn_variation(const std::vector<Effect<Scalar>>& bound, bool effects_rub) {
+    for_each_law(bound, [&](const HasKinks auto& law) { accuracy_.add_kinks(law.kinks(), {}); });
+    for_each_law(bound, [&](const HasVelocityKinks auto& law) { accuracy_.add_kinks({}, law.velocity_kinks()); });
+    for_each_law(bound,
+                 [&](const HasVariation auto& law) { accuracy_.add(law.variation(), smallest(parameters_.mass)); });
+    if (has_friction_ && !sticks_)  // a bristle has a kink where it turns
+      accuracy_.add_turning(bristle_.exists() ? Scalar(0.0) : smooth_width(effects_rub));
+    accuracy_.add_kinks(cogging_.kinks(), {});
+    for (const auto& [amplitude, wavenumber] : cogging_.waves())
+      accuracy_.add({.force = amplitude, .wavenumber = wavenumber}, smallest(parameters_.mass));
+  }
+
   friend class StickSlip<Axis>;
 
   struct Forces {
@@ -306,7 +317,9 @@ class Axis {
                                           const Scalar& a4) const {
     Scalar excess = accuracy_.excess_at_kink(h, a1, a2, a3, a4, larger(end.speed_max, abs(end.velocity)));
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
-      if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+      if (accuracy_.oversteps(h, lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
+        set_lane(excess, i, 1.0);
+      else if (!accuracy_.crosses_kink(lane(x1, i), lane(end.position, i), lane(v1, i), lane(end.velocity, i)))
         set_lane(excess, i, -1.0);
     return excess;
   }

@@ -169,6 +169,7 @@ class BodyWithStates {
     const StepAccuracy<double>& accuracy = axis_.accuracy();
     const double turned = one_way ? start.velocity : end.velocity;  // friction has one direction, whatever the end
     const double settling = drive.settling(offset) / coupling_.motor_mass();
+    if (accuracy.oversteps(h, start.position, end.position, start.velocity, end.velocity)) return false;
     return accuracy.excess(h, a[0], a[1], a[2], a[3], start.velocity, turned, start.speed_max) <= 0.0 &&
            accuracy.excess_of_waves(time, h, start.velocity, end.velocity, drive.at(offset), settling,
                                     start.speed_max) <= 0.0 &&

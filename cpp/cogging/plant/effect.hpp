@@ -5,6 +5,7 @@
 //   static constexpr std::string_view name, law;      // as in the vocabulary; the formula
 //   static constexpr auto fields();                   // its parameters and their traits; defaults make it vanish
 //   void validate() const;                            // throws, naming the field
+//   static Kinds kinds();                             // where parameters belong together: what they are
 // and at least one of
 //   Scalar force(const Motion<Scalar>&) const;            // V, added to the force balance
 //   Scalar friction_level(const Motion<Scalar>&) const;   // V, added to the Coulomb level that multiplies S(v)
@@ -24,17 +25,29 @@
 //   double next_event(double time) const;                 // s, the next time at which its law jumps: steps end there
 //   void bind(const PlantContext&);                       // takes what it needs from the plant; throws where that
 //                                                         // is missing
+//   bool uses(Hook) const;                                // where a type has hooks that not each effect of it uses
+//   bool serial() const;                                  // only one thread at a time can ask it
 
 #include <string_view>
 
 #include "cogging/parameters.hpp"
 #include "cogging/plant/context.hpp"
+#include "cogging/plant/kinds.hpp"
 #include "cogging/plant/motion.hpp"
+#include "cogging/plant/own_law.hpp"
 #include "cogging/plant/step_control.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
 namespace cogging {
+
+/// The laws that an effect may be without though its type has them.
+enum class Hook { force, friction_level, command_gain, reading_error };
+
+constexpr std::string_view to_string(Hook hook) {
+  constexpr std::string_view names[] = {"force", "friction_level", "command_gain", "reading_error"};
+  return names[static_cast<int>(hook)];
+}
 
 template <class E, class Scalar>
 concept HasForce = requires(const E& effect, const Motion<Scalar>& motion) { effect.force(motion); };
@@ -73,6 +86,22 @@ concept HasVelocityKinks = requires(const E& effect) { effect.velocity_kinks(); 
 template <class E>
 concept HasEvents = requires(const E& effect, double time) { effect.next_event(time); };
 template <class E>
+concept ChoosesHooks = requires(const E& effect) { effect.uses(Hook::force); };
+/// A law that answers a whole course at once, by what its caller need not know.
+template <class E>
+concept AnswersAlong = requires(const E& effect, const Course& course) { effect.along(Hook::force, course); };
+template <class E>
+concept MaySerialise = requires(const E& effect) { effect.serial(); };
+template <class E>
 concept HasBind = requires(E& effect, const PlantContext& context) { effect.bind(context); };
+
+/// Whether an effect whose type has a hook uses it.
+template <class E>
+bool uses(const E& effect, [[maybe_unused]] Hook hook) {
+  if constexpr (ChoosesHooks<E>)
+    return effect.uses(hook);
+  else
+    return true;
+}
 
 }  // namespace cogging

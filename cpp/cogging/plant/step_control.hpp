@@ -15,13 +15,18 @@ namespace cogging {
 /// `force` (V) and `gain` (relative, of what the amplifier puts out) are its size, `wavenumber` in rad/m, `rate` in
 /// rad/s; of a law without a period, the inverse of the distance or time on which it changes. What fades in time, from
 /// t = 0, does so with `decay` (1/s). `stiffness` (V/m) is the largest slope along the travel of a law that is not a
-/// wave; `velocity` (m/s) the speed within which a law changes about rest: 0 for a kink.
+/// wave; `velocity` (m/s) the speed within which a law changes about rest: 0 for a kink. Of a law that is `rough`
+/// nothing is known: it may have a kink or a jump anywhere, and no step may go further than its `path` (m), `change` of
+/// velocity (m/s) or `duration` (s).
 struct Variation {
   double force = 0.0, gain = 0.0;
   double wavenumber = 0.0, rate = 0.0;
   double decay = 0.0;
   double stiffness = 0.0;
   double velocity = std::numeric_limits<double>::infinity();
+  bool rough = false;
+  double path = std::numeric_limits<double>::infinity(), change = std::numeric_limits<double>::infinity();
+  double duration = std::numeric_limits<double>::infinity();
 };
 
 /// What one Runge-Kutta step of fourth order errs by, as a share of the largest speed so far.
@@ -50,6 +55,10 @@ class StepAccuracy {
       in_time_ += sized(law.force, in_time), gain_in_time_ += sized(law.gain, in_time);
     add_turning(law.velocity);
     quickest_ = std::max(quickest_, law.force > 0.0 || law.gain > 0.0 ? law.rate : 0.0);
+    rough_ = rough_ || law.rough;
+    path_ = std::min(path_, law.path), change_ = std::min(change_, law.change);
+    duration_ = std::min(duration_, law.duration);
+    if (std::isfinite(law.duration)) quickest_ = std::max(quickest_, 1.0 / law.duration);
     varies_ = varies_ || along_ + in_time_ + gain_along_ + gain_in_time_ + stiffness_ > 0.0 || !fading_.empty();
   }
 
@@ -96,17 +105,23 @@ class StepAccuracy {
   void add_kinks(const std::vector<double>& positions, const std::vector<double>& velocities) {
     join(positions_, positions), join(velocities_, velocities);
   }
-  bool has_kinks() const { return !positions_.empty() || !velocities_.empty(); }
+  bool has_kinks() const { return rough_ || !positions_.empty() || !velocities_.empty(); }
 
-  /// Whether one lies between two positions or two velocities.
+  /// Whether one lies, or may lie, between two positions or two velocities.
   bool crosses_kink(double x1, double x2, double v1, double v2) const {
-    return crosses(positions_, x1, x2) || crosses(velocities_, v1, v2);
+    return rough_ || crosses(positions_, x1, x2) || crosses(velocities_, v1, v2);
+  }
+
+  /// Whether a step goes further than a law without known kinks lets it.
+  bool oversteps(double h, double x1, double x2, double v1, double v2) const {
+    return h > duration_ || std::abs(x2 - x1) > path_ || std::abs(v2 - v1) > change_;
   }
 
   /// Steps are taken as they are given, whatever they err by.
   void leave_steps() {
     controls_ = varies_ = false;
     positions_.clear(), velocities_.clear();
+    rough_ = false, path_ = change_ = duration_ = std::numeric_limits<double>::infinity();
   }
   bool controls() const { return controls_; }
 
@@ -144,7 +159,9 @@ class StepAccuracy {
   double gain_along_ = 0.0, gain_in_time_ = 0.0;   // the same for a drive of 1 V
   double quickest_ = 0.0;
   Scalar turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
-  bool varies_ = false, controls_ = true;
+  bool varies_ = false, controls_ = true, rough_ = false;
+  double path_ = std::numeric_limits<double>::infinity(), change_ = std::numeric_limits<double>::infinity();
+  double duration_ = std::numeric_limits<double>::infinity();
   std::vector<Fading> fading_;
   std::vector<double> positions_, velocities_;  // of kinks, increasing
 };

@@ -44,6 +44,48 @@ class ThreadsAtWork {
   std::size_t count_ = 0;
 };
 
+/// The jobs of a batch, taken one after the other by whatever thread is free.
+template <class Job>
+class JobQueue {
+ public:
+  JobQueue(std::size_t count, StopRequest* stop, const Job& job) : count_(count), stop_(stop), job_(job) {
+    failures_.resize(count);
+  }
+
+  /// Does jobs until none is left or the batch is interrupted.
+  void work() {
+    for (std::size_t i = next_++; i < count_; i = next_++) {
+      try {
+        if (stop_ != nullptr && stop_->requested_now()) throw Interrupted();
+        job_(i);
+      } catch (const Interrupted&) {
+        interrupted_ = true;
+        return;
+      } catch (...) {
+        failures_[i] = std::current_exception();
+      }
+    }
+  }
+
+  void interrupt() { interrupted_ = true; }
+  void take_no_more() { next_ = count_; }
+
+  /// Throws what ended the batch, or the job with the lowest number that failed.
+  void rethrow() const {
+    if (interrupted_) throw Interrupted();
+    for (const std::exception_ptr& failure : failures_)
+      if (failure) std::rethrow_exception(failure);
+  }
+
+ private:
+  std::size_t count_;
+  StopRequest* stop_;
+  const Job& job_;
+  std::vector<std::exception_ptr> failures_;
+  std::atomic<std::size_t> next_{0};
+  std::atomic<bool> interrupted_{false};
+};
+
 /// Calls job(0) to job(count - 1), each once, on `threads` threads (0 = as many as the machine has, 1024 at most).
 /// What a job throws is thrown here, of the job with the lowest number, once all threads have ended. The order in
 /// which jobs run has no influence on what each does. Throws Interrupted, with all threads ended, where `stop` (or
@@ -55,25 +97,10 @@ void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job
   require(threads <= threads_max, "threads", "must be from 0 to " + format(threads_max), threads);
   if (threads == 0) threads = std::max(1u, std::min(threads_max, std::thread::hardware_concurrency()));
   threads = static_cast<unsigned>(std::min<std::size_t>(threads, std::max<std::size_t>(count, 1)));
-  std::vector<std::exception_ptr> failures(count);
-  std::atomic<std::size_t> next{0};
-  std::atomic<bool> interrupted{false};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        if (stop != nullptr && stop->requested_now()) throw Interrupted();
-        job(i);
-      } catch (const Interrupted&) {
-        interrupted = true;
-        return;
-      } catch (...) {
-        failures[i] = std::current_exception();
-      }
-    }
-  };
+  JobQueue<Job> jobs(count, stop, job);
   ThreadsAtWork at_work;
   const auto work_and_end = [&] {
-    work();
+    jobs.work();
     at_work.one_ended();
   };
   std::vector<std::thread> others;
@@ -85,21 +112,19 @@ void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job
     }
   } catch (...) {
     at_work.one_ended();
-    next = count;  // those that run end with the job that they are at
+    jobs.take_no_more();  // those that run end with the job that they are at
   }
   const bool started = others.size() + 1 == threads;
-  if (started) work();
+  if (started) jobs.work();
   // The caller's thread may be the only one that learns of a request; the others then end by themselves.
   if (stop != nullptr)
     while (!at_work.all_ended(std::chrono::milliseconds(20)))
-      if (stop->requested_now()) interrupted = true;
+      if (stop->requested_now()) jobs.interrupt();
   for (std::thread& other : others) other.join();
   require(started, "threads",
           "must be no more than the system can start, which ended at " + format(static_cast<double>(others.size() + 1)),
           threads);
-  if (interrupted) throw Interrupted();
-  for (const std::exception_ptr& failure : failures)
-    if (failure) std::rethrow_exception(failure);
+  jobs.rethrow();
 }
 
 }  // namespace cogging

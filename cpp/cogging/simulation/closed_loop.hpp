@@ -87,27 +87,23 @@ void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, Axis
   });
 }
 
-/// A pure function of its arguments: the controller is copied, and the noise comes from the seed.
-template <class Scalar, ClosesLoop<Scalar> C>
-Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Reference& reference,
-                        const RunOptions& options) {
+namespace detail {
+
+inline void require_options(const RunOptions& options) {
   require(options.steps_per_sample >= 1 && options.steps_per_sample <= 10000, "steps_per_sample",
           "must be from 1 to 10000", options.steps_per_sample);
   require(std::isfinite(options.duration) && options.duration >= 0.0, "duration",
           "must be finite and above 0 (or left out)", options.duration);
   require_finite("initial_velocity", options.initial_velocity);
-  plant.encoder.validate();
   if (options.initial_position) require_finite("initial_position", *options.initial_position);
+}
 
-  const double sample_rate = controller.sample_rate(), sample_time = 1.0 / sample_rate;
-  const Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
-  Amplifier<Scalar> amplifier(plant.effects, sample_time);
-  ForceNoise force_noise(plant.noise, sample_time, options.seed);
-  NormalNumbers encoder_noise(options.seed ^ 0x9e3779b97f4a7c15ULL);
-
+/// A log with the reference of every row, and room for what the run will tell.
+template <class Scalar>
+Log<Scalar> log_of_reference(const Reference& reference, const RunOptions& options, double sample_rate,
+                             const Range& travel, StopCheck& stop) {
   Log<Scalar> log;
-  const std::size_t rows = detail::count_samples(reference, options, sample_rate);
-  StopCheck stop(options.stop);
+  const std::size_t rows = count_samples(reference, options, sample_rate);
   const auto make = [&](auto& column) {
     stop.ask();  // a column of a long run takes long to clear
     column.resize(rows);
@@ -116,36 +112,74 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
   for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) make(*column);
   require(options.added_command.empty() || options.added_command.size() >= rows, "added_command",
           "must have an entry for each row", static_cast<double>(options.added_command.size()));
-  detail::record_reference(log, reference, sample_rate, plant.axis.travel, stop);
-  if (options.record_estimates) {
+  record_reference(log, reference, sample_rate, travel, stop);
+  return log;
+}
+
+/// What a controller believes at the start of each row, kept beside the log where that is asked for.
+template <class Scalar, class C>
+class EstimateRecord {
+ public:
+  EstimateRecord(const RunOptions& options, const C& controller, Log<Scalar>& log) : kept_(options.record_estimates) {
+    if (!kept_) return;
     log.estimate_count = static_cast<int>(controller.estimates().size());
-    log.estimates.reserve(rows * static_cast<std::size_t>(log.estimate_count));
+    log.estimates.reserve(log.time.size() * static_cast<std::size_t>(log.estimate_count));
   }
 
-  const double limit = controller.command_limit();
+  void keep(const C& controller, Log<Scalar>& log) const {
+    if (!kept_) return;
+    const std::span<const Scalar> estimates = controller.estimates();
+    log.estimates.insert(log.estimates.end(), estimates.begin(), estimates.end());
+  }
+
+ private:
+  bool kept_;
+};
+
+/// The command of row k that acts on the amplifier: cut at the limit, with what is added behind the controller.
+template <class Scalar, class C>
+COGGING_INLINE Scalar command_of_row(C& controller, const Reference& reference, const Log<Scalar>& log, std::size_t k,
+                                     const Scalar& reading, double limit, const std::vector<double>& added) {
+  const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
+  Scalar command;
+  if constexpr (LooksAhead<C>)
+    command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);
+  else
+    command = controller.command(point, reading);
+  if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
+  controller.update(command);
+  if (added.empty()) return command;
+  command += added[k];  // the controller does not know of it
+  return limit > 0.0 ? clamp(command, Scalar(-limit), Scalar(limit)) : command;
+}
+
+}  // namespace detail
+
+/// A pure function of its arguments: the controller is copied, and the noise comes from the seed.
+template <class Scalar, ClosesLoop<Scalar> C>
+Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Reference& reference,
+                        const RunOptions& options) {
+  detail::require_options(options);
+  plant.encoder.validate();
+  const double sample_time = 1.0 / controller.sample_rate(), limit = controller.command_limit();
+  const Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
+  Amplifier<Scalar> amplifier(plant.effects, sample_time);
+  ForceNoise force_noise(plant.noise, sample_time, options.seed);
+  NormalNumbers encoder_noise(options.seed ^ 0x9e3779b97f4a7c15ULL);
+  StopCheck stop(options.stop);
+  Log<Scalar> log =
+      detail::log_of_reference<Scalar>(reference, options, controller.sample_rate(), plant.axis.travel, stop);
+  const detail::EstimateRecord<Scalar, C> estimates(options, controller, log);
+
   AxisState<Scalar> state{options.initial_position.value_or(log.reference.front()), options.initial_velocity};
-  for (std::size_t k = 0; k < rows; ++k) {
+  for (std::size_t k = 0, rows = log.time.size(); k < rows; ++k) {
     stop.row();
     detail::require_bounded(state, plant.axis.travel, log.time[k]);
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
-    const ReferencePoint point{log.reference[k], log.reference_velocity[k], log.reference_acceleration[k]};
     if constexpr (MayFail<C>) controller.begin_row(k, log.time[k]);
-    if (options.record_estimates) {
-      const std::span<const Scalar> estimates = controller.estimates();
-      log.estimates.insert(log.estimates.end(), estimates.begin(), estimates.end());
-    }
-    Scalar command;
-    if constexpr (LooksAhead<C>)
-      command = controller.command(point, reference.at(log.time[k] + controller.preview()), reading);
-    else
-      command = controller.command(point, reading);
-    if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
-    controller.update(command);
-    if (!options.added_command.empty()) {  // behind the controller, which does not know of it
-      command += options.added_command[k];
-      if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
-    }
+    estimates.keep(controller, log);
+    const Scalar command = detail::command_of_row(controller, reference, log, k, reading, limit, options.added_command);
     log.position[k] = reading;
     log.command[k] = command;
     log.true_position[k] = state.position;

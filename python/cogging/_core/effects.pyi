@@ -7,7 +7,278 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EmpiricalForce', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'PositionDependentFriction', 'PreslidingFriction', 'QuadraticDrag', 'StribeckFriction', 'ViscousAsymmetry']
+__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'CompiledLaw', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EmpiricalForce', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'Knots', 'OwnLaw', 'OwnLaws', 'PositionDependentFriction', 'PreslidingFriction', 'PythonLaw', 'QuadraticDrag', 'SplineKnots', 'StribeckFriction', 'Travel', 'ViscousAsymmetry', 'Wave', 'Window']
+class Wave:
+    """
+    A sine and a cosine of one period; the names of their fields.
+    
+    Fields:
+        shape: its period (m), or its frequency (Hz)
+        sine: amplitude of the sine
+        cosine: amplitude of the cosine
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'shape': ('', 'its period (m), or its frequency (Hz)'), 'sine': ('', 'amplitude of the sine'), 'cosine': ('', 'amplitude of the cosine')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, shape: str = '', sine: str = '', cosine: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Wave:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def cosine(self) -> str:
+        """
+        amplitude of the cosine
+        """
+    @property
+    def shape(self) -> str:
+        """
+        its period (m), or its frequency (Hz)
+        """
+    @property
+    def sine(self) -> str:
+        """
+        amplitude of the sine
+        """
+class Window:
+    """
+    A stretch of time; the names of its fields.
+    
+    Fields:
+        start: time at which it begins (s)
+        stop: time at which it ends (s)
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'start': ('', 'time at which it begins (s)'), 'stop': ('', 'time at which it ends (s)')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, start: str = '', stop: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Window:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def start(self) -> str:
+        """
+        time at which it begins (s)
+        """
+    @property
+    def stop(self) -> str:
+        """
+        time at which it ends (s)
+        """
+class Knots:
+    """
+    Values at nodes, linear between two; the names of their fields.
+    
+    Fields:
+        coordinate: of the nodes: position, velocity or time
+        nodes: list of places, increasing
+        levels: list of values, one a node
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'coordinate': ('', 'of the nodes: position, velocity or time'), 'nodes': ('', 'list of places, increasing'), 'levels': ('', 'list of values, one a node')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, coordinate: str = '', nodes: str = '', levels: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Knots:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def coordinate(self) -> str:
+        """
+        of the nodes: position, velocity or time
+        """
+    @property
+    def levels(self) -> str:
+        """
+        list of values, one a node
+        """
+    @property
+    def nodes(self) -> str:
+        """
+        list of places, increasing
+        """
+class SplineKnots:
+    """
+    Even knots of B-splines whose control points are the lists of amplitudes; the names of their fields.
+    
+    Fields:
+        pitch: distance of the knots (m)
+        order: of the B-splines
+        origin: first knot of the first full span (m)
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'pitch': ('', 'distance of the knots (m)'), 'order': ('', 'of the B-splines'), 'origin': ('', 'first knot of the first full span (m)')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, pitch: str = '', order: str = '', origin: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> SplineKnots:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def order(self) -> str:
+        """
+        of the B-splines
+        """
+    @property
+    def origin(self) -> str:
+        """
+        first knot of the first full span (m)
+        """
+    @property
+    def pitch(self) -> str:
+        """
+        distance of the knots (m)
+        """
+class Travel:
+    """
+    The ends of the travel, of the plant where not given; the field's name.
+    
+    Fields:
+        ends: lower and upper end (m)
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    """
+    FIELDS: typing.ClassVar[dict] = {'ends': ('', 'lower and upper end (m)')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, ends: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Travel:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def ends(self) -> str:
+        """
+        lower and upper end (m)
+        """
+class OwnLaw:
+    """
+    One law of an effect of the user's own.
+    """
+class PythonLaw(OwnLaw):
+    """
+    A law that is a Python function.
+    
+    Args:
+        label: for messages.
+        function: called with what it takes by name: numbers in a run, arrays along a log.
+        taken: which of position (0), velocity (1) and time (2).
+        values: of its parameters, by name.
+    """
+    def __init__(self, label: str, function: typing.Any, taken: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], values: dict) -> None:
+        ...
+class CompiledLaw(OwnLaw):
+    """
+    A law that is a compiled function of doubles.
+    
+    Args:
+        address: of the function.
+        taken: which of position (0), velocity (1) and time (2) come first.
+        values: of its parameters, which follow.
+        owner: what keeps the code alive.
+    
+    Raises:
+        ValueError: no address, or more than 24 numbers.
+    """
+    def __init__(self, address: typing.SupportsInt | typing.SupportsIndex, taken: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], values: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], owner: typing.Any) -> None:
+        ...
+class OwnLaws:
+    """
+    The laws of an effect of the user's own: what `Custom` hands to a plant.
+    
+    Args:
+        name: of the effect, for messages.
+        laws: by hook: force, friction_level, command_gain, reading_error.
+        length_scale, velocity_scale, time_scale: m, m/s, s, the shortest on which a law changes; infinite = not stated.
+        origin: a function without arguments that makes the effect again.
+    
+    Raises:
+        ValueError: an unknown hook, no law, or a scale that is not above 0.
+    """
+    def __init__(self, name: str, laws: collections.abc.Mapping[str, OwnLaw], *, length_scale: typing.SupportsFloat | typing.SupportsIndex, velocity_scale: typing.SupportsFloat | typing.SupportsIndex, time_scale: typing.SupportsFloat | typing.SupportsIndex, origin: typing.Any) -> None:
+        ...
+    def value_at(self, hook: str, position: typing.SupportsFloat | typing.SupportsIndex, velocity: typing.SupportsFloat | typing.SupportsIndex, time: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        One law at one moment, as a run asks it.
+        """
+    def values_along(self, hook: str, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        One law along arrays (n,) of m, m/s and s.
+        """
 class ConstantForce:
     """
     Effect `constant_force`: force.
@@ -20,6 +291,7 @@ class ConstantForce:
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'pushes towards +x')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'force'
     NAME: typing.ClassVar[str] = 'constant_force'
     ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -71,6 +343,7 @@ class CableSpring:
     """
     FIELDS: typing.ClassVar[dict] = {'stiffness': ('V/m', 'force a metre of distance'), 'center': ('m', 'where the spring is slack')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = '-stiffness (x - center)'
     NAME: typing.ClassVar[str] = 'cable_spring'
     ROLES: typing.ClassVar[dict] = {'stiffness': {'role': 'amplitude', 'quantity': 'force_per_position', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'center': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}}
@@ -128,6 +401,7 @@ class EndEffect:
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'at an end, outwards'), 'decay_length': ('m', 'distance from the end at which it has fallen to 1/e'), 'travel': ('m', 'ends x0, x1 from which it is measured; infinite = of [axis]')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = 'force (exp(-(x1 - x) / decay_length) - exp(-(x - x0) / decay_length))'
     NAME: typing.ClassVar[str] = 'end_effect'
     ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'decay_length': {'role': 'shape', 'quantity': 'distance', 'low': 0.005, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'travel': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
@@ -190,6 +464,7 @@ class CoggingHarmonic:
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('V', 'amplitude of the sine'), 'cosine': ('V', 'amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = '-(sine sin(2 pi x / period) + cosine cos(2 pi x / period))'
     NAME: typing.ClassVar[str] = 'cogging_harmonic'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.0001, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -255,6 +530,7 @@ class CoggingModulation:
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('V', 'amplitude of the sine at each control point'), 'cosine': ('V', 'amplitude of the cosine at each control point'), 'pitch': ('m', 'distance of the knots; 0 = the knots of [cogging]'), 'order': ('1', 'of the B-splines'), 'origin': ('m', 'first knot of the first full span')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = '-(S(x) sin(2 pi x / period) + C(x) cos(2 pi x / period))'
     NAME: typing.ClassVar[str] = 'cogging_modulation'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'pitch': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'order': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'origin': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
@@ -330,6 +606,7 @@ class CoulombAsymmetry:
     """
     FIELDS: typing.ClassVar[dict] = {'difference': ('V', 'forward level less backward level')}
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = '-(difference / 2) sgn(v) S(v)'
     NAME: typing.ClassVar[str] = 'coulomb_asymmetry'
     ROLES: typing.ClassVar[dict] = {'difference': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -380,6 +657,7 @@ class ViscousAsymmetry:
     """
     FIELDS: typing.ClassVar[dict] = {'difference': ('V/(m/s)', 'forward slope less backward slope')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = '-(difference / 2) |v|'
     NAME: typing.ClassVar[str] = 'viscous_asymmetry'
     ROLES: typing.ClassVar[dict] = {'difference': {'role': 'amplitude', 'quantity': 'force_per_velocity', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -432,6 +710,7 @@ class StribeckFriction:
     """
     FIELDS: typing.ClassVar[dict] = {'static_excess': ('V', 'static level above the Coulomb level'), 'velocity': ('m/s', 'speed at which the excess has fallen to 1/e'), 'exponent': ('1', 'shape of the fall: 1 exponential, 2 Gaussian')}
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = '-static_excess exp(-|v / velocity|^exponent) S(v)'
     NAME: typing.ClassVar[str] = 'stribeck_friction'
     ROLES: typing.ClassVar[dict] = {'static_excess': {'role': 'amplitude', 'quantity': 'friction', 'low': 0.0, 'high': 2.0, 'logarithmic': False, 'neutral': 0.0}, 'velocity': {'role': 'shape', 'quantity': 'velocity', 'low': 0.001, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'exponent': {'role': 'shape', 'quantity': 'exponent', 'low': 0.5, 'high': 3.0, 'logarithmic': False, 'neutral': None}}
@@ -493,6 +772,7 @@ class PreslidingFriction:
     """
     FIELDS: typing.ClassVar[dict] = {'stiffness': ('V/m', 'of the contact at rest; infinite = none'), 'damping': ('V/(m/s)', 'of the bristle')}
     HOOKS: typing.ClassVar[tuple] = ('state')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = "-(stiffness z + damping z'), z' = v - stiffness |v| z / g, in place of -g S(v)"
     NAME: typing.ClassVar[str] = 'presliding_friction'
     ROLES: typing.ClassVar[dict]
@@ -545,6 +825,7 @@ class PositionDependentFriction:
     """
     FIELDS: typing.ClassVar[dict] = {'nodes': ('m', 'positions, increasing'), 'levels': ('V', 'added to Fc, one a node')}
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = '-level(x) S(v), level linear between the nodes'
     NAME: typing.ClassVar[str] = 'position_dependent_friction'
     ROLES: typing.ClassVar[dict] = {'nodes': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'levels': {'role': 'amplitude', 'quantity': 'friction', 'low': -2.0, 'high': 2.0, 'logarithmic': False, 'neutral': list()}}
@@ -600,6 +881,7 @@ class QuadraticDrag:
     """
     FIELDS: typing.ClassVar[dict] = {'coefficient': ('V/(m/s)^2', 'force a squared metre a second')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = '-coefficient v |v|'
     NAME: typing.ClassVar[str] = 'quadratic_drag'
     ROLES: typing.ClassVar[dict] = {'coefficient': {'role': 'amplitude', 'quantity': 'force_per_velocity_squared', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -652,6 +934,7 @@ class ForceConstantRipple:
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('1', 'relative amplitude of the sine'), 'cosine': ('1', 'relative amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('command_gain')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = 'u (1 + sine sin(2 pi x / period) + cosine cos(2 pi x / period))'
     NAME: typing.ClassVar[str] = 'force_constant_ripple'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 0.0001, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -713,6 +996,7 @@ class ForceConstantDrift:
     """
     FIELDS: typing.ClassVar[dict] = {'change': ('1', 'relative, after a long time'), 'time_constant': ('s', 'of the drift')}
     HOOKS: typing.ClassVar[tuple] = ('command_gain')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'u (1 + change (1 - exp(-t / time_constant)))'
     NAME: typing.ClassVar[str] = 'force_constant_drift'
     ROLES: typing.ClassVar[dict] = {'change': {'role': 'amplitude', 'quantity': 'relative', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'time_constant': {'role': 'shape', 'quantity': 'time', 'low': 0.02, 'high': 5.0, 'logarithmic': True, 'neutral': None}}
@@ -768,6 +1052,7 @@ class CommandDelay:
     """
     FIELDS: typing.ClassVar[dict] = {'delay': ('s', 'from computed to acting')}
     HOOKS: typing.ClassVar[tuple] = ('command_delay')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'u(t - delay)'
     NAME: typing.ClassVar[str] = 'command_delay'
     ROLES: typing.ClassVar[dict] = {'delay': {'role': 'shape', 'quantity': 'sample_time', 'low': 0.0, 'high': 50.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -814,6 +1099,7 @@ class ActuatorLag:
     """
     FIELDS: typing.ClassVar[dict] = {'time_constant': ('s', 'of the current loop')}
     HOOKS: typing.ClassVar[tuple] = ('lag')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'u / (time_constant s + 1)'
     NAME: typing.ClassVar[str] = 'actuator_lag'
     ROLES: typing.ClassVar[dict] = {'time_constant': {'role': 'shape', 'quantity': 'sample_time', 'low': 0.1, 'high': 100.0, 'logarithmic': True, 'neutral': 0.0}}
@@ -860,6 +1146,7 @@ class CommandSaturation:
     """
     FIELDS: typing.ClassVar[dict] = {'limit': ('V', 'largest command that passes; infinite = none')}
     HOOKS: typing.ClassVar[tuple] = ('shape_command')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'min(max(u, -limit), limit)'
     NAME: typing.ClassVar[str] = 'command_saturation'
     ROLES: typing.ClassVar[dict]
@@ -910,6 +1197,7 @@ class CommandDeadZone:
     """
     FIELDS: typing.ClassVar[dict] = {'width': ('V', 'half of the zone: largest command that does nothing')}
     HOOKS: typing.ClassVar[tuple] = ('shape_command')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'sgn(u) max(|u| - width, 0)'
     NAME: typing.ClassVar[str] = 'command_dead_zone'
     ROLES: typing.ClassVar[dict] = {'width': {'role': 'shape', 'quantity': 'command', 'low': 0.0, 'high': 0.5, 'logarithmic': False, 'neutral': 0.0}}
@@ -962,6 +1250,7 @@ class EncoderPeriodicError:
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('m', 'amplitude of the sine'), 'cosine': ('m', 'amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('reading')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = 'reading = x + sine sin(2 pi x / period) + cosine cos(2 pi x / period)'
     NAME: typing.ClassVar[str] = 'encoder_periodic_error'
     ROLES: typing.ClassVar[dict] = {'period': {'role': 'shape', 'quantity': 'distance', 'low': 1e-05, 'high': 1.0, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'distance', 'low': -0.01, 'high': 0.01, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'distance', 'low': -0.01, 'high': 0.01, 'logarithmic': False, 'neutral': 0.0}}
@@ -1022,6 +1311,7 @@ class EncoderScaleError:
     """
     FIELDS: typing.ClassVar[dict] = {'scale': ('1', 'by which the reading is too large, relative')}
     HOOKS: typing.ClassVar[tuple] = ('reading')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = 'reading = x (1 + scale)'
     NAME: typing.ClassVar[str] = 'encoder_scale_error'
     ROLES: typing.ClassVar[dict] = {'scale': {'role': 'amplitude', 'quantity': 'relative', 'low': -0.1, 'high': 0.1, 'logarithmic': False, 'neutral': 0.0}}
@@ -1075,6 +1365,7 @@ class Backlash:
     """
     FIELDS: typing.ClassVar[dict] = {'gap': ('m', 'full play of the load'), 'mass_ratio': ('1', 'load over total'), 'contact_frequency': ('Hz', 'of the free-free vibration in contact'), 'contact_damping_ratio': ('1', 'of that vibration')}
     HOOKS: typing.ClassVar[tuple] = ('state')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = "m1 x'' = forces + T(q, q'), m2 (x + q)'' = -T(q, q'), T = 0 for |q| < gap / 2"
     NAME: typing.ClassVar[str] = 'backlash'
     ROLES: typing.ClassVar[dict] = {'gap': {'role': 'shape', 'quantity': 'distance', 'low': 1e-06, 'high': 0.02, 'logarithmic': True, 'neutral': 0.0}, 'mass_ratio': {'role': 'shape', 'quantity': 'relative', 'low': 0.0, 'high': 0.9, 'logarithmic': False, 'neutral': 0.0}, 'contact_frequency': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'contact_damping_ratio': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}}
@@ -1138,6 +1429,7 @@ class FlexibleMode:
     """
     FIELDS: typing.ClassVar[dict] = {'frequency': ('Hz', 'of the free-free vibration; infinite = rigid'), 'damping_ratio': ('1', 'of that vibration'), 'mass_ratio': ('1', 'load over total')}
     HOOKS: typing.ClassVar[tuple] = ('state')
+    KINDS: typing.ClassVar[tuple] = tuple()
     LAW: typing.ClassVar[str] = "m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'"
     NAME: typing.ClassVar[str] = 'flexible_mode'
     ROLES: typing.ClassVar[dict]
@@ -1196,6 +1488,7 @@ class DisturbanceStep:
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'pushes towards +x'), 'start': ('s', 'time at which it begins'), 'stop': ('s', 'time at which it ends')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = 'force for start <= t < stop, else 0'
     NAME: typing.ClassVar[str] = 'disturbance_step'
     ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'start': {'role': 'shape', 'quantity': 'time', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'stop': {'role': 'shape', 'quantity': 'time', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}}
@@ -1258,6 +1551,7 @@ class DisturbanceTone:
     """
     FIELDS: typing.ClassVar[dict] = {'frequency': ('Hz', 'of the tone'), 'sine': ('V', 'amplitude of the sine'), 'cosine': ('V', 'amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = 'sine sin(2 pi frequency t) + cosine cos(2 pi frequency t)'
     NAME: typing.ClassVar[str] = 'disturbance_tone'
     ROLES: typing.ClassVar[dict] = {'frequency': {'role': 'shape', 'quantity': 'frequency', 'low': 0.0005, 'high': 0.5, 'logarithmic': True, 'neutral': None}, 'sine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'cosine': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}}
@@ -1323,6 +1617,7 @@ class EmpiricalForce:
     """
     FIELDS: typing.ClassVar[dict] = {'position_nodes': ('m', 'positions, increasing'), 'position_forces': ('V', 'pushes towards +x, one a node'), 'velocity_nodes': ('m/s', 'velocities, increasing'), 'velocity_forces': ('V', 'pushes towards +x, one a node'), 'time_nodes': ('s', 'times, increasing'), 'time_forces': ('V', 'pushes towards +x, one a node')}
     HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = 'f(x) + g(v) + h(t), each linear between its nodes'
     NAME: typing.ClassVar[str] = 'empirical_force'
     ROLES: typing.ClassVar[dict] = {'position_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'position_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'velocity_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'velocity_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}, 'time_nodes': {'role': 'setting', 'quantity': 'one', 'low': None, 'high': None, 'logarithmic': False, 'neutral': None}, 'time_forces': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': list()}}

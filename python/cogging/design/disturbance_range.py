@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.effects.effect import Effect, laws_of
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals, valid_end
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, with_values
@@ -52,13 +51,13 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
     return (float(low - noise), float(high + noise)), guess, left_out
 
 
-def _pushes(effect: Any) -> bool:
-    return hasattr(effect, "force_at") or hasattr(effect, "friction_level_at")
+def _pushes(effect: Effect) -> bool:
+    return "force" in effect.HOOKS or "friction_level" in effect.HOOKS
 
 
-def _filled(model: Model, effect: Any) -> Any:
-    """The effect with the fields that stand for those of the axis filled in, where it has such."""
-    return effect.resolved(model.axis, model.cogging) if hasattr(effect, "resolved") else effect
+def _filled(model: Model, effect: Effect) -> Effect:
+    """The effect with the fields that stand for those of the axis filled in."""
+    return effect.resolved(model.axis, model.cogging)
 
 
 def _changes(
@@ -79,17 +78,18 @@ def _changes(
     return float(change.min()), float(change.max())
 
 
-def _forces(effect: Any, points: FloatArray) -> FloatArray:
+def _forces(effect: Effect, points: FloatArray) -> FloatArray:
     """Force at (position, velocity, time) rows, V; of a friction level the largest force on either side."""
-    if hasattr(effect, "force_at"):
-        return np.array([effect.force_at(position=x, velocity=v, time=t) for x, v, t in points])
-    levels = [effect.friction_level_at(position=x, velocity=v, time=t) for x, v, t in points]
+    laws = laws_of(effect)
+    if "force" in effect.HOOKS:
+        return np.array([laws.force_at(position=x, velocity=v, time=t) for x, v, t in points])
+    levels = [laws.friction_level_at(position=x, velocity=v, time=t) for x, v, t in points]
     moving = np.sign(points[:, 1])
     largest: FloatArray = -moving * np.array(levels, dtype=float)
     return largest
 
 
-def _points(model: Model, effect: Any, velocity_max: float) -> FloatArray:
+def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
     """Positions, velocities and times at which an effect is looked at, (n, 3); the first is mid-travel at rest at 0.
 
     A product grid over those coordinates that the effect depends on, as found by moving one at a time.

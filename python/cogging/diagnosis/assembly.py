@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,6 +28,7 @@ from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.search import LEFT_OVER
 from cogging.diagnosis.search.state import Added, Search
+from cogging.effects.effect import Effect
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -58,7 +59,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         effects=tuple(effects),
         unlisted=residual_shape,
         gap=_gap(measured, logs.given, final),
-        separating_experiment=_separating(effects, logs.given),
+        separating_experiment=_separating(effects, found.vocabulary, logs.given),
         model=final,
         nominal=nominal,
         location=location,
@@ -67,6 +68,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes),
         placebo=placebos(found),
         series=_series(logs.given, measured.given, location) | {"given": model},
+        vocabulary=found.vocabulary,
     )
 
 
@@ -195,11 +197,12 @@ def _effects(found: Search, model: Model, beyond: Sequence[tuple[str, float, flo
     return effects + [changed(change, look_alikes(found, model, change[0]), left) for change in beyond]
 
 
-def _separating(effects: Sequence[NamedEffect], logs: Sequence[Log]) -> str | None:
+def _separating(effects: Sequence[NamedEffect], vocabulary: Mapping[str, Effect], logs: Sequence[Log]) -> str | None:
     """The motion that would tell effects from their alternatives; None where none has any."""
     if not any(effect.alternatives for effect in effects):
         return None
-    return separating(sorted({name for effect in effects for name in (effect.name, *effect.alternatives)}), logs)
+    names = sorted({name for effect in effects for name in (effect.name, *effect.alternatives)})
+    return separating(names, vocabulary, logs)
 
 
 def _ledger(found: Search, measured: Measured) -> list[Step]:

@@ -16,6 +16,8 @@ from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_o
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
+from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
+from cogging.effects.effect import VOCABULARY
 from cogging.estimation.whitening import NothingCounts
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
@@ -33,6 +35,7 @@ def diagnose(
     names: Sequence[str] | None = None,
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
+    also: Sequence[Custom] = (),
     progress: Progress = False,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
@@ -50,13 +53,16 @@ def diagnose(
         names, confirm_names: names of the logs in messages; their files by default.
         empirical: whether to add what no effect explains to the model as a force of any shape, where it does not make
             the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
+        also: effects of your own (cogging.effects.Custom) that are tried beside the vocabulary: what stands of them
+            bears their names.
         progress: True shows a line of what is being done, a function is told each step in words.
 
     Returns:
         Verdict, missing effects with confidence and parameters, and the patched model; print it to read them.
 
     Raises:
-        ValueError: a log or model that cannot be used, or a confirm log with rows of a given one.
+        ValueError: a log or model that cannot be used, `also` with two effects of one name, or a confirm log with rows
+            of a given one.
         InputError: a file that cannot be read.
 
     Example:
@@ -65,8 +71,11 @@ def diagnose(
         >>> print(result.verdict, result.notes[-1])
         insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
+    own = by_name(also)
     if not isinstance(model, Model):
-        model = Model.read(model)
+        model = Model.read(model, effects=list(own.values()))
+    refuse_two_of_one_name([*own.values(), *model.effects])
+    vocabulary = {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
     ready = prepared(logs, model, confirm, names, confirm_names)
     running = running_controller(ready.given, model)
     model, notes = running.model, (*ready.notes, *running.notes)
@@ -82,7 +91,7 @@ def diagnose(
     with steps(progress, "diagnose") as begin:
         try:
             loops = running.replay and all(obeys(log, model) for log in ready.confirm)
-            found = search(ready.given, model, ready.confirm, begin, loops)
+            found = search(ready.given, model, ready.confirm, begin, loops, vocabulary=vocabulary)
         except NothingCounts as error:
             return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)))
         begin("measuring the gap")

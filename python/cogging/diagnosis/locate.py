@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.calls import takes
 from cogging.diagnosis.candidates.findings import Finding, judged
@@ -23,6 +23,7 @@ from cogging.diagnosis.location import SIGNIFICANT, Location, Wave
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.residual.shapes import low_power, shapes
+from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.statistics import moving_average
 from cogging.log_check.unit_check import check_against_model
 from cogging.model.model import Model
@@ -106,13 +107,13 @@ def waves_of(evidence: Evidence) -> list[Wave]:
 
     The list of effects is asked which of them are a plain force of one period or of one frequency.
     """
-    kinds = [name for name, effect in EFFECTS.items() if is_wave(effect) and set(effect.HOOKS) == {"force"}]
+    kinds = [effect for effect in VOCABULARY.values() if is_wave(effect) and set(effect.HOOKS) == {"force"}]
     found: list[Wave] = []
     power = low_power(evidence)
     for _ in range(WAVES_MAX):
         best: Finding | None = None
-        for name in kinds:
-            for finding in _waves(evidence, name):
+        for kind in kinds:
+            for finding in _waves(evidence, kind):
                 if best is None or finding.score > best.score:
                     best = finding
         if best is None or best.log_p_value > SIGNIFICANT:
@@ -121,7 +122,7 @@ def waves_of(evidence: Evidence) -> list[Wave]:
         field, value = next(iter(best.candidate.shape.items()))
         if found and best.test.statistic / power < WAVE_MIN * found[0].share:
             break
-        spatial = EFFECTS[best.name].ROLES[field]["quantity"] == "distance"
+        spatial = best.candidate.law.ROLES[field]["quantity"] == "distance"
         found.append(
             Wave(
                 "spatial period" if spatial else "frequency",
@@ -137,9 +138,9 @@ def waves_of(evidence: Evidence) -> list[Wave]:
     return sorted(found, key=lambda wave: -wave.share)
 
 
-def _waves(evidence: Evidence, name: str) -> list[Finding]:
-    found, trials = peaks(evidence, name)
-    spatial = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")["quantity"] == "distance"
+def _waves(evidence: Evidence, law: Effect) -> list[Finding]:
+    found, trials = peaks(evidence, law)
+    spatial = next(r for r in law.ROLES.values() if r["role"] == "shape")["quantity"] == "distance"
     scales = evidence.scales
 
     def turns(value: float) -> float:

@@ -11,6 +11,7 @@ from cogging.diagnosis.entries import Gap, NamedEffect, Placebo, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.report.page import html, overview
 from cogging.diagnosis.report.words import step_text, term_text
+from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
 from cogging.values import ByValue
@@ -40,6 +41,7 @@ class Diagnosis(ByValue):
         series: rows for the figures by name: `logs`, the `given` model, and of each log time, position, velocity,
             acceleration, command (V, without the gap where that is part of it), gap_before, gap_after (V) and mask
             (rows in motion).
+        vocabulary: effects that were tried, as they are when they do nothing, by name.
     """
 
     verdict: str
@@ -55,6 +57,7 @@ class Diagnosis(ByValue):
     notes: tuple[str, ...] = ()
     placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
+    vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from cogging._core import Plant, Prediction, Predictor
 from cogging.arrays import FloatArray, Mask
+from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
 from cogging.estimation.residuals import quiet_plant, steps_needed
 from cogging.estimation.rows_in_motion import SETTLED, START, settling, since
 from cogging.estimation.statistics import moving_average
@@ -146,7 +146,7 @@ class Innovations:
         return self.rows_of_forces(along, force, plant.axis.mass)
 
     def rows_of_effects(
-        self, along: Prediction, plant: Plant, effects: Sequence[Any], units: Sequence[float]
+        self, along: Prediction, plant: Plant, effects: Sequence[Effect], units: Sequence[float]
     ) -> FloatArray:
         """What the residuals gain, to first order, when each effect joins a plant, V per unit of it, (p, n).
 
@@ -161,7 +161,7 @@ class Innovations:
         Raises:
             ValueError: an effect that is not addable.
         """
-        rows = np.asarray(self.predictor.added(along, plant, effects, units))
+        rows = np.asarray(self.predictor.added(along, plant, for_core(effects), units))
         rows *= self.scale
         return rows
 
@@ -203,7 +203,7 @@ def is_reading(model: Model, path: str) -> bool:
     if not path.startswith("effects."):
         return False
     effect = effect_at(model, path)
-    return "reading" in effect.HOOKS and "period" in effect.FIELDS
+    return "reading" in effect.HOOKS and kind_of(effect, Wave) is not None
 
 
 def reading_difference(model: Model, other: Model, position: FloatArray) -> FloatArray:
@@ -211,7 +211,7 @@ def reading_difference(model: Model, other: Model, position: FloatArray) -> Floa
     difference = np.zeros(len(position))
     for mine, its in zip(model.effects, other.effects, strict=True):
         if "reading" in mine.HOOKS:
-            difference += mine.reading_at(position) - its.reading_at(position)
+            difference += laws_of(mine).reading_at(position) - laws_of(its).reading_at(position)
     return difference
 
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
+from cogging.effects.custom import is_serial
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet, steps_needed
 from cogging.logs.log import Log
@@ -69,7 +70,9 @@ class Replay:
         Raises:
             DivergedError: a replay diverged.
         """
-        runs = on_threads(self.run, models)
+        # A law in Python is asked by one thread at a time: others would only wait for its lock.
+        serial = any(is_serial(effect) for model in models for effect in model.effects)
+        runs = on_threads(self.run, models, 1 if serial else None)
         commands = np.array([run["command"] for run in runs])
         if not np.isfinite(commands).all():
             raise DivergedError("the replay diverged")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from cogging._core import smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray
+from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
 from cogging.linear import least_squares
 from cogging.values import ByValue
@@ -81,7 +81,7 @@ class Law:
 
     def design(self, v: FloatArray, shape: FloatArray) -> FloatArray:
         """The columns of the linear parameters at this shape, (n, terms)."""
-        effects: list[Any] = []
+        effects: list[Effect] = []
         if self.direction:
             effects += [CoulombAsymmetry(difference=1.0), ViscousAsymmetry(difference=1.0)]
         if self.bow:
@@ -171,13 +171,13 @@ class Law:
         return parameters, notes
 
 
-def steady_friction(effect: Any, velocity: FloatArray) -> FloatArray:
+def steady_friction(effect: Effect, velocity: FloatArray) -> FloatArray:
     """What an effect adds to friction at steady speeds, V: its level times sgn(v), less its force."""
     friction = np.zeros_like(velocity)
     if "friction_level" in effect.HOOKS:
-        friction += effect.friction_level_at(velocity=velocity) * smooth_sign(velocity, 0.0)
+        friction += laws_of(effect).friction_level_at(velocity=velocity) * smooth_sign(velocity, 0.0)
     if "force" in effect.HOOKS:
-        friction -= effect.force_at(velocity=velocity)
+        friction -= laws_of(effect).force_at(velocity=velocity)
     return friction
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
+from cogging.effects.effect import VOCABULARY
 from cogging.estimation.statistics import student
 from cogging.identification.determinability import Determinability
 from cogging.identification.force_balance import BalanceEstimate, ForceBalance
@@ -167,7 +168,6 @@ def _log_fit(
 def _has_states(model: Model) -> bool:
     """Whether an effect with states of its own is at work, which the force balance does not see."""
     for effect in model.effects:
-        neutral = type(effect)().to_dict()
-        if "state" in effect.HOOKS and effect.to_dict() != neutral:
+        if "state" in effect.HOOKS and effect.to_dict() != VOCABULARY[effect.NAME].to_dict():
             return True
     return False

@@ -10,6 +10,7 @@ import numpy as np
 
 from cogging._core import Predictor
 from cogging.arrays import FloatArray
+from cogging.effects.effect import laws_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.logs.log import Log
 from cogging.logs.pauses import running_time
@@ -102,7 +103,7 @@ class InverseDynamics:
             return self.motion
         position = self.readings
         for _ in range(3):  # x = reading - error(x), whose slope is far below 1
-            error = sum(effect.reading_at(position) - position for effect in falsifying)
+            error = sum(laws_of(effect).reading_at(position) - position for effect in falsifying)
             position = self.readings - error
         return self._smooth(position)
 

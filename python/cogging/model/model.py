@@ -21,6 +21,8 @@ from cogging._core import (
     SplineHarmonics,
 )
 from cogging.calls import told_constructor
+from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
+from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.outputs import to_toml, write_text
@@ -72,7 +74,7 @@ class Model(ByValue):
 
     axis: AxisParameters
     cogging: CoggingModel | None = None
-    effects: Sequence[Any] = ()
+    effects: Sequence[Effect] = ()
     encoder: EncoderParameters = field(default_factory=EncoderParameters)
     noise: NoiseParameters = field(default_factory=NoiseParameters)
     controller: ControllerParameters | None = None
@@ -91,6 +93,7 @@ class Model(ByValue):
             own = "a controller of one's own is given to simulate(model, reference, controller=...)"
             raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         object.__setattr__(self, "effects", tuple(self.effects))
+        refuse_two_of_one_name(self.effects)
         intervals = {path: (float(low), float(high)) for path, (low, high) in self.intervals.items()}
         object.__setattr__(self, "intervals", intervals)
 
@@ -108,7 +111,7 @@ class Model(ByValue):
         return Plant(
             self.axis,
             cogging=self.cogging,
-            effects=list(self.effects),
+            effects=for_core(self.effects),
             encoder=self.encoder,
             noise=self.noise,
         )
@@ -129,25 +132,36 @@ class Model(ByValue):
         return replace(self, **changes)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> Model:
+    def read(cls, path: str | os.PathLike[str], *, effects: Sequence[Custom] = ()) -> Model:
         """Read a model file (TOML).
+
+        Args:
+            path: of the file.
+            effects: of your own that the file may name: it holds the values of their parameters, not their laws.
 
         Raises:
             InputError: the file cannot be used; names file, line, field, rule and value.
         """
         document = read_toml(path)
         try:
-            return cls.from_dict(document)
+            return cls.from_dict(document, effects=effects)
         except FieldError as error:
             raise error.in_file(path, read_text(path)) from None
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a model file (TOML), without loss."""
+        """Write a model file (TOML), without loss.
+
+        Of an effect of your own it holds name and parameters: it is read again with `Model.read(path, effects=[it])`.
+        """
         write_text(path, to_toml(self.to_dict()))
 
     @classmethod
-    def from_dict(cls, document: Mapping[str, Any]) -> Model:
+    def from_dict(cls, document: Mapping[str, Any], *, effects: Sequence[Custom] = ()) -> Model:
         """Make a model from the sections of a model file.
+
+        Args:
+            document: the sections by name.
+            effects: of your own that the document may name.
 
         Raises:
             FieldError: a ValueError that names section, field, rule and value.
@@ -164,7 +178,7 @@ class Model(ByValue):
         return cls(
             axis=axis,
             cogging=_cogging_from(_table(document, "cogging")) if "cogging" in document else None,
-            effects=_effects_from(document.get("effects", [])),
+            effects=_effects_from(document.get("effects", []), by_name(effects)),
             encoder=parameters_from(EncoderParameters, _table(document, "encoder"), "encoder"),
             noise=parameters_from(NoiseParameters, _table(document, "noise"), "noise"),
             controller=controller,
@@ -299,18 +313,35 @@ def _rows(value: Any, key: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     return rows
 
 
-def _effects_from(effects: Any) -> tuple[Any, ...]:
+def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]:
     if not isinstance(effects, list) or not all(isinstance(entry, Mapping) for entry in effects):
         raise FieldError("", "effects", "must be written as [[effects]] tables")
     made = []
     for occurrence, entry in enumerate(effects):
         fields = dict(entry)
         name = fields.pop("name", None)
+        if isinstance(name, str) and name in own:
+            made.append(_own_effect_from(own[name], fields, occurrence))
+            continue
         if not isinstance(name, str) or name not in _core.EFFECTS:
-            known = ", ".join(_core.EFFECTS)
-            raise FieldError("effects", "name", f"must be one of {known}, got {quoted(name)}", occurrence)
+            known = ", ".join((*_core.EFFECTS, *own))
+            rule = f"must be one of {known} (one of your own is read with Model.read(path, effects=[it]))"
+            raise FieldError("effects", "name", f"{rule}, got {quoted(name)}", occurrence)
         made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
     return tuple(made)
+
+
+def _own_effect_from(effect: Custom, section: Mapping[str, Any], occurrence: int) -> Custom:
+    try:
+        refuse_unknown_keys(section, effect.FIELDS, "effects")
+        for key, value in section.items():
+            _require_type(value, [] if isinstance(getattr(effect, key), list) else 0.0, "effects", key)
+        return effect.replace(**section)
+    except FieldError as error:
+        raise FieldError(error.section, error.key, error.problem, occurrence) from None
+    except ValueError as error:  # "effect.field: rule, got value"
+        key, _, problem = str(error).partition(": ")
+        raise FieldError("effects", key.rpartition(".")[2], problem, occurrence) from None
 
 
 def _controller_from(

@@ -12,6 +12,7 @@ import numpy as np
 
 from cogging._core import AxisParameters, CoggingModel
 from cogging.calls import Kind, takes
+from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.model.model import Model
 
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
@@ -27,12 +28,14 @@ class Parameter:
         value: as the model has it.
         unit: in SI and the command unit V.
         uncertainty: stated relative 1-sigma, or None.
+        period: whether it is the period of a wave along the travel.
     """
 
     path: str
     value: float
     unit: str
     uncertainty: float | None = None
+    period: bool = False
 
     @property
     def positive(self) -> bool:
@@ -101,7 +104,7 @@ class Scales:
         size = abs(parameter.value)
         if parameter.unit == "s" and size < 0.2 * self.time:
             return max(0.02 * self.sample_time, 1e-3 * size)
-        if parameter.path.endswith(".period") and 0.0 < size < self.position:
+        if parameter.period and 0.0 < size < self.position:
             return 1e-3 * size * size / self.position  # the phase at the far end moves by 1e-3 turns
         if parameter.unit == "m":
             return 1e-3 * max(size, 1e-6 * self.position)
@@ -149,16 +152,18 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
             found.append(Parameter(f"cogging.gain[{row}]", 1.0, "1"))
             found += [Parameter(f"cogging.{name}[{row}]", 0.0, "1") for name in ("phase", "stretch", "shear")]
     for prefix, effect in effect_paths(model.effects):
+        wave = kind_of(effect, Wave)
+        period = wave.shape if wave is not None and effect.ROLES[wave.shape]["quantity"] == "distance" else None
         for name, (unit, _) in effect.FIELDS.items():
             value = getattr(effect, name)
             if isinstance(value, list):
                 found.extend(Parameter(f"{prefix}.{name}[{i}]", float(v), unit) for i, v in enumerate(value))
             elif isinstance(value, float):
-                found.append(Parameter(f"{prefix}.{name}", value, unit))
+                found.append(Parameter(f"{prefix}.{name}", value, unit, period=name == period))
     return {parameter.path: parameter for parameter in found}
 
 
-def effect_paths(effects: Iterable[Any]) -> list[tuple[str, Any]]:
+def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
     """The effects with their paths: the name, and its place among effects of that name where there are several."""
     effects = list(effects)
     total = Counter(effect.NAME for effect in effects)
@@ -183,7 +188,7 @@ def paths_in(model: Model, paths: Iterable[str]) -> list[str]:
     return found
 
 
-def effect_at(model: Model, path: str) -> Any:
+def effect_at(model: Model, path: str) -> Effect:
     """The effect to which a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]` belongs.
 
     Raises:
@@ -196,14 +201,13 @@ def effect_at(model: Model, path: str) -> Any:
     return effect
 
 
-def role_at(model: Model, path: str) -> dict[str, Any]:
+def role_at(model: Model, path: str) -> Mapping[str, Any]:
     """What the core says of a field of an effect: its entry of ROLES (see cogging.effects).
 
     Raises:
         ValueError: the model has no effect with a field of this path.
     """
-    role: dict[str, Any] = effect_at(model, path).ROLES[_effect_and_field(path)[1]]
-    return role
+    return effect_at(model, path).ROLES[_effect_and_field(path)[1]]
 
 
 def role_of(model: Model, path: str) -> str:

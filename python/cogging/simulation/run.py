@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
 from cogging.calls import takes
+from cogging.effects.custom import Custom
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.model.model import CONTROLLERS, Model
@@ -113,11 +114,12 @@ def _stating(model: Model, controller: Any) -> Model:
 
 
 @takes(log=LOG)
-def repeat(log: Log) -> Log:
+def repeat(log: Log, *, effects: Sequence[Custom] = ()) -> Log:
     """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
 
     Args:
         log: that `simulate` made, or that was read from a file it was written to.
+        effects: of your own, where its model has any.
 
     Returns:
         The same run once more.
@@ -136,7 +138,7 @@ def repeat(log: Log) -> Log:
     if told.get("controller") == "given":
         raise ValueError("metadata: controller: must be the model's to repeat a log, got one given as an object")
     return simulate(
-        Model.from_dict(told["model"]),
+        Model.from_dict(told["model"], effects=effects),
         told["reference"],
         seed=told["seed"],
         steps_per_sample=told.get("steps_per_sample", 1),

@@ -25,6 +25,7 @@ struct CoggingHarmonic {
         Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
         Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
   }
+  static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
   void validate() const {
     require_positive("period", period);
     require_finite("sine", sine);

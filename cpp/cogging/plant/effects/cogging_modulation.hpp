@@ -41,7 +41,7 @@ struct CoggingModulation {
         Field<E, int>{"order", &E::order, "1", "of the B-splines"},
         Field<E, double>{"origin", &E::origin, "m", "first knot of the first full span"}};
   }
-
+  static Kinds kinds() { return {Wave{"period", "sine", "cosine"}, SplineKnots{"pitch", "order", "origin"}}; }
   void validate() const {
     require_positive("period", period);
     require_finite("sine", sine);

@@ -25,6 +25,7 @@ struct DisturbanceStep {
         Field<E, double>{"start", &E::start, "s", "time at which it begins", linear_shape(Quantity::time, 0.0, 1.0)},
         Field<E, double>{"stop", &E::stop, "s", "time at which it ends", linear_shape(Quantity::time, 0.0, 1.0)}};
   }
+  static Kinds kinds() { return {Window{"start", "stop"}}; }
   void validate() const {
     require_finite("force", level);
     require_finite("start", start);

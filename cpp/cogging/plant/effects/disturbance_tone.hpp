@@ -26,6 +26,7 @@ struct DisturbanceTone {
         Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
         Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
   }
+  static Kinds kinds() { return {Wave{"frequency", "sine", "cosine"}}; }
   void validate() const {
     require_positive("frequency", frequency);
     require_finite("sine", sine);

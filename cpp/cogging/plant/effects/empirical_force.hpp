@@ -39,6 +39,10 @@ struct EmpiricalForce {
                       Field<E, List>{"time_forces", &E::time_forces, "V", "pushes towards +x, one a node",
                                      amplitude(Quantity::force)}};
   }
+  static Kinds kinds() {
+    return {Knots{"position", "position_nodes", "position_forces"},
+            Knots{"velocity", "velocity_nodes", "velocity_forces"}, Knots{"time", "time_nodes", "time_forces"}};
+  }
   void validate() const {
     require_piecewise_linear("position_nodes", position_nodes, "position_forces", position_forces);
     require_piecewise_linear("velocity_nodes", velocity_nodes, "velocity_forces", velocity_forces);

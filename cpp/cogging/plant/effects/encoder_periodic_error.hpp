@@ -25,6 +25,7 @@ struct EncoderPeriodicError {
         Field<E, Scalar>{"sine", &E::sine, "m", "amplitude of the sine", amplitude(Quantity::distance, 0.01)},
         Field<E, Scalar>{"cosine", &E::cosine, "m", "amplitude of the cosine", amplitude(Quantity::distance, 0.01)}};
   }
+  static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
   void validate() const {
     require_positive("period", period);
     require_finite("sine", sine);

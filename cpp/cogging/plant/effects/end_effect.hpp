@@ -27,6 +27,7 @@ struct EndEffect {
                          logarithmic_shape(Quantity::distance, 0.005, 0.5)},
         Field<E, Range>{"travel", &E::travel, "m", "ends x0, x1 from which it is measured; infinite = of [axis]"}};
   }
+  static Kinds kinds() { return {Travel{"travel"}}; }
   void validate() const {
     require_finite("force", level);
     require_positive("decay_length", decay_length);

@@ -25,6 +25,7 @@ struct ForceConstantRipple {
         Field<E, Scalar>{"sine", &E::sine, "1", "relative amplitude of the sine", amplitude(Quantity::relative)},
         Field<E, Scalar>{"cosine", &E::cosine, "1", "relative amplitude of the cosine", amplitude(Quantity::relative)}};
   }
+  static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
   void validate() const {
     require_positive("period", period);
     require_finite("sine", sine);

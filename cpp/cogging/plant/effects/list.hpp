@@ -15,6 +15,7 @@
 #include "cogging/plant/effects/command_saturation.hpp"
 #include "cogging/plant/effects/constant_force.hpp"
 #include "cogging/plant/effects/coulomb_asymmetry.hpp"
+#include "cogging/plant/effects/custom.hpp"
 #include "cogging/plant/effects/disturbance_step.hpp"
 #include "cogging/plant/effects/disturbance_tone.hpp"
 #include "cogging/plant/effects/empirical_force.hpp"
@@ -56,7 +57,8 @@ using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             FlexibleMode<Scalar>,               // resonance between motor and load
                             DisturbanceStep<Scalar>,            // from one time to another
                             DisturbanceTone<Scalar>,            // a sinusoid in time
-                            EmpiricalForce<Scalar>              // of any shape, of no known cause
+                            EmpiricalForce<Scalar>,             // of any shape, of no known cause
+                            Custom<Scalar>                      // of the user's own
                             >;
 
 /// Calls visitor(law) where the law of the effect is one that the visitor takes: its parameter names the hook, as in
@@ -90,6 +92,14 @@ std::vector<Effect<Scalar>> bind_effects(std::vector<Effect<Scalar>> effects, co
   validate_effects(effects);
   for_each_law(effects, [&](HasBind auto& law) { law.bind(plant); });
   return effects;
+}
+
+/// Whether one of the effects can be asked by one thread at a time alone.
+template <class Scalar>
+bool is_serial(const std::vector<Effect<Scalar>>& effects) {
+  bool serial = false;
+  for_each_law(effects, [&](const MaySerialise auto& law) { serial = serial || law.serial(); });
+  return serial;
 }
 
 }  // namespace cogging

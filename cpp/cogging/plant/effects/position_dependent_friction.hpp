@@ -25,6 +25,7 @@ struct PositionDependentFriction {
                       Field<E, std::vector<double>>{"levels", &E::levels, "V", "added to Fc, one a node",
                                                     amplitude(Quantity::friction, 2.0)}};
   }
+  static Kinds kinds() { return {Knots{"position", "nodes", "levels"}}; }
   void validate() const { require_piecewise_linear("nodes", nodes, "levels", levels); }
 
   Scalar friction_level(const Motion<Scalar>& motion) const {

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, quantities
 from cogging.diagnosis.candidates.tables import tables
@@ -17,6 +17,7 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.effects.effect import Effect
 
 COUNTS = 0.06  # of the encoder, that a wave in its reading must have: on 281 blind nulls rounding made one of 0.03
 PROFILED = 8  # findings that are judged against the noise that they leave
@@ -50,7 +51,7 @@ class Finding:
         """Of the effect."""
         return self.candidate.name
 
-    def effect(self) -> object:
+    def effect(self) -> Effect:
         """The effect with its amplitudes."""
         return self.candidate.effect([float(a) for a in self.amplitudes] if self.candidate.amplitudes else [])
 
@@ -74,13 +75,13 @@ def judge(
     if candidate.amplitudes:
         sizes = quantities(evidence)
         for (field, _), value in zip(candidate.amplitudes, amplitudes, strict=True):
-            role = EFFECTS[candidate.name].ROLES[field]
+            role = candidate.law.ROLES[field]
             if not role["low"] <= value / sizes[role["quantity"]] <= role["high"]:
                 return None
     elif not size_range(candidate)[0] < amplitudes[0] < size_range(candidate)[1]:
         return None  # the finite size that was tried is not what the log shows
     # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
-    count = evidence.model.encoder.resolution if "reading" in EFFECTS[candidate.name].HOOKS else 0.0
+    count = evidence.model.encoder.resolution if "reading" in candidate.law.HOOKS else 0.0
     faint = len(amplitudes) > 1 and bool(np.linalg.norm(amplitudes) < COUNTS * count)
     return _finding(candidate, test, amplitudes, trials, faint)
 
@@ -88,7 +89,7 @@ def judge(
 def _finding(candidate: Candidate, test: ScoreTest, amplitudes: FloatArray, trials: float, faint: bool) -> Finding:
     shapes = sum(
         1
-        for field, role in EFFECTS[candidate.name].ROLES.items()
+        for field, role in candidate.law.ROLES.items()
         if role["role"] == "shape" and not isinstance(candidate.shape.get(field), list)
     )
     looking = float(np.log(max(trials, 1.0)))
@@ -158,6 +159,6 @@ def size_range(candidate: Candidate) -> tuple[float, float]:
 
     From there the search begins, with the effect as its shape says (see begun).
     """
-    roles = EFFECTS[candidate.name].ROLES
+    roles = candidate.law.ROLES
     proportional = any(roles[f]["role"] == "shape" and roles[f]["neutral"] == 0.0 for f in candidate.shape)
     return (0.02, 50.0) if proportional else (0.25, 2.5)

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.effects.effect import Effect, Window, kind_of
 
 LENGTHS = 40  # of intervals, from SHORTEST to the whole log
 SHORTEST = 0.2  # s: what is shorter may be a single blow
@@ -19,20 +19,21 @@ INTERVALS = 8  # that are looked at exactly
 MEDIAN = 0.4549  # of chi-square with one degree of freedom
 
 
-def acts_in_interval(effect: Any) -> bool:
+def acts_in_interval(effect: Effect) -> bool:
     """Whether an effect is a force between two moments."""
-    moments = [f for f, role in effect.ROLES.items() if role["role"] == "shape" and role["quantity"] == "time"]
-    return set(moments) == {"start", "stop"} and "force" in effect.HOOKS
+    return kind_of(effect, Window) is not None and "force" in effect.HOOKS
 
 
-def long_enough(shape: Mapping[str, Any]) -> bool:
+def long_enough(effect: Effect, shape: Mapping[str, Any]) -> bool:
     """Whether a shape that begins and ends lasts."""
-    return not {"start", "stop"} <= set(shape) or bool(shape["stop"] - shape["start"] >= SHORTEST)
+    window = kind_of(effect, Window)
+    return window is None or bool(shape[window.stop] - shape[window.start] >= SHORTEST)
 
 
-def intervals(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[list[Candidate], float]:
+def intervals(evidence: Evidence, law: Effect, grid: list[Candidate]) -> tuple[list[Candidate], float]:
     """The likeliest intervals beside those of a grid, and how many independent ones were tried."""
-    if not grid or not acts_in_interval(EFFECTS[name]):
+    window = kind_of(law, Window)
+    if not grid or window is None or not acts_in_interval(law):
         return grid, float(max(1, len(grid)))
     found, trials, start = list(grid), 0.0, 0
     for source, filter_, along in zip(evidence.sources, evidence.filters, evidence.alongs, strict=True):
@@ -53,6 +54,6 @@ def intervals(evidence: Evidence, name: str, grid: list[Candidate]) -> tuple[lis
             place = int(np.argmax(score))
             best.append((float(score[place]) / level, place, int(length)))
         for _, place, length in sorted(best, reverse=True)[:INTERVALS]:
-            shape = {"start": float(time[place]), "stop": float(time[min(place + length, n - 1)])}
+            shape = {window.start: float(time[place]), window.stop: float(time[min(place + length, n - 1)])}
             found.append(replace(grid[0], shape={**grid[0].shape, **shape}))
     return found, max(trials, float(len(grid)))

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.candidates.findings import Finding, judged
 from cogging.diagnosis.candidates.intervals import intervals, long_enough
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.effects.effect import Effect
 
 STANDS_OUT = -3.0  # log p-value
 HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
@@ -24,27 +24,27 @@ REFINED = 4  # peaks of a spectrum whose width is looked through
 NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
 
 
-def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding]:
+def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
     """The best shape of each effect, best score first; beside it the best faint one, where there is one.
 
     Effects are tried on as many threads as there are cores (core, FFT and BLAS let others go on); what is found does
     not depend on how many.
     """
     best: dict[tuple[str, bool], Finding] = {}
-    wanted = list(EFFECTS if names is None else names)
+    wanted = list(laws)
     periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
     _ = evidence.scales, evidence.overdispersion  # made here once, not by every thread
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         for waves in (True, False):  # the waves first: the others look at their periods too
-            tried = [name for name in wanted if is_wave(EFFECTS[name]) == waves]
-            for name, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
+            tried = [law for law in wanted if is_wave(law) == waves]
+            for law, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
                 for finding in found:
-                    kind = (name, finding.faint)
+                    kind = (law.NAME, finding.faint)
                     if kind not in best or finding.score > best[kind].score:
                         best[kind] = finding
-            for name in tried if waves else ():
-                wave = best.get((name, False))
-                if wave is not None and is_spatial_wave(EFFECTS[name]) and wave.log_p_value < STANDS_OUT:
+            for law in tried if waves else ():
+                wave = best.get((law.NAME, False))
+                if wave is not None and is_spatial_wave(law) and wave.log_p_value < STANDS_OUT:
                     periods[float(next(iter(wave.candidate.shape.values())))] = wave.trials
         faint = [finding for finding in best.values() if finding.faint]
         ranked = sorted((finding for finding in best.values() if not finding.faint), key=lambda f: -f.score)
@@ -60,15 +60,15 @@ def scan(evidence: Evidence, names: Sequence[str] | None = None) -> list[Finding
     return sorted([*sharpened, *faint], key=lambda f: -f.score)
 
 
-def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[Finding]:
-    if is_wave(EFFECTS[name]):
-        found, trials = peaks(evidence, name)
-        found += beside_known(evidence, name)
+def _of(evidence: Evidence, law: Effect, periods: Mapping[float, float]) -> list[Finding]:
+    if is_wave(law):
+        found, trials = peaks(evidence, law)
+        found += beside_known(evidence, law)
         first = sorted(judged(evidence, found, trials), key=lambda f: (f.faint, -f.score))
         return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), trials)
-    grid = list(candidates(evidence, name, list(periods)))
-    chosen = [one for one in grid if one.shape.get("period") in periods]  # by the waves, which looked at many
-    others, trials = intervals(evidence, name, [one for one in grid if one.shape.get("period") not in periods])
+    grid = list(candidates(evidence, law, list(periods)))
+    chosen = [one for one in grid if one.period in periods]  # by the waves, which looked at many
+    others, trials = intervals(evidence, law, [one for one in grid if one.period not in periods])
     trials = max(trials, float(len(grid)))
     results = judged(evidence, others, trials) + judged(evidence, chosen, trials + max(periods.values(), default=0.0))
     if not grid or grid[0].amplitudes:
@@ -79,14 +79,14 @@ def _of(evidence: Evidence, name: str, periods: Mapping[float, float]) -> list[F
 
 def begun(finding: Finding) -> Candidate:
     """The candidate with its free size put into the first shape that starts from nothing, if one does."""
-    roles, shape = EFFECTS[finding.name].ROLES, finding.candidate.shape
+    roles, shape = finding.candidate.law.ROLES, finding.candidate.shape
     for field, value in shape.items():
         if roles[field]["role"] == "shape" and roles[field]["neutral"] == 0.0:
             return replace(finding.candidate, shape={**shape, field: value * float(finding.amplitudes[0])})
     return finding.candidate
 
 
-def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
+def in_range(evidence: Evidence, role: Mapping[str, Any], value: float) -> bool:
     """Whether a shape stays where its effect says that it is to be looked for."""
     if role["quantity"] == "position":
         return True
@@ -98,11 +98,11 @@ def in_range(evidence: Evidence, role: dict[str, Any], value: float) -> bool:
 
 def sharpen(evidence: Evidence, finding: Finding) -> Finding:
     """Move the shape to where it explains most: steps of each shape parameter that shrink."""
-    roles = EFFECTS[finding.name].ROLES
+    roles = finding.candidate.law.ROLES
     fields = [f for f, v in finding.candidate.shape.items() if roles[f]["role"] == "shape" and isinstance(v, float)]
     if not fields:
         return finding
-    wave = is_wave(EFFECTS[finding.name])
+    wave = is_wave(finding.candidate.law)
     exact = not finding.candidate.amplitudes
     ratio = 0.35
     for _ in range(ROUNDS[exact] + 4 * (len(fields) - 1)):
@@ -122,7 +122,7 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding:
                     moved = value + sign * 0.25 * ratio * sizes[role["quantity"]] * (role["high"] - role["low"])
                 if in_range(evidence, role, moved):
                     shape = {**finding.candidate.shape, field: moved}
-                    if long_enough(shape):
+                    if long_enough(finding.candidate.law, shape):
                         tried.append(replace(finding.candidate, shape=shape))
         better = [f for f in judged(evidence, tried, finding.trials, exact) if f.score > finding.score]
         if better:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.effects.effect import Effect, SplineKnots, Travel, Wave, Window, kind_of
 from cogging.model.model import Model
 
 TURNS = 3.0  # of a wave in the travel, at least, for its amplitude to change along it
@@ -28,18 +28,31 @@ class Candidate:
     """An effect at one shape: columns for its amplitudes, or one for a small effect that has none.
 
     Attributes:
-        name: name of the effect.
+        law: effect, as it is when it does nothing.
         shape: values of the fields that are no amplitudes.
         amplitudes: field and index (or None) of each column; empty where the shape alone makes the effect.
         unit: amplitudes by which the columns were made, one a column.
     """
 
-    name: str
+    law: Effect
     shape: dict[str, Any]
     amplitudes: tuple[tuple[str, int | None], ...]
     unit: tuple[float, ...]
 
-    def effect(self, amplitudes: Sequence[float] = ()) -> Any:
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.law.NAME
+
+    @property
+    def period(self) -> float | None:
+        """Of what comes and goes with a period along the travel, m."""
+        wave = kind_of(self.law, Wave)
+        if wave is None or wave.shape not in self.shape or self.law.ROLES[wave.shape]["quantity"] != "distance":
+            return None
+        return float(self.shape[wave.shape])
+
+    def effect(self, amplitudes: Sequence[float] = ()) -> Effect:
         """The effect with these amplitudes (as many as columns), or its shape alone."""
         fields: dict[str, Any] = dict(self.shape)
         for (field, index), value in zip(self.amplitudes, amplitudes, strict=True):
@@ -50,7 +63,7 @@ class Candidate:
         for field, index in self.amplitudes:  # lists that got no amplitude
             if index is not None and field not in fields:
                 fields[field] = [0.0] * self.length(field)
-        return EFFECTS[self.name](**fields)
+        return self.law.replace(**fields)
 
     def length(self, field: str) -> int:
         """Entries of a list of amplitudes."""
@@ -80,6 +93,7 @@ def quantities(evidence: Evidence) -> dict[str, float]:
         "relative": 1.0,
         "exponent": 1.0,
         "one": 1.0,
+        "absolute": 1.0,
     }
 
 
@@ -90,7 +104,7 @@ def place(evidence: Evidence) -> tuple[float, float]:
     return low, high
 
 
-def shape_range(evidence: Evidence, role: dict[str, Any]) -> tuple[float, float]:
+def shape_range(evidence: Evidence, role: Mapping[str, Any]) -> tuple[float, float]:
     """Between which values a shape is looked for: as its effect says, as far as these logs can show it.
 
     Nothing shorter than a count of the encoder is seen, nothing slower than what counts as rest; and friction that
@@ -108,8 +122,9 @@ def shape_range(evidence: Evidence, role: dict[str, Any]) -> tuple[float, float]
     return low, high
 
 
-def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: int) -> list[float]:
+def shape_values(evidence: Evidence, law: Effect, field: str, count: int) -> list[float]:
     """Where to look along one shape parameter."""
+    role = law.ROLES[field]
     low_end, high_end = place(evidence)
     low, high = shape_range(evidence, role)
     if role["quantity"] == "exponent":
@@ -120,7 +135,8 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
         return [SMALL]
     if role["quantity"] == "frequency":
         count = FREQUENCIES
-    if role["quantity"] == "time" and role["role"] == "shape" and field in ("start", "stop"):
+    window = kind_of(law, Window)
+    if window is not None and field in (window.start, window.stop):
         count = MOMENTS
     if role["quantity"] == "position":
         return [
@@ -136,11 +152,11 @@ def shape_values(evidence: Evidence, field: str, role: dict[str, Any], count: in
     return [float(v) for v in values]
 
 
-def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> Iterator[Candidate]:
+def candidates(evidence: Evidence, law: Effect, periods: Sequence[float] = ()) -> Iterator[Candidate]:
     """The grid of an effect that is no wave; `periods` (m): beside those of the known cogging, for what has one."""
-    roles = EFFECTS[name].ROLES
-    lists = list_fields(name)
-    shapes = shape_grid(evidence, name)
+    roles = law.ROLES
+    lists = list_fields(law)
+    shapes = shape_grid(evidence, law)
     low, high = place(evidence)
     # A list of places: nodes along the travel.
     fixed: dict[str, Any] = {
@@ -148,48 +164,49 @@ def candidates(evidence: Evidence, name: str, periods: Sequence[float] = ()) -> 
     }
     listed = [field for field in lists if roles[field]["role"] == "amplitude"]
     length = NODES
-    if listed and {"pitch", "order", "origin"} <= set(roles):  # amplitudes on knots: few of them, over the travel
+    knots, wave = kind_of(law, SplineKnots), kind_of(law, Wave)
+    if listed and knots is not None:  # amplitudes on knots: few of them, over the travel
         length = NODES - 1
-        fixed |= {"pitch": (high - low) / (length - 2), "order": 3, "origin": low}
-        if "period" in shapes:
+        fixed |= {knots.pitch: (high - low) / (length - 2), knots.order: 3, knots.origin: low}
+        if wave is not None:
             # A wave with hardly a turn in the travel has no amplitude that changes along it.
-            shapes["period"] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
+            shapes[wave.shape] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
     elif listed and not fixed:  # amplitudes at places of the user's own choice: nothing to look for
         return
-    amplitudes, units = amplitude_columns(evidence, name, length)
-    if "travel" in roles:
+    amplitudes, units = amplitude_columns(evidence, law, length)
+    ends, window = kind_of(law, Travel), kind_of(law, Window)
+    if ends is not None:
         travel = evidence.model.axis.travel
-        fixed["travel"] = list(travel) if np.isfinite(travel).all() else [low, high]
+        fixed[ends.ends] = list(travel) if np.isfinite(travel).all() else [low, high]
     for values in itertools.product(*shapes.values()):
         shape = dict(zip(shapes, values, strict=True))
-        if {"start", "stop"} <= set(shape) and shape["start"] >= shape["stop"]:
+        if window is not None and shape[window.start] >= shape[window.stop]:
             continue
-        yield Candidate(name, {**fixed, **shape}, amplitudes, units)
+        yield Candidate(law, {**fixed, **shape}, amplitudes, units)
 
 
-def list_fields(name: str) -> list[str]:
+def list_fields(law: Effect) -> list[str]:
     """Fields of an effect that are lists."""
-    neutral = EFFECTS[name]()
-    return [field for field in EFFECTS[name].ROLES if isinstance(getattr(neutral, field), list)]
+    return [field for field in law.ROLES if isinstance(getattr(law, field), list)]
 
 
-def shape_grid(evidence: Evidence, name: str) -> dict[str, list[Any]]:
+def shape_grid(evidence: Evidence, law: Effect) -> dict[str, list[Any]]:
     """Values that are tried of each shape of an effect that is a number."""
-    roles, lists = EFFECTS[name].ROLES, list_fields(name)
+    roles, lists = law.ROLES, list_fields(law)
     numbers = [field for field, role in roles.items() if role["role"] == "shape" and field not in lists]
     alone = [field for field in numbers if roles[field]["quantity"] not in ("one", "relative", "exponent")]
     count = POINTS.get(len(alone), 3)
-    return {field: shape_values(evidence, field, roles[field], count) for field in numbers}
+    return {field: shape_values(evidence, law, field, count) for field in numbers}
 
 
 def amplitude_columns(
-    evidence: Evidence, name: str, length: int
+    evidence: Evidence, law: Effect, length: int
 ) -> tuple[tuple[tuple[str, int | None], ...], tuple[float, ...]]:
     """Amplitudes of an effect, those in lists `length` times, and the unit of each (see Candidate)."""
-    sizes, lists = quantities(evidence), list_fields(name)
+    sizes, lists = quantities(evidence), list_fields(law)
     amplitudes: list[tuple[str, int | None]] = []
     units: list[float] = []
-    for field, role in EFFECTS[name].ROLES.items():
+    for field, role in law.ROLES.items():
         if role["role"] != "amplitude":
             continue
         indexes: list[int | None] = list(range(length)) if field in lists else [None]

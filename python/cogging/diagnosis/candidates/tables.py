@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS, Plant
+from cogging._core import Plant
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.effects.effect import Effect, for_core, laws_of
 from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
 from cogging.estimation.residuals import quiet_plant
 
@@ -35,7 +36,7 @@ def _tables_of_log(
     """The columns of each candidate in one log, by the quickest way that its law allows."""
     linear, memory, readings = [], [], []
     for i, candidate in enumerate(wanted):
-        hooks = set(EFFECTS[candidate.name].HOOKS)
+        hooks = set(candidate.law.HOOKS)
         if "reading" in hooks and len(candidate.amplitudes) > 1:
             readings.append(i)
         elif hooks <= LINEAR_HOOKS:
@@ -81,7 +82,10 @@ def _added(evidence: Evidence, number: int, source: Innovations, made: Sequence[
 def _reading(evidence: Evidence, number: int, source: Innovations, candidate: Candidate) -> FloatArray:
     """Columns of an error of the reading, one an amplitude."""
     along = evidence.alongs[number]
-    errors = [(effect.reading_at(along.position) - along.position) / unit for effect, unit in _unit_effects(candidate)]
+    errors = [
+        (laws_of(effect).reading_at(along.position) - along.position) / unit
+        for effect, unit in _unit_effects(candidate)
+    ]
     return source.rows_of_readings(along, np.array(errors), evidence.model.axis.mass)
 
 
@@ -92,7 +96,7 @@ def _with_memory(
     model, plant = evidence.model, quiet_plant(evidence.model)
     shown = {i: _unit_effects(candidate)[0] for i, candidate in wanted.items()}
     out: dict[int, FloatArray] = {}
-    added = [i for i in shown if source.predictor.is_addable(plant, shown[i][0])]
+    added = [i for i in shown if source.predictor.is_addable(plant, *for_core([shown[i][0]]))]
     if added:
         rows = _added(evidence, number, source, [shown[i] for i in added])
         out |= {i: rows[k : k + 1] for k, i in enumerate(added)}
@@ -103,7 +107,7 @@ def _with_memory(
     return out
 
 
-def _unit_effects(candidate: Candidate) -> list[tuple[Any, float]]:
+def _unit_effects(candidate: Candidate) -> list[tuple[Effect, float]]:
     """The effect once for each amplitude, at its unit alone, with that unit; or once as its shape makes it."""
     if not candidate.amplitudes:
         return [(candidate.effect(), 1.0)]

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import EFFECTS, AxisParameters, Plant, Prediction, Predictor, whiten
+from cogging._core import AxisParameters, Plant, Prediction, Predictor, whiten
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
+from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.estimation.innovations import Innovations
 
 BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
@@ -25,33 +25,37 @@ BESIDE = np.array([-0.7, -0.35, 0.0, 0.35, 0.7])  # turns in the travel, more th
 STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
-def is_wave(effect: Any) -> bool:
+def plain_wave(effect: Effect) -> Wave | None:
+    """The sine, the cosine and the one period or frequency of which an effect consists; None where it is more."""
+    wave = kind_of(effect, Wave)
+    searched = {field for field, role in effect.ROLES.items() if role["role"] != "setting"}
+    if wave is None or searched != {wave.shape, wave.sine, wave.cosine} or isinstance(getattr(effect, wave.sine), list):
+        return None
+    return wave
+
+
+def is_wave(effect: Effect) -> bool:
     """Whether an effect is a sine and a cosine of one period or frequency."""
-    amplitudes = {f for f, role in effect.ROLES.items() if role["role"] == "amplitude"}
-    shapes = [role for role in effect.ROLES.values() if role["role"] == "shape"]
-    scalar = all(not isinstance(getattr(effect(), f), list) for f in amplitudes)
-    return amplitudes == {"sine", "cosine"} and scalar and len(shapes) == 1
+    return plain_wave(effect) is not None
 
 
-def is_spatial_wave(effect: Any) -> bool:
+def is_spatial_wave(effect: Effect) -> bool:
     """Whether it is a wave along the travel."""
-    return is_wave(effect) and any(
-        role["role"] == "shape" and role["quantity"] == "distance" for role in effect.ROLES.values()
-    )
+    wave = plain_wave(effect)
+    return wave is not None and bool(effect.ROLES[wave.shape]["quantity"] == "distance")
 
 
 Gain = Callable[[Innovations, Prediction], FloatArray]  # by what a wave is multiplied in each row, (n,)
 
 
-def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list[Candidate], float]:
+def peaks(evidence: Evidence, effect: Effect, gain: Gain | None = None) -> tuple[list[Candidate], float]:
     """The likeliest waves of an effect, and how many independent ones were tried.
 
     `gain`: instead of the effect's own, of a force (the command for one that acts by its gain, else 1).
     """
-    effect = EFFECTS[name]
     spatial = is_spatial_wave(effect)
-    wave_low, wave_high = wave_range(evidence, name)
-    statistic, wave = spectrum_of_score(evidence, name, gain)
+    wave_low, wave_high = wave_range(evidence, effect)
+    statistic, wave = spectrum_of_score(evidence, effect, gain)
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
     span = evidence.scales.position if spatial else evidence.scales.time
     cogging = evidence.model.cogging
@@ -68,15 +72,14 @@ def peaks(evidence: Evidence, name: str, gain: Gain | None = None) -> tuple[list
         if view[best] <= 2.0:
             continue
         value = 1.0 / float(wave[best]) if spatial else float(wave[best])
-        found.append(wave_of(evidence, name, value))
+        found.append(wave_of(evidence, effect, value))
         near = np.abs(wave - wave[best]) < 1.0 / span
         even[near] = statistic[near] = 0.0
     return found, trials
 
 
-def wave_range(evidence: Evidence, name: str) -> tuple[float, float]:
+def wave_range(evidence: Evidence, effect: Effect) -> tuple[float, float]:
     """Lowest and highest wavenumber (1/m), or frequency (Hz), at which a wave is sought."""
-    effect = EFFECTS[name]
     role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
     sizes = quantities(evidence)
     low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
@@ -91,9 +94,8 @@ def wave_range(evidence: Evidence, name: str) -> tuple[float, float]:
     return wave_low, wave_high
 
 
-def spectrum_of_score(evidence: Evidence, name: str, gain: Gain | None) -> tuple[FloatArray, FloatArray]:
+def spectrum_of_score(evidence: Evidence, effect: Effect, gain: Gain | None) -> tuple[FloatArray, FloatArray]:
     """|score|^2 over its variance, chi-square with 2 degrees of freedom; and wavenumbers (1/m) or frequencies (Hz)."""
-    effect = EFFECTS[name]
     spatial, on_reading = is_spatial_wave(effect), "reading" in effect.HOOKS
     span = evidence.scales.position if spatial else evidence.scales.time
     # Rows that share a bin in time would fold what is faster than the bins into lines that are not there.
@@ -118,12 +120,14 @@ def spectrum_of_score(evidence: Evidence, name: str, gain: Gain | None) -> tuple
     return np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max())), wave
 
 
-def wave_of(evidence: Evidence, name: str, value: float) -> Candidate:
+def wave_of(evidence: Evidence, effect: Effect, value: float) -> Candidate:
     """The wave of an effect at one period, or frequency."""
-    roles = EFFECTS[name].ROLES
-    field = next(f for f, role in roles.items() if role["role"] == "shape")
-    unit = 0.02 * abs(roles["sine"]["high"]) * quantities(evidence)[roles["sine"]["quantity"]]
-    return Candidate(name, {field: value}, (("sine", None), ("cosine", None)), (unit, unit))
+    wave = plain_wave(effect)
+    if wave is None:
+        raise ValueError(f"{effect.NAME}: must be a wave")
+    role = effect.ROLES[wave.sine]
+    unit = 0.02 * abs(role["high"]) * quantities(evidence)[role["quantity"]]
+    return Candidate(effect, {wave.shape: value}, ((wave.sine, None), (wave.cosine, None)), (unit, unit))
 
 
 def levelled(statistic: FloatArray) -> FloatArray:
@@ -210,22 +214,22 @@ def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) 
     return frequency, np.asarray(np.abs(source.scale * np.fft.rfft(white) / filter_.rms) ** 2 / level)
 
 
-def beside_known(evidence: Evidence, name: str) -> list[Candidate]:
+def beside_known(evidence: Evidence, effect: Effect) -> list[Candidate]:
     """Waves along the travel about the periods of the known cogging, of what is no force itself.
 
     Re-tuning the cogging takes most of what they do, and a spectrum does not allow for that: it would hardly show them.
     A force there is no other harmonic but the known one, changing along the travel.
     """
-    if not is_spatial_wave(EFFECTS[name]) or "force" in EFFECTS[name].HOOKS:
+    if not is_spatial_wave(effect) or "force" in effect.HOOKS:
         return []
-    role = next(r for r in EFFECTS[name].ROLES.values() if r["role"] == "shape")
+    role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
     sizes = quantities(evidence)
     span = evidence.scales.position
     found = []
     for period in known_periods(evidence.model):
         for turns in span / period + BESIDE:
             if turns > TURNS and role["low"] < span / turns / sizes[role["quantity"]] < role["high"]:
-                found.append(wave_of(evidence, name, float(span / turns)))
+                found.append(wave_of(evidence, effect, float(span / turns)))
     return found
 
 
@@ -234,7 +238,7 @@ def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
     near = []
     for candidate in found:
         field, value = next(iter(candidate.shape.items()))
-        role = EFFECTS[candidate.name].ROLES[field]
+        role = candidate.law.ROLES[field]
         spatial = role["quantity"] == "distance"
         span = evidence.scales.position if spatial else evidence.scales.time
         for shift in (-0.3, -0.15, 0.15, 0.3):
@@ -242,7 +246,7 @@ def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
             if wave > 0.0:
                 near.append(
                     Candidate(
-                        candidate.name, {field: 1.0 / wave if spatial else wave}, candidate.amplitudes, candidate.unit
+                        candidate.law, {field: 1.0 / wave if spatial else wave}, candidate.amplitudes, candidate.unit
                     )
                 )
     return near

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from cogging._core import EFFECTS
+from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 
 
-def separating(names: Sequence[str], logs: Sequence[Log]) -> str:
+def separating(names: Sequence[str], vocabulary: Mapping[str, Effect], logs: Sequence[Log]) -> str:
     """Advice in a sentence or two: which coordinate of the effects differs, and a motion that moves it alone."""
-    hooks = {name: set(EFFECTS[name].HOOKS) for name in names if name in EFFECTS}
+    hooks = {name: set(vocabulary[name].HOOKS) for name in names if name in vocabulary}
     quantities = {
-        name: {role["quantity"] for role in EFFECTS[name].ROLES.values() if role["role"] != "setting"} for name in hooks
+        name: {role["quantity"] for role in vocabulary[name].ROLES.values() if role["role"] != "setting"}
+        for name in hooks
     }
     travel = max(float(np.ptp(log.position)) for log in logs)
     speed = max(float(np.quantile(np.abs(np.gradient(log.position[::10], log.time[::10])), 0.99)) for log in logs)

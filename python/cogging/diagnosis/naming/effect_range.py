@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.effects.effect import Effect, laws_of
 
 
-def where_of(effect: Any, evidence: Evidence) -> dict[str, Any]:
+def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
     """Coordinate and range of an effect: where it makes 90 % of its force, or the coordinate of what it acts on."""
     hooks = effect.HOOKS
     source = evidence.sources[0]
     along = source.along
     if "force" in hooks or "friction_level" in hooks:
         where = {"position": along.middle_position, "velocity": along.middle_velocity, "time": source.log.time}
-        resolved = effect.resolved(evidence.model.axis, evidence.model.cogging)
+        resolved = laws_of(effect.resolved(evidence.model.axis, evidence.model.cogging))
         law = resolved.force_at if "force" in hooks else resolved.friction_level_at
         time = source.log.time - source.log.time[0]
         force = np.abs(np.asarray(law(position=along.middle_position, velocity=along.middle_velocity, time=time)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import candidates, quantities
 from cogging.diagnosis.candidates.tables import tables
@@ -63,8 +62,8 @@ def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
     moved = float(estimate.values[place]) - float(getattr(model.axis, name))
     power, sizes = float(mine @ mine), quantities(evidence)
     found = []
-    for effect, law in EFFECTS.items():
-        grid = list(candidates(evidence, effect))
+    for effect, law in search_.vocabulary.items():
+        grid = list(candidates(evidence, law))
         if len(grid) != 1 or len(grid[0].amplitudes) != 1:
             continue
         column = evidence.whitened(tables(evidence, grid)[0])[0]

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import known_periods
 from cogging.diagnosis.candidates.waves import is_wave
@@ -81,10 +80,10 @@ def fully_named(found: Search, place: int) -> list[str]:
 
     A triangular error of an encoder, say, has more harmonics than that.
     """
-    if not is_wave(EFFECTS[found.added[place].finding.name]):
-        return []
     names = [added.finding.name for added in found.added]
-    others = [name for name in names if name != names[place] and is_wave(EFFECTS[name])]
+    if not is_wave(found.vocabulary[names[place]]):
+        return []
+    others = [name for name in names if name != names[place] and is_wave(found.vocabulary[name])]
     return [name for name in dict.fromkeys(others) if others.count(name) >= HARMONICS_MAX]
 
 
@@ -98,7 +97,7 @@ def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
 
     What an amplitude that changes along the travel leaves of a known period is a wave of nearly that period.
     """
-    period, known = best.candidate.shape.get("period"), rival.candidate.shape.get("period")
+    period, known = best.candidate.period, rival.candidate.period
     if (
         period is None
         or known not in known_periods(found.nominal.model)

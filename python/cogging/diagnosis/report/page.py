@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.report.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
 from cogging.diagnosis.report.words import (
     HEADLINES,
@@ -96,20 +95,22 @@ def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
     return {
         "name": effect.name,
         "words": plain(effect.name),
-        "law": law(effect.name),
+        "law": law(result.vocabulary, effect.name),
         "confidence": effect.confidence,
         "deviations": float(np.sqrt(max(effect.statistic, 0.0))),
         "statistic": effect.statistic,
         "chance": chance_text(effect.log_p_value),
         "reasons": reasons,
         "where": where_words(effect.where),
-        "alternatives": [{"name": name, "words": plain(name), "law": law(name)} for name in effect.alternatives],
-        "parameters": _fields(effect.name, [effect.parameters, *effect.further]),
+        "alternatives": [
+            {"name": name, "words": plain(name), "law": law(result.vocabulary, name)} for name in effect.alternatives
+        ],
+        "parameters": _fields(result, effect.name, [effect.parameters, *effect.further]),
     }
 
 
-def _fields(name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
-    meanings = EFFECTS[name].FIELDS if name in EFFECTS else {}
+def _fields(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
+    meanings = result.vocabulary[name].FIELDS if name in result.vocabulary else {}
     rows = []
     for i, term in enumerate(terms):
         for field, value in term.items():

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
+from cogging.effects.effect import Effect
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import Step
@@ -73,10 +73,10 @@ def plain(name: str) -> str:
     return name.replace("_", " ")
 
 
-def law(name: str) -> str:
-    """The formula of an effect as the core states it; of a change, what changed."""
-    if name in EFFECTS:
-        return str(EFFECTS[name].LAW)
+def law(vocabulary: Mapping[str, Effect], name: str) -> str:
+    """The formula of an effect as it states it; of a change, what changed."""
+    if name in vocabulary:
+        return vocabulary[name].LAW
     return f"{plain(name.removesuffix('_change'))} of the axis differs from what the model states"
 
 

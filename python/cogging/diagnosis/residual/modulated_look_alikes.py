@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.candidates.findings import Finding, cleaned, judged
 from cogging.diagnosis.candidates.waves import Gain, is_spatial_wave, peaks
 from cogging.diagnosis.evidence.evidence import Evidence
@@ -38,7 +37,7 @@ def modulated_look_alikes(evidence: Evidence, finding: Finding) -> list[Shape]:
     Its T is on the finding's own scale: that of the finding, and by how much more or less the look-alike explains
     against the same noise. None of what is no force along the travel.
     """
-    effect = EFFECTS[finding.name]
+    effect = finding.candidate.law
     if not is_spatial_wave(effect) or "reading" in effect.HOOKS:
         return []
     quiet = cleaned(evidence, finding)
@@ -49,7 +48,7 @@ def modulated_look_alikes(evidence: Evidence, finding: Finding) -> list[Shape]:
     found = []
     for kind, gain in kinds(quiet).items():
         tried = []
-        for candidate in peaks(quiet, finding.name, gain)[0][:PEAKS]:
+        for candidate in peaks(quiet, effect, gain)[0][:PEAKS]:
             (period,) = candidate.shape.values()
             test = wave_test(quiet, gain, float(period))
             if test.freedom == 2 and cosine(test.explained, same[0].test.explained) > ALIKE:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging._core import EFFECTS
 from cogging.diagnosis.candidates.findings import Finding, judged
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
@@ -62,7 +61,7 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
 
 def needed(finding: Finding) -> float:
     """Log p-value below which an effect must lie where the confirm logs cannot show it."""
-    effect = EFFECTS[finding.name]
+    effect = finding.candidate.law
     return SLIPPERY if acts_in_interval(effect) or "friction_level" in effect.HOOKS else UNSHOWN
 
 
@@ -142,13 +141,13 @@ def plainer(ranked: Sequence[Finding]) -> Finding:
         for other in ranked[1:]:
             if len(other.candidate.amplitudes) <= 2 and other.test.statistic > NEARLY * first.test.statistic:
                 return other
-    periods = [first.candidate.shape[f] for f in first.candidate.shape if f == "period"]
-    if not periods or is_wave(EFFECTS[first.name]) or len(first.candidate.amplitudes) <= 2:
+    period = first.candidate.period
+    if period is None or is_wave(first.candidate.law) or len(first.candidate.amplitudes) <= 2:
         return first
     for other in ranked[1:]:
-        if is_spatial_wave(EFFECTS[other.name]) and EFFECTS[other.name].HOOKS == EFFECTS[first.name].HOOKS:
-            (period,) = other.candidate.shape.values()
-            if abs(period / periods[0] - 1.0) < SAME and other.test.statistic > MOSTLY * first.test.statistic:
+        if is_spatial_wave(other.candidate.law) and other.candidate.law.HOOKS == first.candidate.law.HOOKS:
+            other_period = other.candidate.period or 0.0
+            if abs(other_period / period - 1.0) < SAME and other.test.statistic > MOSTLY * first.test.statistic:
                 return other
     return first
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import place
@@ -120,7 +120,8 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         return None
     columns = evidence.project(evidence.whitened(made))
     # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
-    turned = is_wave(EFFECTS[finding.name]) and (evidence.turns or not is_spatial_wave(EFFECTS[finding.name]))
+    law = finding.candidate.law
+    turned = is_wave(law) and (evidence.turns or not is_spatial_wave(law))
     turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if turned else [0.0]
     best = Confirmation(0.0, 0.0, -np.inf)
     for turn in turns:
@@ -138,6 +139,6 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
             best = Confirmation(noncentrality, score / noncentrality, gain, float(turn))
     if not np.isfinite(best.gain):
         return Confirmation(0.0, 0.0, 0.0)
-    if best.refuted and acts_in_interval(EFFECTS[finding.name]):  # what happened once need not happen again
+    if best.refuted and acts_in_interval(law):  # what happened once need not happen again
         return Confirmation(0.0, 0.0, min(best.gain, 0.0))
     return best

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import discrepancies, source_of
 from cogging.diagnosis.search.acceptance import PAYS
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.state import Search
+from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
@@ -19,6 +20,17 @@ from cogging.model.parameters import effect_paths, parameters_of
 
 class NoTerm(ValueError):
     """Why nothing was added."""
+
+
+def empirical_law(coordinate: str) -> tuple[Effect | None, Knots | None]:
+    """The effect that is a force at nodes of the user's own along a coordinate, and its knots there."""
+    for law in VOCABULARY.values():
+        for kind in law.KINDS:
+            if not isinstance(kind, Knots) or kind.coordinate != coordinate or "force" not in law.HOOKS:
+                continue
+            if law.ROLES[kind.nodes]["role"] == "setting":
+                return law, kind
+    return None, None
 
 
 def with_term(
@@ -36,9 +48,8 @@ def with_term(
         NoTerm: no term has this coordinate, or it does not pay on the other motion.
     """
     coordinate = str(residual_shape["coordinate"])
-    nodes, forces = f"{coordinate}_nodes", f"{coordinate}_forces"
-    laws = [law for law in EFFECTS.values() if {nodes, forces} <= set(law.FIELDS)]
-    if not laws:
+    law, knots = empirical_law(coordinate)
+    if law is None or knots is None:
         raise NoTerm(f"no empirical term is a function of {coordinate}: it is described, not added")
     if "places" not in residual_shape:
         raise NoTerm("no empirical term stands for bursts: they are described, not added")
@@ -46,10 +57,10 @@ def with_term(
     shape = np.asarray(residual_shape["force"], dtype=float)
     if len(shape) == 2 * len(places):  # told apart by direction, of which the term knows nothing
         shape = shape.reshape(2, -1).mean(axis=0)
-    term = laws[0](**{nodes: places.tolist(), forces: np.nan_to_num(shape).tolist()})
+    term = law.replace(**{knots.nodes: places.tolist(), knots.levels: np.nan_to_num(shape).tolist()})
     larger = model.replace(effects=(*model.effects, term))
     prefix = effect_paths(larger.effects)[-1][0]
-    own = [path for path in parameters_of(larger) if path.startswith(f"{prefix}.{forces}[")]
+    own = [path for path in parameters_of(larger) if path.startswith(f"{prefix}.{knots.levels}[")]
     try:
         tuned = with_levels(larger, [*found.nominal.paths, *own], [source_of(log, found.nominal.model) for log in logs])
         before, after = (gap.rms for gap in discrepancies(logs, [model, tuned], replay=False))
@@ -59,6 +70,6 @@ def with_term(
     if after > before or (elsewhere is not None and elsewhere[1] > PAYS * elsewhere[0]):
         here = elsewhere or [before, after]
         raise NoTerm(f"an empirical term does not pay: the gap grows from {here[0]:.4g} to {here[1]:.4g} V with it")
-    told = {"name": laws[0].NAME, "gap_before": before, "gap_after": after}
+    told = {"name": law.NAME, "gap_before": before, "gap_after": after}
     told |= dict(zip(("confirm_before", "confirm_after"), elsewhere or (None, None), strict=True))
     return tuned, told

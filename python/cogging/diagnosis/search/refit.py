@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from cogging.diagnosis.candidates.scan import in_range
 from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import width_floor
+from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, role_of
@@ -64,7 +66,7 @@ def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], di
     return floors, ceilings
 
 
-def is_held(effect: Any, role: dict[str, Any]) -> bool:
+def is_held(effect: Effect, role: Mapping[str, Any]) -> bool:
     """Whether a fit leaves a parameter where the scan found it: an exponent, or an edge in time."""
     return role["quantity"] == "exponent" or (role["quantity"] == "time" and acts_in_interval(effect))
 

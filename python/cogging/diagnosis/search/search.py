@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from cogging._core import EFFECTS, DivergedError
+from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
 from cogging.diagnosis.candidates.scan import scan
@@ -33,6 +33,7 @@ from cogging.diagnosis.search.confirmation import Confirmation, confirmation, re
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
+from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -54,6 +55,7 @@ def search(
     progress: Callable[[str], None] = lambda step: None,
     replay: bool = False,
     free_map: bool = False,
+    vocabulary: Mapping[str, Effect] | None = None,
 ) -> Search:
     """Scan, add what stands, until nothing significant is left or as many as can be told were added.
 
@@ -64,8 +66,9 @@ def search(
         progress: function that is called with what is being done.
         replay: whether an effect must pay by the gap of the replayed loop, where that follows the logs.
         free_map: whether errors of the cogging map are re-tuned; tried where they explain as much as the best effect.
+        vocabulary: effects that are tried, as they are when they do nothing, by name; the list when None.
     """
-    state = begin(Task(logs, model, confirm, progress, replay, free_map))
+    state = begin(Task(logs, model, confirm, progress, replay, free_map, vocabulary or VOCABULARY))
     while True:
         progress(f"scanning, effect {len(state.added) + 1}")
         scanned = scan_twice(state)
@@ -73,7 +76,7 @@ def search(
             return finish(state, scanned)
         wrong_map = None if free_map else map_error(state.estimate, state.evidence)
         if wrong_map is not None and wrong_map.rivals(max((f.score for f in scanned.findings), default=0.0), RIVAL):
-            return search(logs, model, confirm, progress, replay, free_map=True)  # re-tuning comes first
+            return search(logs, model, confirm, progress, replay, True, vocabulary)  # re-tuning comes first
         choice = choose_next(state, scanned)
         if choice is None:
             return finish(state, scanned)
@@ -117,15 +120,16 @@ def scan_twice(state: State) -> Scanned:
     A strong effect in the residual is taken for noise by the filters: they are estimated again without the best
     explanation, and effects near the best are tried a second time. The state keeps the evidence with these filters.
     """
-    evidence = state.evidence
-    findings, faint = told_apart(profiled(evidence, scan(evidence)))
+    evidence, vocabulary = state.evidence, state.task.vocabulary
+    findings, faint = told_apart(profiled(evidence, scan(evidence, vocabulary.values())))
     found = shapes(evidence)
     state.nominal_shapes = state.nominal_shapes or with_events(evidence, found)
     best = max(findings, key=lambda f: f.score, default=None)
     if best is not None and best.log_p_value < 0.6 * DETECTED:
         state.evidence = cleaned(evidence, best)
         near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_p_value < POSSIBLE}
-        sharper, still_faint = told_apart(profiled(evidence, scan(state.evidence, sorted(near))))
+        again = scan(state.evidence, [vocabulary[name] for name in sorted(near)])
+        sharper, still_faint = told_apart(profiled(evidence, again))
         findings = [*sharper, *(f for f in findings if f.name not in near)]
         faint = [*still_faint, *(f for f in faint if f.name not in near)]
     return Scanned(findings, faint, found, evidence)
@@ -152,7 +156,7 @@ def barred_names(state: State) -> set[str]:
     names = [one.finding.name for one in state.added]
     barred = {finding.name for finding, _ in state.refused}
     if len(set(names)) == EFFECTS_MAX:  # further harmonics of what was found may still come
-        barred |= set(EFFECTS) - set(names)
+        barred |= set(state.task.vocabulary) - set(names)
     return barred | {name for name in names if names.count(name) == HARMONICS_MAX}
 
 
@@ -254,4 +258,5 @@ def finish(state: State, scanned: Scanned) -> Search:
         with_events(evidence, shapes(evidence, plain=True, known=known)),
         scanned.findings,
         state.confirm_evidence,
+        state.task.vocabulary,
     )

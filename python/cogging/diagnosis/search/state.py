@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.confirmation import Confirmation
+from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.innovations import Innovations
 from cogging.logs.log import Log
@@ -25,6 +26,7 @@ class Task:
     progress: Callable[[str], None]
     replay: bool
     free_map: bool
+    vocabulary: Mapping[str, Effect]
 
 
 @dataclass
@@ -135,6 +137,7 @@ class Search:
         residual_shapes: the same of the last model.
         unused: last scan, of which nothing was added.
         confirm_evidence: evidence of the confirm logs under the last model; None without.
+        vocabulary: effects that were tried, by name.
     """
 
     nominal: Estimate
@@ -148,3 +151,4 @@ class Search:
     residual_shapes: list[Shape]
     unused: list[Finding]
     confirm_evidence: Evidence | None
+    vocabulary: Mapping[str, Effect]

@@ -1,0 +1,120 @@
+#pragma once
+// An effect of somebody's own, whose laws are functions.
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cogging/plant/effect.hpp"
+#include "cogging/plant/own_law.hpp"
+
+namespace cogging {
+
+/// " at position 0.1 m, velocity 0.2 m/s, time 3 s"
+inline std::string place_of(double position, double velocity, double time) {
+  return " at position " + format(position) + " m, velocity " + format(velocity) + " m/s, time " + format(time) + " s";
+}
+
+/// Any of four laws: a force (V), what is added to the Coulomb level (V) and to the gain 1 of the command, and by how
+/// much the encoder reads too much (m).
+///
+/// Nothing is known of how quickly they change. So no step of the integrator passes for accurate before it has been
+/// looked at as one in which a law has a kink or a jump; and what is narrower than the path, or the time, between two
+/// moments at which a law is asked (half a step) must be stated as a scale, or it is passed over.
+template <class Scalar = double>
+struct Custom {
+  static constexpr std::string_view name = "custom";
+
+  using Law = std::shared_ptr<const OwnLaw>;
+
+  std::string label;  // its own name, for messages
+  Law force_law, friction_level_law, command_gain_law, reading_error_law;
+  double length_scale = std::numeric_limits<double>::infinity();    // m, the shortest on which a law changes
+  double velocity_scale = std::numeric_limits<double>::infinity();  // m/s
+  double time_scale = std::numeric_limits<double>::infinity();      // s
+  std::shared_ptr<const void> origin;                               // what its maker knows it by
+
+  void validate() const {
+    require(force_law || friction_level_law || command_gain_law || reading_error_law, label,
+            "must have at least one law, has", 0);
+    for (const auto& [scale, value] :
+         {std::pair("length_scale", length_scale), std::pair("velocity_scale", velocity_scale),
+          std::pair("time_scale", time_scale)})
+      require(value > 0.0, scale, "must be above 0 (infinite = not stated)", value);
+  }
+
+  bool uses(Hook hook) const { return law_of(hook) != nullptr; }
+  bool serial() const {
+    for (const Law* law : {&force_law, &friction_level_law, &command_gain_law, &reading_error_law})
+      if (*law && (*law)->serial()) return true;
+    return false;
+  }
+
+  Scalar force(const Motion<Scalar>& motion) const {
+    return value(Hook::force, motion.position, motion.velocity, motion.time);
+  }
+  Scalar friction_level(const Motion<Scalar>& motion) const {
+    return value(Hook::friction_level, motion.position, motion.velocity, motion.time);
+  }
+  Scalar command_gain(const Scalar& position, double time) const {
+    return value(Hook::command_gain, position, Scalar(0.0), time);
+  }
+  Scalar reading_error(const Scalar& position) const { return value(Hook::reading_error, position, Scalar(0.0), 0.0); }
+
+  /// One law at each moment of a course; zeros where it has none.
+  std::vector<double> along(Hook hook, const Course& course) const {
+    std::vector<double> values(course.position.size(), 0.0);
+    if (const OwnLaw* law = law_of(hook)) {
+      law->along(course, values);
+      for (std::size_t k = 0; k < values.size(); ++k)
+        if (!std::isfinite(values[k]))
+          refuse_value(hook, values[k], course.position[k], course.velocity[k], course.time[k]);
+    }
+    return values;
+  }
+
+  Variation variation() const {
+    Variation told;
+    told.rough = force_law || friction_level_law || command_gain_law;
+    if (told.rough) told.path = length_scale, told.change = velocity_scale, told.duration = time_scale;
+    return told;
+  }
+
+ private:
+  const OwnLaw* law_of(Hook hook) const {
+    switch (hook) {
+      case Hook::force:
+        return force_law.get();
+      case Hook::friction_level:
+        return friction_level_law.get();
+      case Hook::command_gain:
+        return command_gain_law.get();
+      case Hook::reading_error:
+        return reading_error_law.get();
+    }
+    return nullptr;
+  }
+
+  Scalar value(Hook hook, const Scalar& position, const Scalar& velocity, double time) const {
+    const OwnLaw* law = law_of(hook);
+    Scalar values = 0.0;
+    if (law == nullptr) return values;
+    for (std::size_t i = 0; i < lanes_of<Scalar>; ++i) {
+      const double x = lane(position, i), v = lane(velocity, i);
+      const double one = law->at(x, v, time);
+      // Where the run itself has left the numbers, the run says so.
+      if (!std::isfinite(one) && std::isfinite(x) && std::isfinite(v)) refuse_value(hook, one, x, v, time);
+      set_lane(values, i, one);
+    }
+    return values;
+  }
+
+  [[noreturn]] COGGING_NOINLINE void refuse_value(Hook hook, double got, double x, double v, double time) const {
+    throw DivergedError(label + "." + std::string(to_string(hook)) + ": must be a finite number, got " + format(got) +
+                        place_of(x, v, time));
+  }
+};
+
+}  // namespace cogging

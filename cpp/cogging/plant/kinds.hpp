@@ -1,0 +1,82 @@
+#pragma once
+// What parameters of an effect are together. A program that knows no field by name reads it here.
+
+#include <string>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "cogging/parameters.hpp"
+#include "cogging/require.hpp"
+
+namespace cogging {
+
+/// A sine and a cosine of one period. The members of this and of the other kinds are names of fields.
+struct Wave {
+  std::string shape, sine, cosine;
+
+  static constexpr auto fields() {
+    return std::tuple{Field<Wave, std::string>{"shape", &Wave::shape, "", "its period (m), or its frequency (Hz)"},
+                      Field<Wave, std::string>{"sine", &Wave::sine, "", "amplitude of the sine"},
+                      Field<Wave, std::string>{"cosine", &Wave::cosine, "", "amplitude of the cosine"}};
+  }
+  void validate() const {}
+};
+
+/// A stretch of time.
+struct Window {
+  std::string start, stop;
+
+  static constexpr auto fields() {
+    return std::tuple{Field<Window, std::string>{"start", &Window::start, "", "time at which it begins (s)"},
+                      Field<Window, std::string>{"stop", &Window::stop, "", "time at which it ends (s)"}};
+  }
+  void validate() const {}
+};
+
+/// Values at nodes, linear between two.
+struct Knots {
+  std::string coordinate, nodes, levels;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field<Knots, std::string>{"coordinate", &Knots::coordinate, "", "of the nodes: position, velocity or time"},
+        Field<Knots, std::string>{"nodes", &Knots::nodes, "", "list of places, increasing"},
+        Field<Knots, std::string>{"levels", &Knots::levels, "", "list of values, one a node"}};
+  }
+  void validate() const {
+    if (coordinate != "position" && coordinate != "velocity" && coordinate != "time")
+      refuse("coordinate", "must be position, velocity or time", "\"" + coordinate + "\"");
+  }
+};
+
+/// Even knots along the travel, of B-splines whose control points are the effect's lists of amplitudes.
+struct SplineKnots {
+  std::string pitch, order, origin;
+
+  static constexpr auto fields() {
+    using K = SplineKnots;
+    return std::tuple{Field<K, std::string>{"pitch", &K::pitch, "", "distance of the knots (m)"},
+                      Field<K, std::string>{"order", &K::order, "", "of the B-splines"},
+                      Field<K, std::string>{"origin", &K::origin, "", "first knot of the first full span (m)"}};
+  }
+  void validate() const {}
+};
+
+/// The ends of the travel, taken from the plant where they are not given.
+struct Travel {
+  std::string ends;
+
+  static constexpr auto fields() {
+    return std::tuple{Field<Travel, std::string>{"ends", &Travel::ends, "", "lower and upper end (m)"}};
+  }
+  void validate() const {}
+};
+
+using Kind = std::variant<Wave, Window, Knots, SplineKnots, Travel>;
+using Kinds = std::vector<Kind>;
+
+template <class E>
+concept HasKinds = requires { E::kinds(); };
+
+}  // namespace cogging

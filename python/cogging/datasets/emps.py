@@ -1,0 +1,151 @@
+"""EMPS: a ball-screw axis under cascade control, two logs of 24.8 s at 1 kHz.
+
+Source: A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of EMPS", Workshop on Nonlinear System
+Identification Benchmarks, 2019; public at nonlinearbenchmark.org, also through the package `nonlinear-benchmarks`.
+Licence: none is stated; cite the authors.
+
+The command is recorded in volts. The force is FORCE_CONSTANT times it, and that force, N, is the command here, so that
+masses are kilograms.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import MappingProxyType
+
+from cogging._core import AxisParameters, CascadeParameters, effects
+from cogging.arrays import FloatArray
+from cogging.datasets.source import Source
+from cogging.files import InputError
+from cogging.logs.columns import read_columns
+from cogging.logs.log import Log, read_log
+from cogging.model.model import Model
+
+SOURCE = Source("emps", "nonlinearbenchmark.org", "no licence stated: cite Janot, Gautier and Brunot 2019")
+FILES = ("DATA_EMPS", "DATA_EMPS_PULSES")  # the second has another motion, and pulses added to the command
+COLUMNS = MappingProxyType({"time": "t", "position": "qm", "reference": "qg", "command": "vir"})  # in the files
+FORCE_CONSTANT = 35.15065  # N/V, amplifier, motor and screw
+SCREW_LEAD = 2.5e-3  # m, one turn of the screw
+PULSE = 1.08  # V of the command for each unit of the column `pulses_N`: between 1.06 and 1.1 in the log
+#: The published least squares, kg, N s/m, N and N, by the path that `identify` and `parameters_of` give them.
+PUBLISHED = MappingProxyType(
+    {"axis.mass": 95.11, "axis.viscous": 203.5, "axis.coulomb": 20.39, "effects.constant_force.force": 3.16}
+)
+#: Errors of the authors' own closed-loop simulation, relative to the norm of the measured column, by file.
+AUTHORS_ERRORS = MappingProxyType(
+    {
+        "DATA_EMPS": {"position": 1.38e-4, "velocity": 2.3e-3, "command": 5.85e-2},
+        "DATA_EMPS_PULSES": {"position": 8.0e-5, "velocity": 4.8e-3, "command": 8.94e-2},
+    }
+)
+
+
+def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
+    """Find the two files.
+
+    Args:
+        folder: where they lie (see cogging.datasets). Where neither it nor COGGING_DATA leads to them, and `folder`
+            is not given, the package `nonlinear-benchmarks` is asked, if it is installed: it fetches them once (2 MB)
+            and keeps them in its own folder.
+
+    Returns:
+        Their paths by their names without `.mat`.
+
+    Raises:
+        InputError: a file is not there, or could not be fetched; says source and licence.
+    """
+    return {name: _find(name, folder) for name in FILES}
+
+
+def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) -> Log:
+    """Read one of the two logs.
+
+    Args:
+        name: of FILES.
+        folder: see `files`.
+
+    Returns:
+        Time s, position and reference m, command N, 24,841 rows.
+
+    Raises:
+        ValueError: `name` is not of FILES.
+        InputError: the file is not there, or is no such log.
+    """
+    if name not in FILES:
+        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}")
+    return read_log(_find(name, folder), columns=COLUMNS, scale={"command": FORCE_CONSTANT})
+
+
+def pulses(folder: str | os.PathLike[str] | None = None) -> FloatArray:
+    """Read what was added to the controller's command in DATA_EMPS_PULSES.
+
+    Args:
+        folder: see `files`.
+
+    Returns:
+        N, (n,), a row of the log each; the log's command has it in.
+
+    Raises:
+        InputError: the file is not there, or has no pulses.
+    """
+    units = read_columns(_find("DATA_EMPS_PULSES", folder), ["pulses_N"])["pulses_N"]
+    return PULSE * FORCE_CONSTANT * units
+
+
+def controller() -> CascadeParameters:
+    """The published controller, u = kv (kp (reference - position) - velocity), limited to 10 V.
+
+    Fitted to the logs the inner gain comes out 4 % larger.
+
+    Returns:
+        Its parameters for a command in newtons: kp 1/s, kv N s/m, limit N.
+    """
+    return CascadeParameters(
+        sample_rate=1000.0, kp=160.18, kv=243.45 * FORCE_CONSTANT, command_limit=10.0 * FORCE_CONSTANT
+    )
+
+
+def published() -> Model:
+    """The machine as it is published.
+
+    Returns:
+        Mass, viscous and Coulomb friction by the sign of the velocity, a constant force, and the published cascade.
+    """
+    return Model(
+        axis=AxisParameters(
+            mass=PUBLISHED["axis.mass"],
+            viscous=PUBLISHED["axis.viscous"],
+            coulomb=PUBLISHED["axis.coulomb"],
+            coulomb_width=0.0,
+        ),
+        effects=(effects.ConstantForce(force=PUBLISHED["effects.constant_force.force"]),),
+        controller=controller(),
+        controller_type="cascade",
+    )
+
+
+def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:
+    file = f"{name}.mat"
+    try:
+        return SOURCE.find(file, folder)
+    except InputError:
+        if folder is not None:
+            raise
+    fetched, note = _fetched()
+    for path in fetched:
+        if path.name == file and path.is_file():
+            return path
+    raise SOURCE.absent(file, [*SOURCE.folders(), *dict.fromkeys(path.parent for path in fetched)], note)
+
+
+def _fetched() -> tuple[list[Path], str]:
+    """Where `nonlinear-benchmarks` keeps the files, fetched now if they were not; or none, and what to say of it."""
+    try:
+        import nonlinear_benchmarks
+    except ImportError:
+        return [], "; pip install nonlinear-benchmarks fetches it"
+    try:
+        return [Path(path) for path in nonlinear_benchmarks.EMPS(data_file_locations=True)], ""
+    except Exception as error:  # whatever its download ends in
+        return [], f"; nonlinear-benchmarks could not fetch it: {type(error).__name__}: {error}"

@@ -1,0 +1,115 @@
+"""LAAS: a direct-drive brushless motor with strong cogging, three logs in text files.
+
+Source: H. Andrade, github.com/heitor-andrade/laas_anti_cogging, 2023. Licence: BSD-3-Clause.
+
+The motor is rotary and its force constant is not known: position in rad stands for m and the current for the command,
+so that a mass is J/Kt, A/(rad/s^2). Rows come every millisecond or so; some were lost on the way.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.datasets.source import Source
+from cogging.logs.columns import read_columns
+from cogging.logs.log import Log
+
+SOURCE = Source(
+    "laas",
+    "github.com/heitor-andrade/laas_anti_cogging",
+    "BSD-3-Clause",
+    (".", "codes/Get_Data", "codes/Stopped/stopped_data", "codes/acceleration_data"),
+)
+#: `stopped_data`: held at one place after the other, one turn and back. `acc_current`: 0.4 A at 2 Hz, up to 160 rad/s.
+#: `speed_test1`: a speed loop at one turn a second, for half of the time with the makers' compensation of the cogging.
+FILES = ("stopped_data", "acc_current", "speed_test1")
+TURN = 2 * np.pi  # rad, the pitch of the motor's map
+#: The speed loop of `speed_test1` as the makers describe it: A/(rad/s), rad/s, s.
+SPEED_LOOP = MappingProxyType({"gain": 0.09, "reference": TURN, "delay": 2e-3})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RotaryLog:
+    """Rows of a log of a motor.
+
+    Attributes:
+        time: s, (n,).
+        position: rad, (n,).
+        velocity: rad/s, as the drive reports it, (n,).
+        current: A, (n,).
+    """
+
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    current: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "no time"
+        return f"RotaryLog({len(self)} rows, {span}: position rad, velocity rad/s, current A)"
+
+    def between(self, start: float, stop: float) -> RotaryLog:
+        """The rows from `start` (s) to before `stop` (s)."""
+        kept = (self.time >= start) & (self.time < stop)
+        return RotaryLog(self.time[kept], self.position[kept], self.velocity[kept], self.current[kept])
+
+    def log(self) -> Log:
+        """The same as a log of an axis: rad in place of m, A in place of V.
+
+        Raises:
+            ValueError: time is not strictly increasing.
+        """
+        return Log(time=self.time, position=self.position, command=self.current)
+
+
+def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
+    """Find the three files.
+
+    Args:
+        folder: where they lie (see cogging.datasets): side by side, or as in a clone of the repository.
+
+    Returns:
+        Their paths by their names without `.txt`.
+
+    Raises:
+        InputError: a file is not there; says source and licence.
+    """
+    return {name: SOURCE.find(f"{name}.txt", folder) for name in FILES}
+
+
+def read(name: str, folder: str | os.PathLike[str] | None = None, *, compensated: bool = False) -> RotaryLog:
+    """Read one of the three logs.
+
+    Args:
+        name: of FILES.
+        folder: see `files`.
+        compensated: the rows of `speed_test1` during which the makers' compensation was on, in place of those during
+            which it was off.
+
+    Returns:
+        Time s, position rad, velocity rad/s and current A of those rows.
+
+    Raises:
+        ValueError: `name` is not of FILES, or was never compensated.
+        InputError: the file is not there, or is no such log.
+    """
+    if name not in FILES:
+        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}")
+    names = {"time": "Time", "position": "Position", "velocity": "Velocity", "current": "Iq"}
+    if name == "speed_test1":
+        names["compensation"] = "Function Activated"
+    elif compensated:
+        raise ValueError(f"compensated: must be False for {name}, which has no compensation, got True")
+    table = read_columns(SOURCE.find(f"{name}.txt", folder), list(names), columns=names)
+    on = table.pop("compensation", np.zeros(len(table["time"]))) != 0
+    kept = on if compensated else ~on
+    return RotaryLog(**{column: values[kept] for column, values in table.items()})

@@ -1,0 +1,133 @@
+"""TRO2021: a lead-screw drive at 32 constant speeds and in two start-stop runs, text files of its drive's program.
+
+Source: A. Mablekos-Alexiou, L. da Cruz, C. Bergeles, IEEE Transactions on Robotics 37(4), 2021;
+github.com/RViMLab/TRO2021-Dynamic-Modelling. Licence: MIT.
+
+Speed in rpm, torque in % of the nominal one, no position. The first of the repository's drives is found here by name;
+`read` takes a file of any.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.datasets.source import Source
+from cogging.files import InputError, read_text
+from cogging.shown import quoted
+
+SOURCE = Source(
+    "tro2021",
+    "github.com/RViMLab/TRO2021-Dynamic-Modelling",
+    "MIT; cite Mablekos-Alexiou, da Cruz and Bergeles 2021",
+    ("experiments/driveNo1", "driveNo1", "."),
+)
+SETTLING = 20  # rows at the start of a constant-speed run that its mean leaves out
+
+
+class Run(NamedTuple):
+    """A run of the drive.
+
+    Attributes:
+        time: s, (n,).
+        speed: rpm, averaged by the drive, (n,).
+        torque: % of the nominal torque, averaged by the drive, (n,).
+    """
+
+    time: FloatArray
+    speed: FloatArray
+    torque: FloatArray
+
+
+class SteadySpeeds(NamedTuple):
+    """Means of constant-speed runs.
+
+    Attributes:
+        speed: rpm, (n,), 16 each way in the whole set.
+        torque: % of the nominal torque, (n,).
+    """
+
+    speed: FloatArray
+    torque: FloatArray
+
+
+def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
+    """Find the runs.
+
+    Args:
+        folder: where they lie (see cogging.datasets): a clone of the repository, or its `driveNo1`.
+
+    Returns:
+        Their paths by name: `steady_state/0.096kg/20`, `steady_state/0.096kg/n20` the other way, `start_stop/200`.
+
+    Raises:
+        InputError: there is none; says source and licence.
+    """
+    for root in SOURCE.candidates("", folder):
+        paths = sorted((*root.glob("steady_state/*/*.csv"), *root.glob("start_stop/*.csv")))
+        if paths:
+            return {path.relative_to(root).with_suffix("").as_posix(): path for path in paths}
+    raise SOURCE.absent("steady_state/*/*.csv", SOURCE.folders(folder))
+
+
+def read(path: str | os.PathLike[str]) -> Run:
+    """Read one run.
+
+    Args:
+        path: of a file, as `files` gives it.
+
+    Returns:
+        Its rows, without those that have no values.
+
+    Raises:
+        InputError: the file cannot be read, or is no such run; names the row.
+    """
+    lines = read_text(path).splitlines()
+    start = next((number for number, line in enumerate(lines, start=1) if line.startswith("ms;")), 0)
+    if not start:
+        raise InputError(f"{path}: must have a row of units that begins with `ms;`, got none")
+    rows = []
+    for number, line in enumerate(lines[start:], start=start + 1):
+        cells = line.split(";")[:3]
+        if len(cells) < 3 or not all(cells):
+            continue
+        try:
+            rows.append([float(cell) for cell in cells])
+        except ValueError:
+            rows.append([np.nan])
+        if not np.isfinite(rows[-1]).all():
+            raise InputError(f"{path}: line {number}: must be three finite numbers, got {quoted(line)}")
+    if not rows:
+        raise InputError(f"{path}: rows: must be at least 1, got 0")
+    time, speed, torque = np.array(rows).T
+    return Run(1e-3 * time, speed, torque)
+
+
+def steady_speeds(folder: str | os.PathLike[str] | None = None) -> SteadySpeeds:
+    """Average every constant-speed run after its first SETTLING rows.
+
+    Args:
+        folder: see `files`.
+
+    Returns:
+        Speed rpm and torque %, in the order of the files' names.
+
+    Raises:
+        InputError: there is no run, or one is broken or has no rows after those.
+    """
+    means = []
+    for name, path in files(folder).items():
+        if not name.startswith("steady_state/"):
+            continue
+        run = read(path)
+        if len(run.time) <= SETTLING:
+            raise InputError(f"{path}: rows: must be more than {SETTLING}, got {len(run.time)}")
+        means.append((run.speed[SETTLING:].mean(), run.torque[SETTLING:].mean()))
+    if not means:
+        raise SOURCE.absent("steady_state/*/*.csv", SOURCE.folders(folder))
+    speed, torque = np.array(means).T
+    return SteadySpeeds(speed, torque)

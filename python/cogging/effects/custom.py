@@ -1,0 +1,409 @@
+"""An effect of the user's own: laws that are functions, tried beside the vocabulary."""
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, AxisParameters, CoggingModel
+from cogging._core.effects import CompiledLaw, OwnLaws, PythonLaw
+from cogging.effects.parameter import Parameter, role_of_parameter, valid_value
+
+Value = float | list[float]
+
+COMPILED: Any = ctypes.CFUNCTYPE(None).__base__  # of every ctypes function
+
+#: What each law may ask for, in this order, by the name of its argument.
+PLACES = ("position", "velocity", "time")
+HOOKS = {
+    "force": PLACES,
+    "friction_level": PLACES,
+    "command_gain": ("position", "time"),
+    "reading_error": ("position",),
+}
+CHANGES = ("mass_change", "viscous_change", "coulomb_change")  # names of results, beside the vocabulary
+TRIAL = ([0.02, 0.05, 0.11], [-0.3, 0.0, 0.2], [0.0, 0.4, 1.7])  # m, m/s, s
+SAME = 1e-9  # of the largest value: by how much a law may differ between numbers and arrays
+
+
+@dataclass(frozen=True)
+class Definition:
+    """What an effect of the user's own is, whatever the values of its parameters."""
+
+    name: str
+    laws: Mapping[str, Any]
+    parameters: Mapping[str, Parameter]
+    law: str
+    kinds: tuple[Any, ...]
+    scales: Mapping[str, float]
+    taken: Mapping[str, tuple[str, ...]] = field(compare=False)
+
+
+class Custom(OwnLaws):
+    """An effect of your own, from functions of position (m), velocity (m/s), time (s) and its parameters.
+
+    It goes wherever an effect of the vocabulary goes: into a `Plant` and a `Model`, which simulate it; `identify` fits
+    its parameters; `diagnose(..., also=[it])` tries it beside the vocabulary.
+
+    A Python function names what it takes: `def force(velocity, drag, corner)` asks for the velocity and for two
+    parameters. It is called with numbers in a run and with arrays along a log, and gives the same for both; each call
+    takes Python's lock. A compiled function (numba's `cfunc`, or a ctypes function with `argtypes` and `restype`) takes
+    doubles: all that its law may ask for (below), then all parameters in their order; it runs without the lock, on as
+    many threads as there are. Functions are pure: they remember nothing.
+
+    The integrator looks at each step for a kink or a jump of the law, and makes it shorter where there is one. What is
+    narrower than half the path, or time, of a sample can be passed over unseen: then state how narrow it is.
+
+    Args:
+        name: lower-case letters, digits and `_`; not one of the vocabulary.
+        force: V, pushes towards +x; of position, velocity, time.
+        friction_level: V, added to the Coulomb level; of position, velocity, time.
+        command_gain: added to the gain 1 of the command; of position, time.
+        reading_error: m, by which the encoder reads too much; of position.
+        parameters: by name; a number stands for `Parameter(number)`.
+        law: the formula, for reports.
+        kinds: what parameters are together (`Wave`, `Window`, `Knots`, `SplineKnots`), where a search shall know.
+        length_scale: m, the shortest along the travel on which a law changes.
+        velocity_scale: m/s, the same in velocity.
+        time_scale: s, the same in time.
+
+    Raises:
+        ValueError: a name that is taken, no law, an argument that is no place and no parameter, a parameter that no law
+            takes, or a function that fails, or gives what is no finite number, when it is tried.
+    """
+
+    _definition: Definition
+    _values: dict[str, Value]
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        force: Callable[..., Any] | None = None,
+        friction_level: Callable[..., Any] | None = None,
+        command_gain: Callable[..., Any] | None = None,
+        reading_error: Callable[..., Any] | None = None,
+        parameters: Mapping[str, Parameter | float] | None = None,
+        law: str = "",
+        kinds: Iterable[Any] = (),
+        length_scale: float | None = None,
+        velocity_scale: float | None = None,
+        time_scale: float | None = None,
+    ) -> None:
+        given = zip(HOOKS, (force, friction_level, command_gain, reading_error), strict=True)
+        laws = {hook: function for hook, function in given if function is not None}
+        _check_name(name)
+        if not laws:
+            raise ValueError(f"{name}: must have a law, one of {', '.join(HOOKS)}, got none")
+        specified = {
+            key: one if isinstance(one, Parameter) else Parameter(one) for key, one in (parameters or {}).items()
+        }
+        _check_parameters(name, specified, _used_names(type(self)))
+        taken = {hook: arguments_of(f"{name}.{hook}", function, hook, specified) for hook, function in laws.items()}
+        _require_all_taken(name, specified, taken)
+        scales = {"length_scale": length_scale, "velocity_scale": velocity_scale, "time_scale": time_scale}
+        definition = Definition(
+            name,
+            laws,
+            specified,
+            law or "; ".join(f"{hook}({', '.join(arguments)})" for hook, arguments in taken.items()),
+            _checked_kinds(name, tuple(kinds), specified),
+            {key: math.inf if scale is None else float(scale) for key, scale in scales.items()},
+            taken,
+        )
+        self._begin(definition, {key: valid_value(name, key, one, one.value) for key, one in specified.items()})
+        self._try()
+
+    def _begin(self, definition: Definition, values: dict[str, Value]) -> None:
+        object.__setattr__(self, "_definition", definition)
+        object.__setattr__(self, "_values", values)
+        super().__init__(
+            definition.name,
+            {hook: _law(definition, hook, values) for hook in definition.laws},
+            origin=partial(_made, definition, values),
+            **definition.scales,
+        )
+
+    def _try(self) -> None:
+        """Refuse laws that fail, or that are not the same for numbers and for arrays."""
+        course = [np.array(column) for column in TRIAL]
+        for hook in self._definition.laws:
+            try:
+                along = np.array(self.values_along(hook, *course))
+                alone = np.array([self.value_at(hook, *(float(c[k]) for c in course)) for k in range(len(along))])
+            except RuntimeError as error:
+                raise ValueError(str(error)) from error.__cause__
+            worst = float(np.abs(along - alone).max())
+            if worst > SAME * float(np.abs(alone).max()):
+                raise ValueError(
+                    f"{self.NAME}.{hook}: must give the same for arrays as for numbers, "
+                    f"got {along.tolist()} and {alone.tolist()}"
+                )
+
+    @property
+    def NAME(self) -> str:
+        """Its name."""
+        return self._definition.name
+
+    @property
+    def LAW(self) -> str:
+        """Its formula."""
+        return self._definition.law
+
+    @property
+    def HOOKS(self) -> tuple[str, ...]:
+        """What it acts on (see cogging.effects)."""
+        return tuple("reading" if hook == "reading_error" else hook for hook in self._definition.laws)
+
+    @property
+    def FIELDS(self) -> dict[str, tuple[str, str]]:
+        """Unit and meaning of each parameter."""
+        return {key: (one.unit, one.meaning) for key, one in self._definition.parameters.items()}
+
+    @property
+    def ROLES(self) -> dict[str, dict[str, Any]]:
+        """What each parameter is to a search (see cogging.effects)."""
+        rubs = set(self._definition.laws) == {"friction_level"}
+        return {key: role_of_parameter(one, rubs) for key, one in self._definition.parameters.items()}
+
+    @property
+    def KINDS(self) -> tuple[Any, ...]:
+        """What parameters are together (see cogging.effects)."""
+        return self._definition.kinds
+
+    def to_dict(self) -> dict[str, Any]:
+        """All parameters by name."""
+        return {key: list(value) if isinstance(value, list) else value for key, value in self._values.items()}
+
+    def replace(self, **changes: Any) -> Custom:
+        """A copy with the given parameters changed.
+
+        Raises:
+            ValueError: an unknown parameter, or a value that breaks its rule.
+        """
+        parameters = self._definition.parameters
+        for key in changes:
+            if key not in parameters:
+                raise ValueError(f"{self.NAME}.{key}: must be one of {', '.join(parameters)}")
+        new = {key: valid_value(self.NAME, key, parameters[key], value) for key, value in changes.items()}
+        return _made(self._definition, {**self._values, **new})
+
+    def neutral(self) -> Custom:
+        """A copy that does nothing, where its parameters say how."""
+        values = {key: role["neutral"] for key, role in self.ROLES.items() if role["neutral"] is not None}
+        return self.replace(**values)
+
+    def resolved(self, axis: AxisParameters, cogging: CoggingModel | None = None) -> Custom:
+        """Itself: it takes nothing from the plant."""
+        return self
+
+    def same_definition(self, other: Any) -> bool:
+        """Whether another effect is this one but for the values of its parameters."""
+        return isinstance(other, Custom) and self._definition == other._definition
+
+    @property
+    def force_at(self) -> Callable[..., Any]:
+        """Force (V) at positions (m), velocities (m/s) and times (s)."""
+        return self._answer("force")
+
+    @property
+    def friction_level_at(self) -> Callable[..., Any]:
+        """Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s)."""
+        return self._answer("friction_level")
+
+    @property
+    def gain_at(self) -> Callable[..., Any]:
+        """What it adds to the gain 1 of the command (relative) at positions (m) and times (s)."""
+        return self._answer("command_gain")
+
+    @property
+    def reading_at(self) -> Callable[..., Any]:
+        """What the encoder reads at positions, m, before noise and rounding."""
+        error = self._answer("reading_error")
+        return lambda position: np.asarray(position, dtype=float) + error(position=position)
+
+    def _answer(self, hook: str) -> Callable[..., Any]:
+        if hook not in self._definition.laws:
+            raise AttributeError(f"{self.NAME} has no {hook}")
+        return partial(_values_at, self, hook)
+
+    def __getattr__(self, name: str) -> Any:
+        values = object.__getattribute__(self, "__dict__").get("_values", {})
+        if name not in values:
+            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+        value = values[name]
+        return list(value) if isinstance(value, list) else value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: cannot be changed; replace({name}=...) makes a copy")
+
+    def __eq__(self, other: object) -> bool:
+        return self.same_definition(other) and self.to_dict() == other.to_dict()  # type: ignore[attr-defined]
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        fields = "".join(f", {key}={value!r}" for key, value in self._values.items())
+        return f"Custom({self.NAME!r}{fields})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made, (self._definition, self._values)
+
+
+def _made(definition: Definition, values: dict[str, Value]) -> Custom:
+    effect = Custom.__new__(Custom)
+    effect._begin(definition, values)
+    return effect
+
+
+def _values_at(
+    effect: Custom,
+    hook: str,
+    *,
+    position: npt.ArrayLike = 0.0,
+    velocity: npt.ArrayLike = 0.0,
+    time: npt.ArrayLike = 0.0,
+) -> Any:
+    course = np.broadcast_arrays(*(np.asarray(column, dtype=float) for column in (position, velocity, time)))
+    if course[0].ndim == 0:
+        return effect.value_at(hook, *(float(column) for column in course))
+    return effect.values_along(hook, *(column.ravel() for column in course)).reshape(course[0].shape)
+
+
+def _law(definition: Definition, hook: str, values: Mapping[str, Value]) -> PythonLaw | CompiledLaw:
+    function, asked = definition.laws[hook], definition.taken[hook]
+    taken = [PLACES.index(argument) for argument in asked if argument in PLACES]
+    compiled = compiled_function(function)
+    if compiled is None:
+        mine = {key: np.array(value) if isinstance(value, list) else value for key, value in values.items()}
+        return PythonLaw(f"{definition.name}.{hook}", function, taken, {a: mine[a] for a in asked if a in mine})
+    address = ctypes.cast(compiled, ctypes.c_void_p).value or 0
+    return CompiledLaw(address, taken, [float(values[a]) for a in asked if a in values], function)  # type: ignore[arg-type]
+
+
+def compiled_function(function: Any) -> Any:
+    """The ctypes function of a compiled one (numba's `cfunc`, or itself); None of a Python function."""
+    inner = getattr(function, "ctypes", function)
+    return inner if isinstance(inner, COMPILED) else None
+
+
+def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
+    """The names of what a law takes, places first.
+
+    Raises:
+        ValueError: it is no function, or takes what is neither a place of its hook nor a parameter.
+    """
+    if compiled_function(function) is not None:
+        return _compiled_arguments(label, compiled_function(function), hook, parameters)
+    if not callable(function):
+        raise ValueError(f"{label}: must be a function, got {function!r}")
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        raise ValueError(f"{label}: must be a function whose arguments have names, got {function!r}") from None
+    known = (*HOOKS[hook], *parameters)
+    named: set[str] = set()
+    for name, argument in signature.parameters.items():
+        if argument.kind is argument.VAR_KEYWORD:
+            named |= set(known)
+        elif argument.kind is argument.VAR_POSITIONAL or (name not in known and argument.default is not argument.empty):
+            continue
+        elif name not in known or argument.kind is argument.POSITIONAL_ONLY:
+            raise ValueError(f"{label}: must take its arguments by name, of {', '.join(known)}, got {name!r}")
+        else:
+            named.add(name)
+    return tuple(name for name in known if name in named)
+
+
+def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
+    known = (*HOOKS[hook], *parameters)
+    if any(type(one).__name__ == "CThunkObject" for one in (getattr(function, "_objects", None) or {}).values()):
+        raise ValueError(f"{label}: must be compiled code; give a Python function itself, not a ctypes callback of it")
+    for key, one in parameters.items():
+        if not isinstance(one.value, int | float):
+            raise ValueError(f"{label}: a compiled law takes numbers alone, got the list {key!r}")
+    types = tuple(function.argtypes or ())
+    if function.restype is not ctypes.c_double or types != (ctypes.c_double,) * len(known):
+        told = ", ".join(getattr(one, "__name__", str(one)) for one in types)
+        given = f"({told}) -> {getattr(function.restype, '__name__', function.restype)}"
+        raise ValueError(f"{label}: must take doubles ({', '.join(known)}) and return one, got {given}")
+    return known
+
+
+def _check_name(name: Any) -> None:
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise ValueError(f"name: must be lower-case letters, digits and _, beginning with a letter, got {name!r}")
+    if name in EFFECTS or name in CHANGES:
+        raise ValueError(f"name: must not be one of the vocabulary, got {name!r}")
+
+
+def _used_names(kind: type) -> set[str]:
+    return {*dir(kind), *PLACES, "name"}
+
+
+def _require_all_taken(name: str, specified: Iterable[str], taken: Mapping[str, Sequence[str]]) -> None:
+    asked = {argument for arguments in taken.values() for argument in arguments}
+    for key in specified:
+        if key not in asked:
+            raise ValueError(f"{name}.{key}: must be taken by a law, which take {', '.join(sorted(asked))}")
+
+
+def _check_parameters(name: str, parameters: Mapping[str, Parameter], used: set[str]) -> None:
+    for key in parameters:
+        if not isinstance(key, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", key) or key in used:
+            rule = "must be lower-case letters, digits and _, and no place or method of an effect"
+            raise ValueError(f"{name}.parameters: {rule}, got {key!r}")
+
+
+def _checked_kinds(name: str, kinds: tuple[Any, ...], parameters: Mapping[str, Parameter]) -> tuple[Any, ...]:
+    for kind in kinds:
+        fields = {key: value for key, value in kind.to_dict().items() if key != "coordinate"}
+        for value in fields.values():
+            if value not in parameters:
+                raise ValueError(f"{name}.kinds: must name parameters ({', '.join(parameters)}), got {value!r}")
+    return kinds
+
+
+def is_serial(effect: Any) -> bool:
+    """Whether an effect asks Python, which answers one thread at a time."""
+    return isinstance(effect, Custom) and any(
+        compiled_function(function) is None for function in effect._definition.laws.values()
+    )
+
+
+def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:
+    """Effects of the user's own by their names; `taken`: others beside which they stand.
+
+    Raises:
+        ValueError: what is no Custom, or two that are not the same under one name.
+    """
+    found: dict[str, Custom] = {}
+    for effect in effects:
+        if not isinstance(effect, Custom):
+            raise ValueError(f"effects: must be made by cogging.effects.Custom, got {type(effect).__name__}")
+        if effect.NAME in found:
+            raise ValueError(f"effects: must have different names, got {effect.NAME!r} twice")
+        found[effect.NAME] = effect
+    refuse_two_of_one_name([*found.values(), *taken])
+    return found
+
+
+def refuse_two_of_one_name(effects: Iterable[Any]) -> None:
+    """Refuse effects of one name that are not the same law.
+
+    Raises:
+        ValueError: two Customs of one name with different definitions.
+    """
+    first: dict[str, Custom] = {}
+    for effect in effects:
+        if isinstance(effect, Custom) and not first.setdefault(effect.NAME, effect).same_definition(effect):
+            raise ValueError(f"effects: must be one law a name, got two different ones called {effect.NAME!r}")
