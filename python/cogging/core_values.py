@@ -50,10 +50,10 @@ def _equal(self: Any, other: object) -> bool:
     return same(_parts(self), _parts(other))
 
 
-def _defaults(kind: Any) -> dict[str, Any]:
-    """What its fields are where nothing is given; nothing where it must be given something."""
+def _defaults(kind: Any) -> Any:
+    """The fields of a parameter struct as they are when nothing is given; none where something must be."""
     try:
-        return kind().to_dict()  # type: ignore[no-any-return]
+        return kind().to_dict()
     except ValueError:
         return {}
 
