@@ -76,10 +76,8 @@ def simulate(
     if controller is not None:
         model, told = _stating(model, controller)
         metadata |= told
-    if initial_position is not None:
-        metadata["initial_position"] = initial_position
-    if initial_velocity != 0.0:
-        metadata["initial_velocity"] = initial_velocity
+    start = {"initial_position": (initial_position, None), "initial_velocity": (initial_velocity, 0.0)}
+    metadata |= {name: value for name, (value, usual) in start.items() if value != usual}
     metadata["reference"] = reference_to_dict(motion) | ({"duration": duration} if duration else {})
     metadata["model"] = model.to_dict()
     columns = closed_loop(
