@@ -35,8 +35,8 @@ def test_velocity_and_acceleration_are_derivatives(kind, seed):
     for i in range(2):
         slope = (after[i] - before[i]) / (2.0 * step)
         size = np.abs(at[i + 1]).max()
-        assert size > 0.0
-        assert np.quantile(np.abs(slope - at[i + 1]), 0.97) < 1e-4 * size
+        assert np.quantile(np.abs(slope - at[i + 1]), 0.97) < 1e-4 * size + 1e-8
+    assert np.abs(at[1]).max() > 0.0
 
 
 @EVERY
