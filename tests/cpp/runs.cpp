@@ -100,7 +100,12 @@ struct Run {
       words >> item_name;
       plant.effects.push_back(effect_named(item_name, static_cast<const Effect<>*>(nullptr)));
     }
-    if (item == "effect_field") std::visit([&](auto& law) { set_field(law, words); }, plant.effects.back());
+    if (item == "effect_field")
+      std::visit(
+          [&]<class E>(E& law) {
+            if constexpr (requires { E::fields(); }) set_field(law, words);
+          },
+          plant.effects.back());
     if (item == "seed") words >> options.seed;
     if (item == "position") read(words, position);
     if (item == "command") read(words, command);

@@ -167,6 +167,9 @@ EXCEPTIONS = {
     "diagnosis/report/figures.py": {"center"},  # of a text in a figure
     "design/": {"periods"},  # of an observer
     "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
+    "mapping/request.py": {"pitch", "order", "origin"},  # the same
+    "simulation/reference.py": {"sine"},  # of a motion
+    "core_values.py": SECTION,  # what classes of the core are made of
     "log_check/": {"start"},  # columns of a fit
 }
 
