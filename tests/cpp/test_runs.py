@@ -107,8 +107,8 @@ def text_of(name, seed):
     for effect in plant.effects:
         text += [f"effect {effect.NAME}", *lines("effect_field", effect)]
     text += lines("reference", motion) + lines("controller", parameters)
-    text += [f"{column} {words(log[column].tolist())}" for column in ("position", "command")]
-    return [*text, "end"], np.ptp(log["command"])
+    text += [f"{column} {words(getattr(log, column).tolist())}" for column in ("position", "command")]
+    return [*text, "end"], np.ptp(log.command)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
