@@ -76,6 +76,16 @@ def test_a_function_says_what_it_takes_and_gives(name):
     assert name in SHOWN, f"{name}: lacks an example"
 
 
+def test_what_the_core_offers_is_shown():
+    """Functions, and classes that users make; errors are raised, and a compiled controller needs a compiler."""
+    values = {name: getattr(cogging, name) for name in cogging.__all__ if callable(getattr(cogging, name))}
+    core = {name: value for name, value in values.items() if value.__module__.startswith("cogging._core")}
+    raised = {name for name, value in core.items() if inspect.isclass(value) and issubclass(value, Exception)}
+    lacking = set(core) - set(SHOWN) - raised
+    assert len(core) > 30
+    assert lacking == {"CompiledController", "Reference"}
+
+
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_class_says_what_it_holds(name):
     kind = getattr(cogging, name)

@@ -79,7 +79,12 @@ Between `origin` and `end` the m - k + 1 spans carry k control points each and t
 spline keeps its end value. One control point is a constant, whatever the order.
 
 Raises:
-    ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.)")
+    ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.
+
+Example:
+    >>> spline = cogging.BSpline(order=2, origin=0.0, pitch=0.1, control_points=3)
+    >>> spline.design_matrix([0.05]).round(6).tolist()
+    [[0.5, 0.5, 0.0]])")
       .def(py::init(&make_spline), py::kw_only(), py::arg("order"), py::arg("origin"), py::arg("pitch"),
            py::arg("control_points"))
       .def_property_readonly("order", &BSpline::order, "k: 1 piecewise constant, 2 linear, 3 quadratic")
@@ -98,7 +103,12 @@ F_r(x) = sum_i (f_Si(x) sin(2 pi h_i x / pitch) + f_Ci(x) cos(2 pi h_i x / pitch
 sine and cosine of every term.
 
 Raises:
-    ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.)")
+    ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.
+
+Example:
+    >>> basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2])
+    >>> basis.regressor([0.0125]).round(6).tolist()
+    [[1.0, 0.0, 0.0, -1.0]])")
       .def(py::init(&make_basis), py::kw_only(), py::arg("pitch") = py::none(), py::arg("harmonics") = py::none(),
            py::arg("periods") = py::none(), py::arg("order") = 3, py::arg("origin") = 0.0,
            py::arg("control_points") = 1)
@@ -120,7 +130,12 @@ Raises:
 sine, cosine: V, one row a term, one column a control point (Lu et al. 2008, eq. 3 to 7).
 
 Raises:
-    ValueError: wrong shape, or a value that is not finite.)")
+    ValueError: wrong shape, or a value that is not finite.
+
+Example:
+    >>> basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2])
+    >>> cogging.CoggingModel(basis, sine=[[0.1], [0.0]], cosine=[[0.0], [0.02]]).force(0.0125)
+    0.08)")
       .def(py::init(&make_model), py::arg("basis"), py::arg("sine"), py::arg("cosine"))
       .def_property_readonly("basis", &CoggingModel<>::basis, "the SplineHarmonics it stands on")
       .def_property_readonly(

@@ -117,6 +117,9 @@ py::class_<Struct> bind_parameters(py::module_& module, const std::string& class
     doc += ": " + std::string(field.meaning) + "\n";
   });
   doc += "\nRaises:\n    ValueError: a value breaks its rule; the message names field, rule and value.";
+  const std::string part = module.attr("__name__").cast<std::string>().ends_with(".effects") ? "effects." : "";
+  doc += "\n\nExample:\n    >>> one = cogging." + part + class_name + "()";
+  doc += "\n    >>> one.replace(**one.to_dict()) == one\n    True";
   py::class_<Struct> bound(module, class_name.c_str(), doc.c_str());
 
   std::apply(

@@ -14,6 +14,11 @@ A sample is refused whose reading or reference is not finite, or 1e12 and more: 
 `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
 of the next reading are taken over all samples that have passed.)";
 
+std::string controller_example(const std::string& name) {
+  return "\n\nExample:\n    >>> controller = cogging." + name + "(cogging." + name +
+         ".PARAMETERS(sample_rate=2000.0))\n    >>> controller.sample_rate\n    2000.0";
+}
+
 // What one controller has and no other.
 template <class C>
 void bind_special(py::class_<C>&) {}
@@ -23,7 +28,8 @@ void bind_special(py::class_<OutputFeedbackArc<>>& bound);
 template <class C>
 void bind_controller(py::module_& module, py::dict& controllers) {
   bind_parameters_of<C>(module);
-  py::class_<C> bound(module, class_name(C::name).c_str(), (std::string(C::description) + refusal).c_str());
+  py::class_<C> bound(module, class_name(C::name).c_str(),
+                      (std::string(C::description) + refusal + controller_example(class_name(C::name))).c_str());
   bound.def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
       .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
       .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
@@ -123,7 +129,21 @@ void bind_control(py::module_& module) {
       py::arg("coulomb"), py::arg("friction_slope"), py::arg("cogging_slope"),
       R"(The matrix of Lu et al. 2008, eq. 29, at one point: array (2, 2).
 
-friction_slope is g_f of eq. 24, 1/(m/s); cogging_slope is theta_4b^T g_r of eq. 25, V/m.)");
+Args:
+    feedback_gain: k_s1, V/(m/s).
+    error_gain: k_1, 1/s.
+    mass, viscous, coulomb: theta_1 to theta_3, V/(m/s^2), V/(m/s), V.
+    friction_slope: g_f of eq. 24, 1/(m/s).
+    cogging_slope: theta_4b^T g_r of eq. 25, V/m.
+
+Returns:
+    The matrix.
+
+Example:
+    >>> axis = {"mass": 0.12, "viscous": 0.2, "coulomb": 0.0, "friction_slope": 0.0, "cogging_slope": 10.0}
+    >>> matrix = cogging.desired_compensation_matrix(feedback_gain=48.0, error_gain=200.0, **axis)
+    >>> bool(np.linalg.eigvalsh(matrix)[0] > 0.0)
+    True)");
   module.def(
       "desired_compensation_condition",
       [](const AdaptiveRobustParameters<>& parameters, double friction_slope, double cogging_slope) {
@@ -134,11 +154,59 @@ friction_slope is g_f of eq. 24, 1/(m/s); cogging_slope is theta_4b^T g_r of eq.
       R"(Smallest eigenvalue of the matrix (29) over the bounds and slopes, and the decay rate (1/s) it gives.
 
 Over mass, viscous and Coulomb bounds, 0 <= g_f <= friction_slope (1/(m/s)), |theta_4b^T g_r| <= cogging_slope (V/m).
-Above zero, V = M p^2 / 2 + M k_1^2 e^2 / 2 obeys V' <= -rate V + epsilon. At or below zero k_s1 is too small.)");
+Above zero, V = M p^2 / 2 + M k_1^2 e^2 / 2 obeys V' <= -rate V + epsilon. At or below zero k_s1 is too small.
+
+Args:
+    parameters: gains and bounds of Arc or Dcarc.
+    friction_slope: the largest, 1/(m/s).
+    cogging_slope: the largest, V/m.
+
+Returns:
+    The eigenvalue and the rate.
+
+Example:
+    >>> gains = cogging.AdaptiveRobustParameters(feedback_gain=48.0, error_gain=200.0, mass_bounds=[0.1, 0.14])
+    >>> eigenvalue, rate = cogging.desired_compensation_condition(gains, friction_slope=0.0, cogging_slope=10.0)
+    >>> print(f"{eigenvalue:.1f}, {rate:.0f} 1/s")
+    20.0, 286 1/s)");
   module.def("friction_slope_max", &friction_slope_max, py::arg("coulomb_width"),
-             "Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).");
+             R"(Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).
+
+Args:
+    coulomb_width: m/s.
+
+Returns:
+    The slope.
+
+Example:
+    >>> print(f"{cogging.friction_slope_max(1.11e-3):.1f}")
+    573.5)");
   module.def("cogging_slope_max", &cogging_slope_max, py::arg("basis"), py::arg("amplitude"),
-             "Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).");
+             R"(Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).
+
+Args:
+    basis: a SplineHarmonics.
+    amplitude: V.
+
+Returns:
+    The bound.
+
+Example:
+    >>> basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2])
+    >>> print(f"{cogging.cogging_slope_max(basis, 0.1):.1f}")
+    53.3)");
   module.def("project", &project<double>, py::arg("rate"), py::arg("estimate"), py::arg("minimum"), py::arg("maximum"),
-             "The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).");
+             R"(The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
+
+Args:
+    rate: of the estimate, a second.
+    estimate: as it is.
+    minimum, maximum: of the estimate.
+
+Returns:
+    The rate that is left.
+
+Example:
+    >>> cogging.project(2.0, 1.0, 0.0, 1.0), cogging.project(-2.0, 1.0, 0.0, 1.0)
+    (0.0, -2.0))");
 }

@@ -162,7 +162,12 @@ void bind_plant(py::module_& module) {
 
 Raises:
     ValueError: more than one actuator_lag, presliding_friction, or load (backlash, flexible_mode) among the effects;
-        an effect that needs the travel or the knots of the cogging where there are none.)")
+        an effect that needs the travel or the knots of the cogging where there are none.
+
+Example:
+    >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.1), effects=[cogging.effects.ConstantForce(force=0.5)])
+    >>> plant.acceleration(position=0.0, velocity=0.0, command=1.0)
+    15.0)")
       .def(py::init([](const AxisParameters<>& axis, const std::optional<CoggingModel<>>& cogging,
                        const std::vector<Effect<>>& list, const EncoderParameters& encoder,
                        const NoiseParameters& noise) {

@@ -56,7 +56,16 @@ void bind_special(py::class_<Sampled, Reference>& bound) {
 template <class R>
 void bind_motion(py::module_& module, py::dict& references) {
   if constexpr (requires { typename R::Parameters; }) bind_parameters_of<R>(module);
-  py::class_<R, Reference> bound(module, class_name(R::name).c_str(), std::string(R::description).c_str());
+  const std::string name = class_name(R::name);
+  std::string doc(R::description);
+  if constexpr (requires { typename R::Parameters; })
+    doc += "\n\nExample:\n    >>> motion = cogging." + name + "(cogging." + name +
+           ".PARAMETERS())\n    >>> position, velocity, acceleration = motion.sample([0.0, 0.1])";
+  if constexpr (std::is_same_v<R, Sampled>)
+    doc +=
+        "\n\nExample:\n    >>> motion = cogging.Sampled(time=[0.0, 0.1, 0.2], position=[0.0, 0.01, 0.02])"
+        "\n    >>> position, velocity, acceleration = motion.sample([0.05, 0.1])";
+  py::class_<R, Reference> bound(module, name.c_str(), doc.c_str());
   if constexpr (requires { typename R::Parameters; })
     bound.def(py::init<const typename R::Parameters&>(), py::arg("parameters"))
         .def_property_readonly("parameters", &R::parameters);

@@ -167,9 +167,19 @@ called once a row whatever the times are, and told that its own command, cut at 
 `applied` holds; one that looks ahead sees the reference interpolated between rows, at rest after the last.
 
 Raises:
-    ValueError: fewer than three rows, time not strictly increasing, lengths that differ, a NaN.)");
+    ValueError: fewer than three rows, time not strictly increasing, lengths that differ, a NaN.
 
-  py::class_<Performance>(module, "Performance", "The indexes of one run.")
+Example:
+    >>> pid = cogging.Pid(cogging.PidParameters(kp=1000.0))
+    >>> time, at_rest = 0.01 * np.arange(3), np.zeros(3)
+    >>> cogging.replay_controller(pid, time=time, reference=at_rest, position=[0.0, 1e-6, -2e-6]).tolist()
+    [0.0, -0.001, 0.002])");
+
+  py::class_<Performance>(module, "Performance", R"(The indexes of one run: what `performance` gives.
+
+Example:
+    >>> print(f"{cogging.performance(log.time, log.error, log.command).command_rms:.3f} V")
+    0.421 V)")
       .def_readonly("error_max", &Performance::error_max, "max |e|, m")
       .def_readonly("error_rms", &Performance::error_rms, "sqrt(mean e^2), m")
       .def_readonly("error_final_max", &Performance::error_final_max, "max |e| in the final window, m")
@@ -195,5 +205,18 @@ Raises:
       py::arg("stop") = std::numeric_limits<double>::infinity(), py::arg("final_window") = 2.0,
       R"(Indexes over the rows with start <= time < stop (s); arrays (n,): s, m, V.
 
-error_final_max looks at the last `final_window` seconds of them (Xu and Yao 2001, section 4.2).)");
+error_final_max looks at the last `final_window` seconds of them (Xu and Yao 2001, section 4.2).
+
+Args:
+    time, error, command: of a log.
+    start, stop: s.
+    final_window: s.
+
+Returns:
+    The indexes.
+
+Example:
+    >>> last = cogging.performance(log.time, log.error, log.command, start=1.0)
+    >>> last.error_rms < last.error_max
+    True)");
 }

@@ -22,6 +22,11 @@ class BSpline:
     
     Raises:
         ValueError: order not in 1..16, pitch <= 0, control points above one but below the order.
+    
+    Example:
+        >>> spline = cogging.BSpline(order=2, origin=0.0, pitch=0.1, control_points=3)
+        >>> spline.design_matrix([0.05]).round(6).tolist()
+        [[0.5, 0.5, 0.0]]
     """
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
@@ -71,6 +76,11 @@ class SplineHarmonics:
     
     Raises:
         ValueError: a harmonic below 1, a period <= 0, one given twice, both or neither given, no pitch where it is needed.
+    
+    Example:
+        >>> basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2])
+        >>> basis.regressor([0.0125]).round(6).tolist()
+        [[1.0, 0.0, 0.0, -1.0]]
     """
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
@@ -130,6 +140,11 @@ class CoggingModel:
     
     Raises:
         ValueError: wrong shape, or a value that is not finite.
+    
+    Example:
+        >>> basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2])
+        >>> cogging.CoggingModel(basis, sine=[[0.1], [0.0]], cosine=[[0.0], [0.02]]).force(0.0125)
+        0.08
     """
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
@@ -203,6 +218,11 @@ class PointToPointParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.PointToPointParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'start': ('m', 'position before the first move'), 'distance': ('m', 'length of a move, with its sign'), 'velocity': ('m/s', 'limit on the speed'), 'acceleration': ('m/s^2', 'limit on the acceleration'), 'jerk': ('m/s^3', 'limit on the jerk; infinite = trapezoidal velocity'), 'dwell': ('s', 'rest after each move'), 'repeats': ('1', 'number of moves there and back')}
     __hash__: typing.ClassVar[None] = None
@@ -265,6 +285,10 @@ class PointToPoint(Reference):
     
     start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
     the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.
+    
+    Example:
+        >>> motion = cogging.PointToPoint(cogging.PointToPoint.PARAMETERS())
+        >>> position, velocity, acceleration = motion.sample([0.0, 0.1])
     """
     NAME: typing.ClassVar[str] = 'point_to_point'
     __hash__: typing.ClassVar[None] = None
@@ -296,6 +320,11 @@ class SineParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.SineParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'center': ('m', 'middle of the motion'), 'amplitude': ('m', 'half the stroke'), 'frequency': ('Hz', 'strokes there and back a second')}
     __hash__: typing.ClassVar[None] = None
@@ -335,6 +364,10 @@ class SineParameters:
 class Sine(Reference):
     """
     x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.
+    
+    Example:
+        >>> motion = cogging.Sine(cogging.Sine.PARAMETERS())
+        >>> position, velocity, acceleration = motion.sample([0.0, 0.1])
     """
     NAME: typing.ClassVar[str] = 'sine'
     __hash__: typing.ClassVar[None] = None
@@ -363,6 +396,11 @@ class FilteredSineParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.FilteredSineParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'center': ('m', 'where the motion starts, at rest'), 'amplitude': ('m', 'of the sine that it approaches'), 'frequency': ('Hz', 'of that sine'), 'beta_1': ('1/s', 'damping of the generator'), 'beta_2': ('1/s^2', 'stiffness of the generator')}
     __hash__: typing.ClassVar[None] = None
@@ -415,6 +453,10 @@ class FilteredSine(Reference):
     
     q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
     the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.
+    
+    Example:
+        >>> motion = cogging.FilteredSine(cogging.FilteredSine.PARAMETERS())
+        >>> position, velocity, acceleration = motion.sample([0.0, 0.1])
     """
     NAME: typing.ClassVar[str] = 'filtered_sine'
     __hash__: typing.ClassVar[None] = None
@@ -439,6 +481,10 @@ class Sampled(Reference):
     
     Raises:
         ValueError: fewer than three samples, time not strictly increasing, lengths that differ, a NaN.
+    
+    Example:
+        >>> motion = cogging.Sampled(time=[0.0, 0.1, 0.2], position=[0.0, 0.01, 0.02])
+        >>> position, velocity, acceleration = motion.sample([0.05, 0.1])
     """
     NAME: typing.ClassVar[str] = 'sampled'
     __hash__: typing.ClassVar[None] = None
@@ -468,6 +514,11 @@ class AxisParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.AxisParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'mass': ('V/(m/s^2)', 'M'), 'viscous': ('V/(m/s)', 'B'), 'coulomb': ('V', 'Fc (A_f in Lu et al. 2008)'), 'coulomb_width': ('m/s', 'S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking'), 'travel': ('m', 'lower and upper end of the motion')}
     __hash__: typing.ClassVar[None] = None
@@ -524,6 +575,11 @@ class EncoderParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.EncoderParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'resolution': ('m', 'one count; 0 = ideal'), 'noise': ('m', 'rms of the white noise before rounding')}
     __hash__: typing.ClassVar[None] = None
@@ -565,6 +621,11 @@ class NoiseParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.NoiseParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'rms of the force noise'), 'bandwidth': ('Hz', 'corner of its first-order spectrum')}
     __hash__: typing.ClassVar[None] = None
@@ -603,6 +664,11 @@ class Plant:
     Raises:
         ValueError: more than one actuator_lag, presliding_friction, or load (backlash, flexible_mode) among the effects;
             an effect that needs the travel or the knots of the cogging where there are none.
+    
+    Example:
+        >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.1), effects=[cogging.effects.ConstantForce(force=0.5)])
+        >>> plant.acceleration(position=0.0, velocity=0.0, command=1.0)
+        15.0
     """
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
@@ -650,6 +716,11 @@ class PidParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.PidParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('V/m', 'proportional gain'), 'ki': ('V/(m s)', 'integral gain'), 'kd': ('V/(m/s)', 'derivative gain'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command, with anti-windup; 0 = none')}
     __hash__: typing.ClassVar[None] = None
@@ -732,6 +803,11 @@ class Pid:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.Pid(cogging.Pid.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'pid'
     __hash__: typing.ClassVar[None] = None
@@ -803,6 +879,11 @@ class CascadeParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.CascadeParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('1/s', 'gain of the position loop'), 'kv': ('V/(m/s)', 'gain of the velocity loop'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
@@ -876,6 +957,11 @@ class Cascade:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.Cascade(cogging.Cascade.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'cascade'
     __hash__: typing.ClassVar[None] = None
@@ -947,6 +1033,11 @@ class SpeedParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.SpeedParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'kp': ('V/(m/s)', 'gain of the velocity loop'), 'delay': ('s', 'from a reading to the command that it gives'), 'mass': ('V/(m/s^2)', 'feedforward of the reference acceleration; 0 = none'), 'viscous': ('V/(m/s)', 'feedforward of the velocity'), 'coulomb': ('V', 'friction compensation'), 'coulomb_width': ('m/s', "of the compensation's S(v); 0 = sgn"), 'feedforward_velocity': ('', '"reference" or "measured" (backward difference of the reading)'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
@@ -1025,6 +1116,11 @@ class Speed:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.Speed(cogging.Speed.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'speed'
     __hash__: typing.ClassVar[None] = None
@@ -1114,6 +1210,11 @@ class AdaptiveRobustParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.AdaptiveRobustParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'error_gain': ('1/s', "k_1 of p = e' + k_1 e (eq. 15)"), 'feedback_gain': ('V/(m/s)', 'k_s1 of u_s1 = -k_s1 p (eq. 19, 27)'), 'mass': ('V/(m/s^2)', 'initial estimate of theta_1 = M'), 'mass_bounds': ('V/(m/s^2)', 'theta_1 min and max (eq. 11)'), 'mass_adaptation': ('V/(m/s^2)/(V m/s) m/s', 'Gamma of theta_1'), 'viscous': ('V/(m/s)', 'initial estimate of theta_2 = B'), 'viscous_bounds': ('V/(m/s)', 'theta_2 min and max'), 'viscous_adaptation': ('V s/m^2', 'Gamma of theta_2'), 'coulomb': ('V', 'initial estimate of theta_3 = A_f'), 'coulomb_bounds': ('V', 'theta_3 min and max'), 'coulomb_adaptation': ('V/m', 'Gamma of theta_3'), 'coulomb_width': ('m/s', 'of S_f(v) = (2/pi) atan(v / width) (eq. 2)'), 'disturbance': ('V', 'initial estimate of d_n = -theta_5'), 'disturbance_bounds': ('V', 'd_n min and max'), 'disturbance_adaptation': ('V/m', 'Gamma of theta_5'), 'cogging_pitch': ('m', 'P of the harmonics and of the knots'), 'cogging_harmonics': ('1', 'those compensated; empty = no cogging compensation'), 'cogging_order': ('1', 'k of the B-splines (eq. 6)'), 'cogging_origin': ('m', 'first knot inside the travel'), 'cogging_control_points': ('1', 'm of the B-splines; 1 = periodic, amplitudes constant along the travel'), 'cogging_bounds': ('V', 'min and max of every entry of theta_4b = A_r'), 'cogging_adaptation': ('V/m', 'Gamma of every entry of A_r'), 'cogging_estimates': ('V', 'initial A_r, one control point after the other; empty = zeros'), 'epsilon': ('V m/s', 'of the robust term u_s2 (eq. 20, 30); 0 = no such term'), 'disturbance_bound': ('V', 'delta_d of eq. 12, for u_s2'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
@@ -1280,6 +1381,11 @@ class Arc:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.Arc(cogging.Arc.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'arc'
     __hash__: typing.ClassVar[None] = None
@@ -1344,6 +1450,11 @@ class Dcarc:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.Dcarc(cogging.Dcarc.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'dcarc'
     __hash__: typing.ClassVar[None] = None
@@ -1436,6 +1547,11 @@ class OutputFeedbackArcParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.OutputFeedbackArcParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'observer_gain_1': ('1/s', 'k_1 of A_0 (eq. 10)'), 'observer_gain_2': ('1/s^2', 'k_2 of A_0 (eq. 10)'), 'theta': ('', 'initial estimates of 1/M, B/M, d_n/M'), 'theta_min': ('', 'lower bounds (eq. 8)'), 'theta_max': ('', 'upper bounds (eq. 8)'), 'adaptation': ('', 'diagonal of Gamma (eq. 19); 0 = no adaptation'), 'weight_1': ('1', 'w_1 (eq. 30)'), 'weight_2': ('1', 'w_2 (eq. 41)'), 'gain_1': ('1/s', 'g_1 (eq. 28)'), 'gain_2': ('1/s', 'g_2 (eq. 43)'), 'epsilon_11': ('', 'of alpha_1s2 (eq. 33)'), 'epsilon_12': ('', 'of alpha_1s3 (eq. 35)'), 'epsilon_21': ('', 'of u_s2 (eq. 46)'), 'epsilon_22': ('', 'of u_s3 (eq. 46)'), 'c_phi_1': ('', 'diagonal of C_phi1 (eq. 28)'), 'c_phi_2': ('', 'diagonal of C_phi2 (eq. 43)'), 'c_theta_2': ('', 'diagonal of C_theta2 (eq. 43)'), 'use_alpha_1s2': ('', 'robust term against parameters, step 1 (eq. 37)'), 'use_alpha_1s3': ('', 'robust term against estimation errors, step 1 (eq. 38)'), 'use_c_phi_1': ('', 'state-dependent part of k_1s (eq. 28)'), 'use_c_theta_2': ('', 'part of k_2s with d alpha_1 / d theta_hat (eq. 43)'), 'use_c_phi_2': ('', 'part of k_2s with phi_2 (eq. 43)'), 'use_u_s2': ('', 'robust term against parameters, step 2 (eq. 47)'), 'use_u_s3': ('', 'robust term against estimation errors, step 2 (eq. 47)'), 'robust_factor': ('1', 'common factor on the terms that are switched on'), 'coulomb': ('V', 'level of the friction compensation at reference velocity (eq. 5)'), 'coulomb_width': ('m/s', 'of its S(v); 0 = sgn'), 'filter_steps': ('', '"exact" for held inputs, or "euler"'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
@@ -1618,6 +1734,11 @@ class OutputFeedbackArc:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.OutputFeedbackArc(cogging.OutputFeedbackArc.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'output_feedback_arc'
     __hash__: typing.ClassVar[None] = None
@@ -1715,6 +1836,11 @@ class ObserverBasedParameters:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.ObserverBasedParameters()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'sample_rate': ('Hz', 'samples a second'), 'periods': ('m', 'spatial periods P_n that are cancelled (eq. 2)'), 'observer_gain': ('', "K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)"), 'observer_gain_slope': ('', 'K grows by |nu*| (m/s) times this; empty = constant'), 'position_gain': ('1/s^2', 'L_x = omega^2 (section IV.C)'), 'velocity_gain': ('1/s', 'L_nu = 2 xi omega - mu'), 'mass': ('V/(m/s^2)', 'by which accelerations become commands'), 'viscous': ('1/s', 'mu (eq. 1)'), 'velocity_min': ('m/s', 'below this |nu*| the harmonics are frozen'), 'delay': ('s', 'from reading to acting command; feedforward looks ahead by it'), 'rotation': ('', 'harmonics turn with the "reference" (the paper) or the "measured" position'), 'command_limit': ('V', 'largest command; 0 = none')}
     __hash__: typing.ClassVar[None] = None
@@ -1807,6 +1933,11 @@ class ObserverBased:
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.
+    
+    Example:
+        >>> controller = cogging.ObserverBased(cogging.ObserverBased.PARAMETERS(sample_rate=2000.0))
+        >>> controller.sample_rate
+        2000.0
     """
     NAME: typing.ClassVar[str] = 'observer_based'
     __hash__: typing.ClassVar[None] = None
@@ -1959,7 +2090,11 @@ class StopFlag:
         """
 class Performance:
     """
-    The indexes of one run.
+    The indexes of one run: what `performance` gives.
+    
+    Example:
+        >>> print(f"{cogging.performance(log.time, log.error, log.command).command_rms:.3f} V")
+        0.421 V
     """
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
@@ -2162,6 +2297,18 @@ def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: coll
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     Bound on |d/dx A_r^T S_r(x)| (V/m) when every coefficient lies in [-amplitude, amplitude] (V).
+    
+    Args:
+        basis: a SplineHarmonics.
+        amplitude: V.
+    
+    Returns:
+        The bound.
+    
+    Example:
+        >>> basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2])
+        >>> print(f"{cogging.cogging_slope_max(basis, 0.1):.1f}")
+        53.3
     """
 def desired_compensation_condition(parameters: AdaptiveRobustParameters, *, friction_slope: typing.SupportsFloat | typing.SupportsIndex, cogging_slope: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, float]:
     """
@@ -2169,12 +2316,40 @@ def desired_compensation_condition(parameters: AdaptiveRobustParameters, *, fric
     
     Over mass, viscous and Coulomb bounds, 0 <= g_f <= friction_slope (1/(m/s)), |theta_4b^T g_r| <= cogging_slope (V/m).
     Above zero, V = M p^2 / 2 + M k_1^2 e^2 / 2 obeys V' <= -rate V + epsilon. At or below zero k_s1 is too small.
+    
+    Args:
+        parameters: gains and bounds of Arc or Dcarc.
+        friction_slope: the largest, 1/(m/s).
+        cogging_slope: the largest, V/m.
+    
+    Returns:
+        The eigenvalue and the rate.
+    
+    Example:
+        >>> gains = cogging.AdaptiveRobustParameters(feedback_gain=48.0, error_gain=200.0, mass_bounds=[0.1, 0.14])
+        >>> eigenvalue, rate = cogging.desired_compensation_condition(gains, friction_slope=0.0, cogging_slope=10.0)
+        >>> print(f"{eigenvalue:.1f}, {rate:.0f} 1/s")
+        20.0, 286 1/s
     """
 def desired_compensation_matrix(*, feedback_gain: typing.SupportsFloat | typing.SupportsIndex, error_gain: typing.SupportsFloat | typing.SupportsIndex, mass: typing.SupportsFloat | typing.SupportsIndex, viscous: typing.SupportsFloat | typing.SupportsIndex, coulomb: typing.SupportsFloat | typing.SupportsIndex, friction_slope: typing.SupportsFloat | typing.SupportsIndex, cogging_slope: typing.SupportsFloat | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 2]"]:
     """
     The matrix of Lu et al. 2008, eq. 29, at one point: array (2, 2).
     
-    friction_slope is g_f of eq. 24, 1/(m/s); cogging_slope is theta_4b^T g_r of eq. 25, V/m.
+    Args:
+        feedback_gain: k_s1, V/(m/s).
+        error_gain: k_1, 1/s.
+        mass, viscous, coulomb: theta_1 to theta_3, V/(m/s^2), V/(m/s), V.
+        friction_slope: g_f of eq. 24, 1/(m/s).
+        cogging_slope: theta_4b^T g_r of eq. 25, V/m.
+    
+    Returns:
+        The matrix.
+    
+    Example:
+        >>> axis = {"mass": 0.12, "viscous": 0.2, "coulomb": 0.0, "friction_slope": 0.0, "cogging_slope": 10.0}
+        >>> matrix = cogging.desired_compensation_matrix(feedback_gain=48.0, error_gain=200.0, **axis)
+        >>> bool(np.linalg.eigvalsh(matrix)[0] > 0.0)
+        True
     """
 def format_rows(columns: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64]], first: typing.SupportsInt | typing.SupportsIndex, end: typing.SupportsInt | typing.SupportsIndex) -> bytes:
     """
@@ -2183,16 +2358,51 @@ def format_rows(columns: collections.abc.Sequence[typing.Annotated[numpy.typing.
 def friction_slope_max(coulomb_width: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     Steepest slope of S(v) = (2/pi) atan(v / coulomb_width): 2 / (pi coulomb_width), 1/(m/s).
+    
+    Args:
+        coulomb_width: m/s.
+    
+    Returns:
+        The slope.
+    
+    Example:
+        >>> print(f"{cogging.friction_slope_max(1.11e-3):.1f}")
+        573.5
     """
 def performance(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], error: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, start: typing.SupportsFloat | typing.SupportsIndex = ..., stop: typing.SupportsFloat | typing.SupportsIndex = ..., final_window: typing.SupportsFloat | typing.SupportsIndex = 2.0) -> Performance:
     """
     Indexes over the rows with start <= time < stop (s); arrays (n,): s, m, V.
     
     error_final_max looks at the last `final_window` seconds of them (Xu and Yao 2001, section 4.2).
+    
+    Args:
+        time, error, command: of a log.
+        start, stop: s.
+        final_window: s.
+    
+    Returns:
+        The indexes.
+    
+    Example:
+        >>> last = cogging.performance(log.time, log.error, log.command, start=1.0)
+        >>> last.error_rms < last.error_max
+        True
     """
 def project(rate: typing.SupportsFloat | typing.SupportsIndex, estimate: typing.SupportsFloat | typing.SupportsIndex, minimum: typing.SupportsFloat | typing.SupportsIndex, maximum: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     The adaptation rate, 0 where it would leave the bound (Lu et al. 2008, eq. 14).
+    
+    Args:
+        rate: of the estimate, a second.
+        estimate: as it is.
+        minimum, maximum: of the estimate.
+    
+    Returns:
+        The rate that is left.
+    
+    Example:
+        >>> cogging.project(2.0, 1.0, 0.0, 1.0), cogging.project(-2.0, 1.0, 0.0, 1.0)
+        (0.0, -2.0)
     """
 def replay_controller(controller: typing.Any, *, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], reference_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, reference_acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], applied: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]:
     """
@@ -2204,6 +2414,12 @@ def replay_controller(controller: typing.Any, *, time: typing.Annotated[numpy.ty
     
     Raises:
         ValueError: fewer than three rows, time not strictly increasing, lengths that differ, a NaN.
+    
+    Example:
+        >>> pid = cogging.Pid(cogging.PidParameters(kp=1000.0))
+        >>> time, at_rest = 0.01 * np.arange(3), np.zeros(3)
+        >>> cogging.replay_controller(pid, time=time, reference=at_rest, position=[0.0, 1e-6, -2e-6]).tolist()
+        [0.0, -0.001, 0.002]
     """
 def smooth_sign(velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

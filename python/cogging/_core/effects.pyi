@@ -19,6 +19,11 @@ class Wave:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Wave()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'shape': ('', 'its period (m), or its frequency (Hz)'), 'sine': ('', 'amplitude of the sine'), 'cosine': ('', 'amplitude of the cosine')}
     __hash__: typing.ClassVar[None] = None
@@ -65,6 +70,11 @@ class Window:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Window()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'start': ('', 'time at which it begins (s)'), 'stop': ('', 'time at which it ends (s)')}
     __hash__: typing.ClassVar[None] = None
@@ -107,6 +117,11 @@ class Knots:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Knots()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'coordinate': ('', 'of the nodes: position, velocity or time'), 'nodes': ('', 'list of places, increasing'), 'levels': ('', 'list of values, one a node')}
     __hash__: typing.ClassVar[None] = None
@@ -154,6 +169,11 @@ class SplineKnots:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.SplineKnots()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'pitch': ('', 'distance of the knots (m)'), 'order': ('', 'of the B-splines'), 'origin': ('', 'first knot of the first full span (m)')}
     __hash__: typing.ClassVar[None] = None
@@ -199,6 +219,11 @@ class Travel:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Travel()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'ends': ('', 'lower and upper end (m)')}
     __hash__: typing.ClassVar[None] = None
@@ -288,6 +313,11 @@ class ConstantForce:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.ConstantForce()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'pushes towards +x')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -340,6 +370,11 @@ class CableSpring:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CableSpring()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'stiffness': ('V/m', 'force a metre of distance'), 'center': ('m', 'where the spring is slack')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -398,6 +433,11 @@ class EndEffect:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.EndEffect()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'at an end, outwards'), 'decay_length': ('m', 'distance from the end at which it has fallen to 1/e'), 'travel': ('m', 'ends x0, x1 from which it is measured; infinite = of [axis]')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -461,6 +501,11 @@ class CoggingHarmonic:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CoggingHarmonic()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('V', 'amplitude of the sine'), 'cosine': ('V', 'amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -527,6 +572,11 @@ class CoggingModulation:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CoggingModulation()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('V', 'amplitude of the sine at each control point'), 'cosine': ('V', 'amplitude of the cosine at each control point'), 'pitch': ('m', 'distance of the knots; 0 = the knots of [cogging]'), 'order': ('1', 'of the B-splines'), 'origin': ('m', 'first knot of the first full span')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -603,6 +653,11 @@ class CoulombAsymmetry:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CoulombAsymmetry()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'difference': ('V', 'forward level less backward level')}
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
@@ -654,6 +709,11 @@ class ViscousAsymmetry:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.ViscousAsymmetry()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'difference': ('V/(m/s)', 'forward slope less backward slope')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -707,6 +767,11 @@ class StribeckFriction:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.StribeckFriction()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'static_excess': ('V', 'static level above the Coulomb level'), 'velocity': ('m/s', 'speed at which the excess has fallen to 1/e'), 'exponent': ('1', 'shape of the fall: 1 exponential, 2 Gaussian')}
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
@@ -769,6 +834,11 @@ class PreslidingFriction:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.PreslidingFriction()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'stiffness': ('V/m', 'of the contact at rest; infinite = none'), 'damping': ('V/(m/s)', 'of the bristle')}
     HOOKS: typing.ClassVar[tuple] = ('state')
@@ -822,6 +892,11 @@ class PositionDependentFriction:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.PositionDependentFriction()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'nodes': ('m', 'positions, increasing'), 'levels': ('V', 'added to Fc, one a node')}
     HOOKS: typing.ClassVar[tuple] = ('friction_level')
@@ -878,6 +953,11 @@ class QuadraticDrag:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.QuadraticDrag()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'coefficient': ('V/(m/s)^2', 'force a squared metre a second')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -931,6 +1011,11 @@ class ForceConstantRipple:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.ForceConstantRipple()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('1', 'relative amplitude of the sine'), 'cosine': ('1', 'relative amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('command_gain')
@@ -993,6 +1078,11 @@ class ForceConstantDrift:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.ForceConstantDrift()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'change': ('1', 'relative, after a long time'), 'time_constant': ('s', 'of the drift')}
     HOOKS: typing.ClassVar[tuple] = ('command_gain')
@@ -1049,6 +1139,11 @@ class CommandDelay:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CommandDelay()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'delay': ('s', 'from computed to acting')}
     HOOKS: typing.ClassVar[tuple] = ('command_delay')
@@ -1096,6 +1191,11 @@ class ActuatorLag:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.ActuatorLag()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'time_constant': ('s', 'of the current loop')}
     HOOKS: typing.ClassVar[tuple] = ('lag')
@@ -1143,6 +1243,11 @@ class CommandSaturation:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CommandSaturation()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'limit': ('V', 'largest command that passes; infinite = none')}
     HOOKS: typing.ClassVar[tuple] = ('shape_command')
@@ -1194,6 +1299,11 @@ class CommandDeadZone:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.CommandDeadZone()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'width': ('V', 'half of the zone: largest command that does nothing')}
     HOOKS: typing.ClassVar[tuple] = ('shape_command')
@@ -1247,6 +1357,11 @@ class EncoderPeriodicError:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.EncoderPeriodicError()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'period': ('m', 'in position'), 'sine': ('m', 'amplitude of the sine'), 'cosine': ('m', 'amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('reading')
@@ -1308,6 +1423,11 @@ class EncoderScaleError:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.EncoderScaleError()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'scale': ('1', 'by which the reading is too large, relative')}
     HOOKS: typing.ClassVar[tuple] = ('reading')
@@ -1362,6 +1482,11 @@ class Backlash:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Backlash()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'gap': ('m', 'full play of the load'), 'mass_ratio': ('1', 'load over total'), 'contact_frequency': ('Hz', 'of the free-free vibration in contact'), 'contact_damping_ratio': ('1', 'of that vibration')}
     HOOKS: typing.ClassVar[tuple] = ('state')
@@ -1426,6 +1551,11 @@ class FlexibleMode:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.FlexibleMode()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'frequency': ('Hz', 'of the free-free vibration; infinite = rigid'), 'damping_ratio': ('1', 'of that vibration'), 'mass_ratio': ('1', 'load over total')}
     HOOKS: typing.ClassVar[tuple] = ('state')
@@ -1485,6 +1615,11 @@ class DisturbanceStep:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.DisturbanceStep()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'force': ('V', 'pushes towards +x'), 'start': ('s', 'time at which it begins'), 'stop': ('s', 'time at which it ends')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -1548,6 +1683,11 @@ class DisturbanceTone:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.DisturbanceTone()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'frequency': ('Hz', 'of the tone'), 'sine': ('V', 'amplitude of the sine'), 'cosine': ('V', 'amplitude of the cosine')}
     HOOKS: typing.ClassVar[tuple] = ('force')
@@ -1614,6 +1754,11 @@ class EmpiricalForce:
     
     Raises:
         ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.EmpiricalForce()
+        >>> one.replace(**one.to_dict()) == one
+        True
     """
     FIELDS: typing.ClassVar[dict] = {'position_nodes': ('m', 'positions, increasing'), 'position_forces': ('V', 'pushes towards +x, one a node'), 'velocity_nodes': ('m/s', 'velocities, increasing'), 'velocity_forces': ('V', 'pushes towards +x, one a node'), 'time_nodes': ('s', 'times, increasing'), 'time_forces': ('V', 'pushes towards +x, one a node')}
     HOOKS: typing.ClassVar[tuple] = ('force')
