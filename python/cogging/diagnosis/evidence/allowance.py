@@ -1,0 +1,72 @@
+"""How far re-tuning may move mass and friction: as far as the model says that they are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cogging.model.model import Model
+
+STATED = 4.2  # stated deviations beyond which mass, viscous or Coulomb friction has changed
+UNSTATED = 3.0  # factor within which a level is taken to be known where nobody states how well
+LEVELS = ("mass", "viscous", "coulomb")
+AT_END = 1e-6  # relative
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """What the statement of a model leaves open.
+
+    Attributes:
+        floors, ceilings: ends of each level by path, in its unit.
+        exact: paths of levels that are stated to be exact.
+    """
+
+    floors: Mapping[str, float]
+    ceilings: Mapping[str, float]
+    exact: tuple[str, ...]
+
+    def inside(self, path: str, value: float) -> bool:
+        """Whether the statement allows a value; anything, of what it says nothing about."""
+        room = AT_END * abs(value)
+        return self.floors.get(path, -float("inf")) - room <= value <= self.ceilings.get(path, float("inf")) + room
+
+    def at_end(self, path: str, value: float) -> bool:
+        """Whether a value stands at an end of what is allowed, or beyond."""
+        room = AT_END * abs(value)
+        low, high = self.floors.get(path, -float("inf")), self.ceilings.get(path, float("inf"))
+        return value <= low + room or value >= high - room
+
+    def without(self, paths: tuple[str, ...]) -> Allowance:
+        """The allowance with some levels free: of mass, a hundredth of what was allowed at least, of friction none."""
+        return Allowance(
+            {
+                path: low if path not in paths else 0.01 * low if path == "axis.mass" else 0.0
+                for path, low in self.floors.items()
+            },
+            {path: high for path, high in self.ceilings.items() if path not in paths},
+            tuple(path for path in self.exact if path not in paths),
+        )
+
+
+def allowance(model: Model) -> Allowance:
+    """How far mass, viscous and Coulomb friction may be from what a model states.
+
+    Within STATED of its stated deviations; not at all where it is stated to be exact; within a factor UNSTATED where
+    nothing is stated. A friction of zero of which nothing is stated is not known at all.
+    """
+    floors: dict[str, float] = {}
+    ceilings: dict[str, float] = {}
+    exact: list[str] = []
+    for name in LEVELS:
+        path, value, stated = f"axis.{name}", float(getattr(model.axis, name)), model.uncertainty.get(name)
+        floors[path] = 0.0
+        if stated == 0.0:
+            exact.append(path)
+            floors[path] = ceilings[path] = value
+        elif stated is not None:
+            floors[path] = max(0.0, value * (1.0 - STATED * stated), value / 1e3 if name == "mass" else 0.0)
+            ceilings[path] = value * (1.0 + STATED * stated)
+        elif value > 0.0:
+            floors[path], ceilings[path] = value / UNSTATED, value * UNSTATED
+    return Allowance(floors, ceilings, tuple(exact))

@@ -1,0 +1,1 @@
+"""Effects that make much of the command: seeded by inverse dynamics, largest first, each judged by a refit."""

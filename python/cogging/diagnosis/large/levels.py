@@ -1,0 +1,113 @@
+"""What may move beside a term while it is tried: mass and friction as far as they are allowed to, known amplitudes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.diagnosis.evidence.allowance import Allowance
+from cogging.diagnosis.evidence.null import nuisances
+from cogging.diagnosis.large.balance import Balances
+from cogging.model.parameters import parameters_of
+
+SIZE = 1e-12  # of a column, below which it does nothing
+ROOM = 1e-9  # between the ends of what does not move
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Linear least squares of a force balance with bounded levels.
+
+    Attributes:
+        paths: paths of the levels that may move.
+        columns: derivatives of the residual by them, V per unit, (p, n).
+        low, high: by how much each may move, (p,).
+        residual: of the model as it stands, V, (n,).
+    """
+
+    paths: tuple[str, ...]
+    columns: FloatArray
+    low: FloatArray
+    high: FloatArray
+    residual: FloatArray
+
+    @cached_property
+    def products(self) -> FloatArray:
+        """Products of the columns and the residual among themselves, (p + 1, p + 1)."""
+        rows = np.vstack([self.columns, self.residual])
+        return products_of(rows, rows)
+
+    def fitted(self, columns: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, float]:
+        """Amplitudes (p + q,) of the levels and of further columns (q, n) within bounds, and the power that is left."""
+        p, q = len(self.columns), len(columns)
+        known = self.products
+        products = np.zeros((p + q + 1, p + q + 1))
+        inner = [*range(p), p + q]
+        products[np.ix_(inner, inner)] = known
+        if q:
+            products[p : p + q, :p] = products_of(columns, self.columns)
+            products[p : p + q, p : p + q] = products_of(columns, columns)
+            products[p + q, p : p + q] = products_of(columns, self.residual[None, :])[:, 0]
+            products[:p, p : p + q] = products[p : p + q, :p].T
+            products[p : p + q, p + q] = products[p + q, p : p + q]
+        return bounded(products, np.append(self.low, low), np.append(self.high, high))
+
+    def alone(self) -> tuple[FloatArray, float]:
+        """The same without further columns."""
+        return self.fitted(np.zeros((0, len(self.residual))), np.zeros(0), np.zeros(0))
+
+    def moved(self, steps: FloatArray) -> FloatArray:
+        """The residual once the levels have moved by `steps` (p,), V, (n,)."""
+        return np.asarray(self.residual + steps @ self.columns)
+
+
+def levels_of(balances: Balances, allowed: Allowance, *, effects: bool = True) -> Levels:
+    """The levels of a model that may move: nuisances, amplitudes of `effects` among them."""
+    known = parameters_of(balances.model, together=True)
+    paths = [p for p in nuisances(balances.model) if p not in allowed.exact and p != "axis.coulomb_width"]
+    paths = [p for p in paths if effects or not p.startswith("effects.")]
+    values = np.array([known[path].value for path in paths])
+    low = np.array([allowed.floors.get(path, -np.inf) for path in paths]) - values
+    high = np.array([allowed.ceilings.get(path, np.inf) for path in paths]) - values
+    columns = balances.columns([known[path] for path in paths])
+    return Levels(tuple(paths), columns, np.minimum(low, 0.0), np.maximum(high, 0.0), balances.residual)
+
+
+def products_of(rows: FloatArray, others: FloatArray) -> FloatArray:
+    """Products of rows (p, n) and others (q, n), (p, q).
+
+    Few and long: threads of a matrix product would wait for each other for longer than it takes.
+    """
+    return np.asarray(np.einsum("in,jn->ij", rows, others))
+
+
+def bounded(products: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, float]:
+    """Weights (p,) between bounds of columns that make residual + weights columns smallest, and the power left.
+
+    Args:
+        products: products of columns and residual (the last) among themselves, (p + 1, p + 1).
+        low, high: ends of each weight, (p,).
+    """
+    from scipy.optimize import lsq_linear
+
+    total, gram, right = float(products[-1, -1]), products[:-1, :-1], products[:-1, -1]
+    size = np.sqrt(np.diag(gram))
+    moves = (size > SIZE * np.sqrt(total)) & (high > low)
+    weights = np.zeros(len(size))
+    if not moves.any():
+        return weights, total
+    size = size[moves]
+    values, vectors = np.linalg.eigh(gram[np.ix_(moves, moves)] / np.outer(size, size))
+    values = np.maximum(values, 1e-12 * values[-1])
+    root = (vectors * np.sqrt(values)).T
+    aim = -(vectors.T @ (right[moves] / size)) / np.sqrt(values)
+    inside = np.linalg.lstsq(root, aim, rcond=None)[0] / size
+    if not np.all((inside >= low[moves]) & (inside <= high[moves])):
+        ends = (low[moves] * size - ROOM, high[moves] * size + ROOM)
+        inside = np.clip(lsq_linear(root, aim, bounds=ends, method="bvls").x / size, low[moves], high[moves])
+    weights[moves] = inside
+    left = float(total + 2.0 * weights @ right + weights @ gram @ weights)
+    return weights, max(left, 1e-15 * total)

@@ -1,0 +1,235 @@
+"""Terms that a force balance may lack, each at the shape and size that leave least of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cogging._core import DivergedError
+from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
+from cogging.diagnosis.candidates.waves import PERIOD, is_wave, plain_wave
+from cogging.diagnosis.large.balance import WEAKENING, Balances
+from cogging.diagnosis.large.levels import Levels
+from cogging.diagnosis.large.spectrum import peaks, sharpened
+from cogging.effects.effect import Effect, Wave, kind_of
+
+PEAKS = 3  # of a spectrum, that are looked at exactly
+LOOKED_AT = 3  # seeds of a name, whose size is tried as it is
+TOGETHER = 64  # effects that are tried at once
+COUNTS = 3.0  # of the encoder, that an error of its reading has at least: what is smaller, rounding makes too
+FINITE = (0.25, 4.0)  # times the size that was tried of an effect that its shape alone makes
+DAMPING = (0.01, 0.05, 0.2)  # of a load that hangs on the motor
+SHARPENED = 3  # of these, the best, that are looked at more closely
+RESONANCES = 60  # frequencies of its resonance that are tried
+SHARE_MAX = 0.95  # of the moving mass, that hangs on the motor
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A term at its best size.
+
+    Attributes:
+        candidate: effect and shape.
+        amplitudes: its amplitudes, (q,); empty where its shape alone makes it.
+        left: power of the residual that it leaves, levels re-tuned beside it, V^2 times rows.
+    """
+
+    candidate: Candidate
+    amplitudes: tuple[float, ...]
+    left: float
+
+    @property
+    def name(self) -> str:
+        """Name of the effect."""
+        return self.candidate.name
+
+    def effect(self) -> Effect:
+        """The effect with its amplitudes."""
+        return self.candidate.effect(self.amplitudes)
+
+
+def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) -> list[Seed]:
+    """The best term of each name, what leaves least first."""
+    best: dict[str, Seed] = {}
+    waves = [law for law in vocabulary.values() if is_wave(law)]
+    others = [law for law in vocabulary.values() if not is_wave(law) and "state" not in law.HOOKS]
+    found = [*_waves(balances, levels, waves)]
+    periods = [seed.candidate.period for seed in found if seed.candidate.period is not None]
+    for law in others:
+        if law.NAME != "empirical_force":
+            found += judged(balances, levels, list(candidates(balances, law, periods)))
+    if "flexible_mode" in vocabulary:
+        found += _resonances(balances, levels, vocabulary["flexible_mode"])
+    for name in {seed.name for seed in found}:
+        first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[:LOOKED_AT]
+        best[name] = min((as_it_is(balances, levels, seed) for seed in first), key=lambda seed: seed.left)
+    return sorted(best.values(), key=lambda seed: seed.left)
+
+
+def judged(balances: Balances, levels: Levels, tried: list[Candidate]) -> list[Seed]:
+    """Each candidate at its best size; those left out that cannot be simulated or would be no such machine."""
+    found: list[Seed] = []
+    for first in range(0, len(tried), TOGETHER):
+        part = tried[first : first + TOGETHER]
+        try:
+            tables = _tables(balances, part)
+        except (DivergedError, ValueError):
+            tables = []
+            for one in part:
+                try:
+                    tables += _tables(balances, [one])
+                except (DivergedError, ValueError):
+                    tables.append(np.zeros((0, 0)))
+        for candidate, columns in zip(part, tables, strict=True):
+            seed = _judge(balances, levels, candidate, columns) if len(columns) else None
+            if seed is not None:
+                found.append(seed)
+    return found
+
+
+def _tables(balances: Balances, tried: list[Candidate]) -> list[FloatArray]:
+    """Columns of candidates, V per unit of an amplitude, (q, n) each."""
+    effects: list[Effect] = []
+    units: list[float] = []
+    counts = []
+    for candidate in tried:
+        q = len(candidate.amplitudes)
+        counts.append(max(q, 1))
+        if not q:
+            effects.append(candidate.effect())
+            units.append(1.0)
+        for k, unit in enumerate(candidate.unit):
+            effects.append(candidate.effect([unit if i == k else 0.0 for i in range(q)]))
+            units.append(unit)
+    table = balances.added(effects) / np.array(units)[:, None]
+    return np.split(table, np.cumsum(counts)[:-1])
+
+
+def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: FloatArray) -> Seed | None:
+    if not candidate.amplitudes:
+        ends = np.array([FINITE[0]]), np.array([FINITE[1]])
+        weights, left = levels.fitted(columns, np.zeros(1), ends[1])
+        if weights[-1] < FINITE[0]:
+            return None
+        return Seed(_resized(candidate, float(weights[-1])), (), left)
+    sizes, roles = quantities(balances), candidate.law.ROLES
+    low = np.array([roles[field]["low"] * sizes[roles[field]["quantity"]] for field, _ in candidate.amplitudes])
+    high = np.array([roles[field]["high"] * sizes[roles[field]["quantity"]] for field, _ in candidate.amplitudes])
+    weights, left = levels.fitted(columns, low, high)
+    amplitudes = weights[len(levels.paths) :]
+    count = balances.model.encoder.resolution
+    if "reading" in candidate.law.HOOKS and len(amplitudes) > 1:
+        if float(np.linalg.norm(amplitudes)) < COUNTS * count or (candidate.period or np.inf) < PERIOD * count:
+            return None
+    return Seed(candidate, tuple(float(a) for a in amplitudes), left)
+
+
+def as_it_is(balances: Balances, levels: Levels, seed: Seed) -> Seed:
+    """The seed with what it leaves at its own size: what acts through the command is not in proportion to it."""
+    if not WEAKENING & set(seed.candidate.law.HOOKS):
+        return seed
+    column = balances.added([seed.effect()])
+    return replace(seed, left=replace(levels, residual=levels.residual + column[0]).alone()[1])
+
+
+def _resized(candidate: Candidate, factor: float) -> Candidate:
+    """The candidate with a shape that starts from nothing made larger by a factor, where it has one."""
+    for field, value in candidate.shape.items():
+        role = candidate.law.ROLES[field]
+        if role["role"] == "shape" and role["neutral"] == 0.0:
+            return replace(candidate, shape={**candidate.shape, field: value * factor})
+    return candidate
+
+
+def _waves(balances: Balances, levels: Levels, laws: Iterable[Effect]) -> Iterator[Seed]:
+    """Waves in place and in time; one along the travel also as every other wave of its period."""
+    laws = list(laws)
+    steps, _ = levels.alone()
+    residual = levels.moved(steps)
+    spatial: list[float] = []
+    for law in laws:
+        wave = plain_wave(law)
+        if wave is None or "reading" in law.HOOKS:
+            continue
+        along = law.ROLES[wave.shape]["quantity"] == "distance"
+        found = peaks(balances, residual, PEAKS, spatial=along, gained="command_gain" in law.HOOKS)
+        for value in found:
+            seed = _sharpest(balances, levels, law, value, along)
+            if seed is not None:
+                yield seed
+                if along:
+                    spatial.append(float(seed.candidate.shape[wave.shape]))
+    known = known_periods(balances.model)
+    for law in laws:
+        wave = kind_of(law, Wave)
+        if wave is not None and law.ROLES[wave.shape]["quantity"] == "distance":
+            yield from judged(balances, levels, [wave_of(balances, law, period) for period in [*spatial, *known]])
+
+
+def _sharpest(balances: Balances, levels: Levels, law: Effect, value: float, along: bool) -> Seed | None:
+    span = balances.scales.position if along else balances.scales.time
+
+    def seed_at(number: float) -> Seed | None:
+        one = judged(balances, levels, [wave_of(balances, law, 1.0 / number if along else number)])
+        return one[0] if one else None
+
+    def explained(number: float) -> float:
+        seed = seed_at(number)
+        return -np.inf if seed is None else -seed.left
+
+    first = explained(value)
+    return None if not np.isfinite(first) else seed_at(sharpened(explained, value, 0.6 / span))
+
+
+def wave_of(balances: Balances, law: Effect, value: float) -> Candidate:
+    """A wave at one period (m) or frequency (Hz)."""
+    wave = plain_wave(law)
+    assert wave is not None
+    role = law.ROLES[wave.sine]
+    unit = 0.02 * abs(role["high"]) * quantities(balances)[role["quantity"]]
+    return Candidate(law, {wave.shape: value}, ((wave.sine, None), (wave.cosine, None)), (unit, unit))
+
+
+def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[Seed]:
+    """A load that hangs on the motor: its inertia where it does not follow, its share of the mass free."""
+    from scipy.optimize import minimize
+
+    top = min(0.5 * source.balance.dynamics.cutoff for source in balances.sources)
+    bottom = max(2.0 / balances.scales.time, 0.5)
+    if not bottom < top:
+        return
+    grid = [(f, d) for d in DAMPING for f in np.geomspace(bottom, top, RESONANCES)]
+    seeds = [seed for f, d in grid if (seed := _resonance(balances, levels, law, float(f), d)) is not None]
+
+    def left(logarithms: FloatArray) -> float:
+        frequency, damping = np.exp(np.clip(logarithms, np.log([bottom, 1e-3]), np.log([2.0 * top, 0.7])))
+        seed = _resonance(balances, levels, law, float(frequency), float(damping))
+        return np.inf if seed is None else seed.left
+
+    for seed in sorted(seeds, key=lambda one: one.left)[:SHARPENED]:
+        root = (1.0 - seed.candidate.shape["mass_ratio"]) ** 0.5
+        start = np.log([seed.candidate.shape["frequency"] * root, seed.candidate.shape["damping_ratio"] * root])
+        better = minimize(left, start, method="Nelder-Mead", options={"maxfev": 60, "xatol": 1e-3, "fatol": 1e-3 * seed.left})
+        frequency, damping = np.exp(better.x)
+        yield _resonance(balances, levels, law, float(frequency), float(damping)) or seed
+
+
+def _resonance(balances: Balances, levels: Levels, law: Effect, antiresonance: float, damping: float) -> Seed | None:
+    """A load of the share that leaves least; None where it would have none of the mass, or nearly all."""
+    mass = balances.model.axis.mass
+    rows = []
+    for source in balances.sources:
+        dynamics = source.balance.dynamics
+        borne = mass * (dynamics.motion.acceleration - source.load_acceleration(antiresonance, damping))
+        rows.append(dynamics.filtered(borne[None, :]))
+    weights, left = levels.fitted(balances.joined(rows), np.zeros(1), np.array([np.inf]))
+    moved = weights[levels.paths.index("axis.mass")] if "axis.mass" in levels.paths else 0.0
+    share = float(weights[-1]) * mass / (mass + float(moved))
+    if not 0.0 < share < SHARE_MAX:
+        return None
+    root = (1.0 - share) ** 0.5
+    shape = {"frequency": antiresonance / root, "damping_ratio": damping / root, "mass_ratio": share}
+    return Seed(Candidate(law, shape, (), ()), (), left)
