@@ -21,8 +21,8 @@ BASE |= {"progress", "shown", "threads", "values"}
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
-DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
+DIAGNOSIS = ["thresholds", "evidence", "candidates", "residual", "discrepancy", "entries", "report", "location"]
+DIAGNOSIS += ["locate", "result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 
@@ -125,6 +125,7 @@ def test_a_report_only_renders():
         seen.add(name)
         todo |= {used for used in GRAPH.get(name, ()) if used.startswith("cogging.diagnosis.")} - seen
     held = {f"cogging.diagnosis.residual{name}" for name in ("", ".shape", ".location_words")}
+    held.add("cogging.diagnosis.thresholds")
     assert seen <= shown | held | {"cogging.diagnosis", "cogging.diagnosis.report"}
     estimation = {used for name in seen for used in GRAPH.get(name, ()) if used.startswith("cogging.estimation")}
     assert estimation <= {"cogging.estimation.statistics"}  # the moving average of a drawn trace

@@ -4,9 +4,10 @@ import numpy as np
 
 import cogging
 from cogging.diagnosis.evidence.null import fit_null
-from cogging.diagnosis.naming.verdict import BURST, BURSTS_TOGETHER, VARIANCE, unlisted
+from cogging.diagnosis.naming.verdict import unlisted
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
 from cogging.diagnosis.search.search import search
+from cogging.diagnosis.thresholds import VERDICT
 from tests.fixtures.moving_axis import machine, pushed, record
 
 
@@ -21,8 +22,8 @@ def test_a_burst_is_told_from_noise_that_goes_with_speed():
     for added in (burst, with_speed):
         read = cogging.Log(log.time, log.position + added, log.command)
         found.append(variance_jumps(fit_null([read], machine())[1]))
-    assert found[0] < VARIANCE  # seen: -1044
-    assert found[1] > 0.5 * VARIANCE  # seen: -0.4
+    assert found[0] < VERDICT.variance  # seen: -1044
+    assert found[1] > 0.5 * VERDICT.variance  # seen: -0.4
 
 
 def test_bursts_of_force_are_louder_than_noise_of_any_tails():
@@ -35,8 +36,8 @@ def test_bursts_of_force_are_louder_than_noise_of_any_tails():
         return 0.04 * np.random.default_rng(9).standard_t(3.0, size=len(t))
 
     loud, even = (bursts(fit_null([pushed(force, 23)], machine())[1]) for force in (rattle, tails))
-    assert loud < 0.5 * BURSTS_TOGETHER
-    assert even > BURST
+    assert loud < 0.5 * VERDICT.bursts_together
+    assert even > VERDICT.burst
     told = unlisted(search([pushed(rattle, 23)], machine(), [pushed(rattle, 24)]), [], checked=True)
     assert told["shape"].startswith("bursts: ")
     assert told["confirmed"]

@@ -5,10 +5,10 @@ import pytest
 
 import cogging
 from cogging.diagnosis.evidence.null import fit_null
-from cogging.diagnosis.naming.verdict import JUMP
 from cogging.diagnosis.residual.events import events
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
+from cogging.diagnosis.thresholds import VERDICT
 from tests.fixtures.moving_axis import by_coordinate, machine, pushed, record
 
 
@@ -20,7 +20,7 @@ def test_readings_that_jump_are_told_with_their_moment_and_size():
     position[row:] += 6e-7
     evidence = fit_null([cogging.Log(log.time, position, log.command)], machine())[1]
     (jump,) = [shape for shape in events(evidence) if shape.coordinate == JUMPS]
-    assert jump.log_p_value < JUMP
+    assert jump.log_p_value < VERDICT.jump
     largest = int(np.argmax(np.abs(jump.force)))
     assert jump.places[largest] == pytest.approx(log.time[row], abs=0.005)
     assert jump.force[largest] == pytest.approx(6e-7, abs=4.0 * jump.deviation[largest])
@@ -29,7 +29,7 @@ def test_readings_that_jump_are_told_with_their_moment_and_size():
 
 def test_a_blow_is_no_jump_of_the_reading():
     found = by_coordinate(pushed(lambda t, x, v: 0.8 * ((t > 3.0) & (t < 3.02)), 17))
-    assert JUMPS not in found or found[JUMPS].log_p_value > JUMP
+    assert JUMPS not in found or found[JUMPS].log_p_value > VERDICT.jump
 
 
 def test_friction_that_comes_and_goes_is_told_in_intervals():

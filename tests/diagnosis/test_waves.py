@@ -12,6 +12,7 @@ from cogging.diagnosis.candidates import waves
 from cogging.diagnosis.candidates.findings import judged
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.evidence.null import fit_null
+from cogging.diagnosis.thresholds import SPECTRUM
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.moving_axis import machine, record
 
@@ -32,7 +33,7 @@ def test_a_fast_tone_is_the_first_peak_however_few_bins_there_are(monkeypatch):
     """Bins longer than the rows would fold what is faster into lines that are not there."""
     truth = machine([EFFECTS["disturbance_tone"](frequency=103.0, sine=0.03)])
     evidence = fit_null([record(truth, 21)], machine())[1]
-    monkeypatch.setattr(waves, "BINS", 256)
+    monkeypatch.setattr(waves, "SPECTRUM", replace(SPECTRUM, bins=256))
     (first, *_), _ = waves.peaks(evidence, VOCABULARY["disturbance_tone"])
     assert first.shape["frequency"] == pytest.approx(103.0, abs=0.2)
 

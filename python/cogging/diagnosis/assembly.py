@@ -15,7 +15,7 @@ from cogging.diagnosis.evidence.running_controller import obeys
 from cogging.diagnosis.experiment.separating import separating
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.location import Location
-from cogging.diagnosis.naming.level_changes import CHANGED, changes, look_alikes
+from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.naming.names import changed, merged, named
 from cogging.diagnosis.naming.verdict import unlisted, verdict
@@ -26,15 +26,13 @@ from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
-from cogging.diagnosis.search.search import LEFT_OVER
 from cogging.diagnosis.search.state import Added, Search
+from cogging.diagnosis.thresholds import GAP, LEVEL_CHANGE, LOCATION, VERDICT
 from cogging.effects.effect import Effect
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
-
-WHERE = -7.0  # log p-value below which a coordinate is told
 
 
 def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagnosis:
@@ -46,7 +44,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         model: given model, with the controller that was running.
         replay: whether the loop can be replayed.
     """
-    beyond = [change for change in changes(found, model) if abs(change[3]) > CHANGED]
+    beyond = [change for change in changes(found, model) if abs(change[3]) > LEVEL_CHANGE.changed]
     retuned, final = file_form(found.tuned, model), with_intervals(file_form(last_model(found), model), found.estimate)
     nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(file_form(added.model, model) for added in found.added[:-1]), final]
@@ -63,7 +61,9 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         model=final,
         nominal=nominal,
         location=location,
-        where_text=tuple(shape_text(shape) for shape in location.shapes if shape.log_p_value < WHERE),
+        where_text=tuple(
+            shape_text(shape) for shape in location.shapes if shape.log_p_value < LOCATION.told_with_names
+        ),
         ledger=tuple(_ledger(found, measured)),
         notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes),
         placebo=placebos(found),
@@ -176,7 +176,7 @@ def _series(logs: Sequence[Log], measured: Sequence[Discrepancy], location: Loca
         "position": [log.position for log in logs],
         "velocity": velocities,
         "acceleration": [
-            np.gradient(moving_average(velocity, round(0.02 / float(np.median(np.diff(log.time))))), log.time)
+            np.gradient(moving_average(velocity, round(GAP.smoothing / float(np.median(np.diff(log.time))))), log.time)
             for velocity, log in zip(velocities, logs, strict=True)
         ],
         "command": [log.command - (gap if replayed else 0.0) for log, gap in zip(logs, before.series, strict=True)],
@@ -191,7 +191,7 @@ def _effects(found: Search, model: Model, beyond: Sequence[tuple[str, float, flo
     left = [
         shape
         for shape in found.residual_shapes
-        if shape.log_p_value < LEFT_OVER and shape.coordinate != FRICTION_INTERVALS
+        if shape.log_p_value < VERDICT.left_over and shape.coordinate != FRICTION_INTERVALS
     ]
     effects = merged([named(found, place, left) for place in range(len(found.added))])
     return effects + [changed(change, look_alikes(found, model, change[0]), left) for change in beyond]

@@ -16,14 +16,13 @@ from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_o
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
+from cogging.diagnosis.thresholds import PREPARATION
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.whitening import NothingCounts
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
-
-SECONDS_MIN = 1.0  # of motion
 
 
 @takes(logs=LOGS, model=MODEL, confirm=LOGS)
@@ -84,7 +83,7 @@ def diagnose(
         return _unmeasured("controller_mismatch", model, notes)
     ready = whole_logs(replace(ready, notes=notes), model)
     moving = sum(seconds_of_motion(log) for log in ready.given)
-    if moving < SECONDS_MIN:
+    if moving < PREPARATION.motion_min:
         rest = f"the axis moves for {moving:.2g} s only: at rest, friction hides every force"
         return _unmeasured("insufficient_excitation", model, (*ready.notes, rest))
     _require_commands(ready)

@@ -10,16 +10,11 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.residual.shapes import coordinates
+from cogging.diagnosis.thresholds import GAP, OBSERVER
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.replay import Replay
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-FEW = 0.1  # of the rows, which must be in motion for the slow observer
-FAST = 50.0  # Hz
-STEADY = 0.01  # of the sample time: more than what a microsecond of resolution does
-FOLLOWED = 3.0  # floors of noise: a replay that is farther off than that measures something else
-BANDWIDTH = 15.0  # Hz, of the observer whose innovations, in force units, are the gap where no controller is known
 
 
 @dataclass(frozen=True)
@@ -63,9 +58,9 @@ def discrepancies(logs: Sequence[Log], models: Sequence[Model], *, replay: bool)
 
 
 def jitters(log: Log) -> bool:
-    """Whether the steps of the log's time differ by more than STEADY of their median."""
+    """Whether the steps of the log's time differ by more than GAP.jitter of their median."""
     steps = np.diff(log.time)
-    return float(np.quantile(np.abs(steps / np.median(steps) - 1.0), 0.9)) > STEADY
+    return float(np.quantile(np.abs(steps / np.median(steps) - 1.0), GAP.jitter_quantile)) > GAP.jitter
 
 
 def source_of(log: Log, model: Model) -> Innovations:
@@ -73,11 +68,17 @@ def source_of(log: Log, model: Model) -> Innovations:
 
     An axis that keeps turning back would leave a slow observer no rows: it then gets a faster one, and less of rest.
     """
-    source = Innovations(log, model, bandwidth=BANDWIDTH)
-    if source.mask.mean() < FEW:
-        source = Innovations(log, model, bandwidth=min(FAST, 0.05 / source.scales.sample_time))
-    if source.mask.mean() < FEW:
-        source = Innovations(log, model, bandwidth=source.bandwidth, rest=3e-3 * source.scales.velocity)
+    source = Innovations(log, model, bandwidth=OBSERVER.gap_bandwidth)
+    if source.mask.mean() < OBSERVER.moving_rows:
+        source = Innovations(
+            log,
+            model,
+            bandwidth=min(OBSERVER.turning_bandwidth, OBSERVER.bandwidth_of_rate / source.scales.sample_time),
+        )
+    if source.mask.mean() < OBSERVER.moving_rows:
+        source = Innovations(
+            log, model, bandwidth=source.bandwidth, rest=OBSERVER.rest_of_speed * source.scales.velocity
+        )
     return source
 
 
@@ -114,7 +115,7 @@ def follows(seen: Discrepancy, logs: Sequence[Log], model: Model) -> bool:
 
     What the loop makes of friction at each reversal would else be the discrepancy.
     """
-    return seen.rms <= FOLLOWED * floor_of(seen, logs, model)
+    return seen.rms <= GAP.followed * floor_of(seen, logs, model)
 
 
 def floor_of(seen: Discrepancy, logs: Sequence[Log], model: Model) -> float:
@@ -136,8 +137,8 @@ def floor_of(seen: Discrepancy, logs: Sequence[Log], model: Model) -> float:
         size = np.sqrt((table**2).sum(axis=1))
         table = table[size > 0] / size[size > 0, None]
         gram = table @ table.T
-        weights = np.linalg.lstsq(gram + 1e-9 * np.eye(len(gram)), table @ series[mask], rcond=None)[0]
+        weights = np.linalg.lstsq(gram + GAP.floor_rank * np.eye(len(gram)), table @ series[mask], rcond=None)[0]
         left = series[mask] - weights @ table
         total += float(left @ left)
-        rows += len(left) - int(np.linalg.matrix_rank(gram, tol=1e-9, hermitian=True))
+        rows += len(left) - int(np.linalg.matrix_rank(gram, tol=GAP.floor_rank, hermitian=True))
     return float(np.sqrt(total / max(rows, 1)))

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from cogging.diagnosis.thresholds import GAP
+
 
 @dataclass(frozen=True)
 class Value:
@@ -123,7 +125,11 @@ class Gap:
     def closed(self) -> float | None:
         """Share of the gap's power above the floor that the found effects take away; None where there is none."""
         above = self.before**2 - self.floor**2
-        return (self.before**2 - self.after**2) / above if above > 1e-3 * self.before**2 and self.before > 0.0 else None
+        return (
+            (self.before**2 - self.after**2) / above
+            if above > GAP.closed_min * self.before**2 and self.before > 0.0
+            else None
+        )
 
     @property
     def confirmed(self) -> float | None:

@@ -19,19 +19,16 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.given_logs import Logs, read_logs
 from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.evidence.score_test import orthonormal
-from cogging.diagnosis.location import SIGNIFICANT, Location, Wave
+from cogging.diagnosis.location import Location, Wave
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.residual.shapes import low_power, shapes
+from cogging.diagnosis.thresholds import GAP, LOCATION
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.statistics import moving_average
 from cogging.log_check.unit_check import check_against_model
 from cogging.model.model import Model
 from cogging.simulation.arguments import LOGS, MODEL
-
-WAVES_MAX = 5
-TURNS_MIN = 4.0  # over the travel or the log: slower waves are told by the coordinates
-WAVE_MIN = 0.1  # of the strongest wave's share: weaker ones are its shadows
 
 
 @takes(logs=LOGS, model=MODEL)
@@ -89,7 +86,7 @@ def series_of(evidence: Evidence, gap: Sequence[FloatArray]) -> dict[str, list[F
     series: dict[str, list[FloatArray]] = {"gap": [np.asarray(row) for row in gap]}
     for source in evidence.sources:
         log, velocity = source.log, source.along.velocity
-        smooth = moving_average(velocity, round(0.02 / source.scales.sample_time))
+        smooth = moving_average(velocity, round(GAP.smoothing / source.scales.sample_time))
         for name, values in (
             ("time", log.time),
             ("position", log.position),
@@ -110,17 +107,17 @@ def waves_of(evidence: Evidence) -> list[Wave]:
     kinds = [effect for effect in VOCABULARY.values() if is_wave(effect) and set(effect.HOOKS) == {"force"}]
     found: list[Wave] = []
     power = low_power(evidence)
-    for _ in range(WAVES_MAX):
+    for _ in range(LOCATION.waves_max):
         best: Finding | None = None
         for kind in kinds:
             for finding in _waves(evidence, kind):
                 if best is None or finding.score > best.score:
                     best = finding
-        if best is None or best.log_p_value > SIGNIFICANT:
+        if best is None or best.log_p_value > LOCATION.told:
             break
         best = sharpen(evidence, best)
         field, value = next(iter(best.candidate.shape.items()))
-        if found and best.test.statistic / power < WAVE_MIN * found[0].share:
+        if found and best.test.statistic / power < LOCATION.wave_share_min * found[0].share:
             break
         spatial = best.candidate.law.ROLES[field]["quantity"] == "distance"
         found.append(
@@ -146,8 +143,8 @@ def _waves(evidence: Evidence, law: Effect) -> list[Finding]:
     def turns(value: float) -> float:
         return scales.position / value if spatial else scales.time * value
 
-    fast = [candidate for candidate in found if turns(next(iter(candidate.shape.values()))) >= TURNS_MIN]
+    fast = [candidate for candidate in found if turns(next(iter(candidate.shape.values()))) >= LOCATION.wave_turns_min]
     try:
-        return judged(evidence, refine(evidence, fast[:2]), trials)
+        return judged(evidence, refine(evidence, fast[: LOCATION.waves_refined]), trials)
     except (DivergedError, ValueError):
         return []

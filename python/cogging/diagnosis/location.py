@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, Any
 from cogging.arrays import FloatArray
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shape import Shape
+from cogging.diagnosis.thresholds import LOCATION
 from cogging.model.model import Model
 from cogging.outputs import finite
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-SIGNIFICANT = -9.5  # log p-value below which a coordinate is told
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ class Location(ByValue):
     @property
     def significant(self) -> tuple[Shape, ...]:
         """The coordinates in which noise alone would not show as much."""
-        return tuple(shape for shape in self.shapes if shape.log_p_value < SIGNIFICANT)
+        return tuple(shape for shape in self.shapes if shape.log_p_value < LOCATION.told)
 
     def lines(self) -> list[str]:
         """Coordinates by the share of the gap that each explains, then periods and frequencies; in words."""

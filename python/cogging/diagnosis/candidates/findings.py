@@ -17,11 +17,8 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.thresholds import FINDING
 from cogging.effects.effect import Effect
-
-COUNTS = 0.06  # of the encoder, that a wave in its reading must have: on 281 blind nulls rounding made one of 0.03
-PROFILED = 8  # findings that are judged against the noise that they leave
-PROMISING = 6.0  # T from which that is worth the time
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,7 @@ def judge(
         return None  # the finite size that was tried is not what the log shows
     # What rounding does at a steady speed repeats itself too, and is far smaller than a count.
     count = evidence.model.encoder.resolution if "reading" in candidate.law.HOOKS else 0.0
-    faint = len(amplitudes) > 1 and bool(np.linalg.norm(amplitudes) < COUNTS * count)
+    faint = len(amplitudes) > 1 and bool(np.linalg.norm(amplitudes) < FINDING.faint_counts * count)
     return _finding(candidate, test, amplitudes, trials, faint)
 
 
@@ -143,15 +140,15 @@ def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
     ranked = [bounded(evidence, finding) for finding in sorted(findings, key=lambda f: -f.score)]
 
     def sharper(finding: Finding) -> Finding:
-        if finding.test.statistic <= PROMISING:
+        if finding.test.statistic <= FINDING.worth_profiling:
             return finding
         quiet = cleaned(evidence, finding)
         again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.trials, exact=True)]
         return max([finding, *again], key=lambda f: f.score)
 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
-        first = list(threads.map(sharper, ranked[:PROFILED]))
-    return sorted([*first, *ranked[PROFILED:]], key=lambda f: -f.score)
+        first = list(threads.map(sharper, ranked[: FINDING.findings_profiled]))
+    return sorted([*first, *ranked[FINDING.findings_profiled :]], key=lambda f: -f.score)
 
 
 def size_range(candidate: Candidate) -> tuple[float, float]:
@@ -161,4 +158,4 @@ def size_range(candidate: Candidate) -> tuple[float, float]:
     """
     roles = candidate.law.ROLES
     proportional = any(roles[f]["role"] == "shape" and roles[f]["neutral"] == 0.0 for f in candidate.shape)
-    return (0.02, 50.0) if proportional else (0.25, 2.5)
+    return FINDING.size_linear if proportional else FINDING.size_finite

@@ -11,12 +11,8 @@ import numpy as np
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.thresholds import DISTRIBUTION, INTERVAL
 from cogging.effects.effect import Effect, Window, kind_of
-
-LENGTHS = 40  # of intervals, from SHORTEST to the whole log
-SHORTEST = 0.2  # s: what is shorter may be a single blow
-INTERVALS = 8  # that are looked at exactly
-MEDIAN = 0.4549  # of chi-square with one degree of freedom
 
 
 def acts_in_interval(effect: Effect) -> bool:
@@ -27,7 +23,7 @@ def acts_in_interval(effect: Effect) -> bool:
 def long_enough(effect: Effect, shape: Mapping[str, Any]) -> bool:
     """Whether a shape that begins and ends lasts."""
     window = kind_of(effect, Window)
-    return window is None or bool(shape[window.stop] - shape[window.start] >= SHORTEST)
+    return window is None or bool(shape[window.stop] - shape[window.start] >= INTERVAL.shortest)
 
 
 def intervals(evidence: Evidence, law: Effect, grid: list[Candidate]) -> tuple[list[Candidate], float]:
@@ -43,17 +39,19 @@ def intervals(evidence: Evidence, law: Effect, grid: list[Candidate]) -> tuple[l
         total = np.concatenate([[0.0], np.cumsum(force)])
         time = source.log.time - source.log.time[0]
         step = source.scales.sample_time
-        lengths = np.unique(np.geomspace(max(2.0, SHORTEST / step), 0.9 * n, LENGTHS).astype(int))
+        lengths = np.unique(
+            np.geomspace(max(2.0, INTERVAL.shortest / step), INTERVAL.longest * n, INTERVAL.lengths_tried).astype(int)
+        )
         best: list[tuple[float, int, int]] = []
         for length in lengths:
             score = (total[length:] - total[:-length]) ** 2
-            level = float(np.median(score)) / MEDIAN
+            level = float(np.median(score)) / DISTRIBUTION.chi_square_median
             if level <= 0.0:
                 continue
             trials += n / length
             place = int(np.argmax(score))
             best.append((float(score[place]) / level, place, int(length)))
-        for _, place, length in sorted(best, reverse=True)[:INTERVALS]:
+        for _, place, length in sorted(best, reverse=True)[: INTERVAL.intervals_exact]:
             shape = {window.start: float(time[place]), window.stop: float(time[min(place + length, n - 1)])}
             found.append(replace(grid[0], shape={**grid[0].shape, **shape}))
     return found, max(trials, float(len(grid)))

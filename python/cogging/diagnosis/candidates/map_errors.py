@@ -16,13 +16,11 @@ from cogging.diagnosis.evidence.gather import gather, refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.thresholds import MAP_ERROR
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
-
-SIZE = 0.3  # of the amplitude, assumed: 1-sigma of a constant error of the map, and of a ratio of sines to cosines
-SHOWN = -5.0  # log p-value from which an error of the map is seen
 
 
 @dataclass(frozen=True)
@@ -51,9 +49,9 @@ def error_paths(model: Model) -> dict[str, float]:
         return {}
     deviations: dict[str, float] = {}
     for row, (sine, cosine) in enumerate(zip(model.cogging.sine, model.cogging.cosine, strict=True)):
-        size = SIZE * float(np.sqrt(np.mean(sine**2 + cosine**2)))
+        size = MAP_ERROR.error_size * float(np.sqrt(np.mean(sine**2 + cosine**2)))
         deviations |= {f"cogging.{part}[{row}][*]": size for part in ("sine", "cosine") if size > 0.0}
-        deviations |= {f"cogging.{part}[{row}]": SIZE for part in ("stretch", "shear") if size > 0.0}
+        deviations |= {f"cogging.{part}[{row}]": MAP_ERROR.error_size for part in ("stretch", "shear") if size > 0.0}
     return deviations
 
 
@@ -70,7 +68,7 @@ def map_error(estimate: Estimate, evidence: Evidence) -> MapError | None:
     explained = [test.amplitudes @ table for table in columns]
     quiet = refiltered(evidence, beyond_tuning(evidence, explained))
     test, spread = max((test, spread), likeliest(quiet, columns), key=lambda one: one[0].statistic)
-    if not log_survival(test.statistic, test.freedom) < SHOWN:
+    if not log_survival(test.statistic, test.freedom) < MAP_ERROR.error_seen:
         return None
     return MapError(test.statistic, test.statistic - spread)
 

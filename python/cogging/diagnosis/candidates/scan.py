@@ -15,13 +15,8 @@ from cogging.diagnosis.candidates.intervals import intervals, long_enough
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, quantities, shape_range
 from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is_wave, peaks, refine
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.thresholds import SCAN
 from cogging.effects.effect import Effect
-
-STANDS_OUT = -3.0  # log p-value
-HOPE = -6.0  # of the score, from which a sharper shape may yet make something of it
-ROUNDS = {False: 3, True: 6}  # of moving one shape; where the shape alone makes the effect, it is also its size
-REFINED = 4  # peaks of a spectrum whose width is looked through
-NEAR = 60.0  # of the score: what is farther from the best is not looked at more closely
 
 
 def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
@@ -44,7 +39,7 @@ def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
                         best[kind] = finding
             for law in tried if waves else ():
                 wave = best.get((law.NAME, False))
-                if wave is not None and is_spatial_wave(law) and wave.log_p_value < STANDS_OUT:
+                if wave is not None and is_spatial_wave(law) and wave.log_p_value < SCAN.stands_out:
                     periods[float(next(iter(wave.candidate.shape.values())))] = wave.trials
         faint = [finding for finding in best.values() if finding.faint]
         ranked = sorted((finding for finding in best.values() if not finding.faint), key=lambda f: -f.score)
@@ -53,7 +48,7 @@ def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
         top = ranked[0].score
         sharpened = list(
             threads.map(
-                lambda f: sharpen(evidence, f) if f.score > top - NEAR and f.score > HOPE else f,
+                lambda f: sharpen(evidence, f) if f.score > top - SCAN.sharpened_within and f.score > SCAN.hope else f,
                 ranked,
             )
         )
@@ -65,7 +60,7 @@ def _of(evidence: Evidence, law: Effect, periods: Mapping[float, float]) -> list
         found, trials = peaks(evidence, law)
         found += beside_known(evidence, law)
         first = sorted(judged(evidence, found, trials), key=lambda f: (f.faint, -f.score))
-        return first + judged(evidence, refine(evidence, [f.candidate for f in first[:REFINED]]), trials)
+        return first + judged(evidence, refine(evidence, [f.candidate for f in first[: SCAN.peaks_refined]]), trials)
     grid = list(candidates(evidence, law, list(periods)))
     chosen = [one for one in grid if one.period in periods]  # by the waves, which looked at many
     others, trials = intervals(evidence, law, [one for one in grid if one.period not in periods])
@@ -92,8 +87,10 @@ def in_range(evidence: Evidence, role: Mapping[str, Any], value: float) -> bool:
         return True
     low, high = shape_range(evidence, role)
     if role["logarithmic"] or role["neutral"] == 0.0:
-        return bool((0.5 * low if role["logarithmic"] else 0.0) < value <= 1.01 * high)
-    return bool(0.99 * low <= value <= 1.01 * high)
+        return bool(
+            (SCAN.below_range * low if role["logarithmic"] else 0.0) < value <= (1.0 + SCAN.outside_range) * high
+        )
+    return bool((1.0 - SCAN.outside_range) * low <= value <= (1.0 + SCAN.outside_range) * high)
 
 
 def sharpen(evidence: Evidence, finding: Finding) -> Finding:
@@ -104,8 +101,9 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding:
         return finding
     wave = is_wave(finding.candidate.law)
     exact = not finding.candidate.amplitudes
-    ratio = 0.35
-    for _ in range(ROUNDS[exact] + 4 * (len(fields) - 1)):
+    ratio = SCAN.first_step
+    rounds = SCAN.rounds_of_size if exact else SCAN.rounds
+    for _ in range(rounds + SCAN.rounds_more * (len(fields) - 1)):
         tried = []
         for field in fields:
             value = finding.candidate.shape[field]
@@ -114,12 +112,14 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding:
             for sign in (-1.0, 1.0):
                 if wave:
                     span = evidence.scales.position if role["quantity"] == "distance" else evidence.scales.time
-                    turns = (span / value if role["quantity"] == "distance" else span * value) + 0.2 * sign * ratio
+                    turns = span / value if role["quantity"] == "distance" else span * value
+                    turns += SCAN.wave_step * sign * ratio
                     moved = span / turns if role["quantity"] == "distance" else turns / span
                 elif role["logarithmic"] or role["neutral"] == 0.0:
                     moved = value * float(np.exp(sign * ratio))
                 else:
-                    moved = value + sign * 0.25 * ratio * sizes[role["quantity"]] * (role["high"] - role["low"])
+                    step = sign * SCAN.linear_step * ratio
+                    moved = value + step * sizes[role["quantity"]] * (role["high"] - role["low"])
                 if in_range(evidence, role, moved):
                     shape = {**finding.candidate.shape, field: moved}
                     if long_enough(finding.candidate.law, shape):
@@ -128,5 +128,5 @@ def sharpen(evidence: Evidence, finding: Finding) -> Finding:
         if better:
             finding = max(better, key=lambda f: f.score)
         else:
-            ratio *= 0.4
+            ratio *= SCAN.step_shrinks
     return finding

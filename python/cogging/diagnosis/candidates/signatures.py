@@ -10,17 +10,9 @@ from typing import Any
 import numpy as np
 
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.thresholds import GRID
 from cogging.effects.effect import Effect, SplineKnots, Travel, Wave, Window, kind_of
 from cogging.model.model import Model
-
-TURNS = 3.0  # of a wave in the travel, at least, for its amplitude to change along it
-NODES = 6  # of an amplitude that is given as a list along the travel
-POINTS = {1: 12, 2: 4, 3: 2}  # values of each shape parameter, by how many the effect has
-MOMENTS = 10  # at which something may begin or end
-FREQUENCIES = 96  # of a resonance: it is narrow
-DAMPING = 0.03  # of a resonance, to begin with
-SMALL = 0.02  # of what is relative and starts from nothing: the columns are nearly proportional to it
-EXPONENTS = (1.0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -74,7 +66,7 @@ def quantities(evidence: Evidence) -> dict[str, float]:
     """The value in these logs of each quantity that an effect's ROLES name (see cogging.effects)."""
     model, scales = evidence.model, evidence.scales
     force = max(float(np.abs(s.log.command).max()) for s in evidence.sources) or 1.0
-    friction = model.axis.coulomb if model.axis.coulomb > 0.0 else 0.1 * force
+    friction = model.axis.coulomb if model.axis.coulomb > 0.0 else GRID.assumed_friction * force
     span = scales.position
     return {
         "force": force,
@@ -128,25 +120,27 @@ def shape_values(evidence: Evidence, law: Effect, field: str, count: int) -> lis
     low_end, high_end = place(evidence)
     low, high = shape_range(evidence, role)
     if role["quantity"] == "exponent":
-        return list(EXPONENTS)
+        return list(GRID.exponents)
     if role["quantity"] == "one" and role["neutral"] is None:
-        return [DAMPING]
+        return [GRID.first_damping]
     if role["quantity"] == "relative" and role["neutral"] == 0.0:
-        return [SMALL]
+        return [GRID.small]
     if role["quantity"] == "frequency":
-        count = FREQUENCIES
+        count = GRID.resonances
     window = kind_of(law, Window)
     if window is not None and field in (window.start, window.stop):
-        count = MOMENTS
+        count = GRID.moments
     if role["quantity"] == "position":
         return [
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
     if role["quantity"] == "command" and role["neutral"] == np.inf:  # a limit: felt just below the largest command
-        return [float(v) for v in high / role["high"] * (1.0 - np.geomspace(0.005, 1.0 - role["low"], count))]
+        return [
+            float(v) for v in high / role["high"] * (1.0 - np.geomspace(GRID.limit_nearest, 1.0 - role["low"], count))
+        ]
     if role["logarithmic"] or role["neutral"] == 0.0:
         if role["neutral"] != 0.0 or not role["logarithmic"]:
-            low = max(low, 2e-3 * high)
+            low = max(low, GRID.smallest_share * high)
         return [float(v) for v in np.geomspace(low, high, count)] if low < high else []
     values = np.linspace(low, high, count + 2)[1:-1]
     return [float(v) for v in values]
@@ -160,17 +154,22 @@ def candidates(evidence: Evidence, law: Effect, periods: Sequence[float] = ()) -
     low, high = place(evidence)
     # A list of places: nodes along the travel.
     fixed: dict[str, Any] = {
-        field: [float(v) for v in np.linspace(low, high, NODES)] for field in lists if roles[field]["role"] == "shape"
+        field: [float(v) for v in np.linspace(low, high, GRID.nodes)]
+        for field in lists
+        if roles[field]["role"] == "shape"
     }
     listed = [field for field in lists if roles[field]["role"] == "amplitude"]
-    length = NODES
+    length = GRID.nodes
     knots, wave = kind_of(law, SplineKnots), kind_of(law, Wave)
     if listed and knots is not None:  # amplitudes on knots: few of them, over the travel
-        length = NODES - 1
+        length = GRID.nodes - 1
         fixed |= {knots.pitch: (high - low) / (length - 2), knots.order: 3, knots.origin: low}
         if wave is not None:
             # A wave with hardly a turn in the travel has no amplitude that changes along it.
-            shapes[wave.shape] = [*known_periods(evidence.model), *(p for p in periods if TURNS * p < high - low)]
+            shapes[wave.shape] = [
+                *known_periods(evidence.model),
+                *(p for p in periods if GRID.turns_to_change * p < high - low),
+            ]
     elif listed and not fixed:  # amplitudes at places of the user's own choice: nothing to look for
         return
     amplitudes, units = amplitude_columns(evidence, law, length)
@@ -195,7 +194,7 @@ def shape_grid(evidence: Evidence, law: Effect) -> dict[str, list[Any]]:
     roles, lists = law.ROLES, list_fields(law)
     numbers = [field for field, role in roles.items() if role["role"] == "shape" and field not in lists]
     alone = [field for field in numbers if roles[field]["quantity"] not in ("one", "relative", "exponent")]
-    count = POINTS.get(len(alone), 3)
+    count = GRID.values_of_shape[min(len(alone), len(GRID.values_of_shape) - 1)]
     return {field: shape_values(evidence, law, field, count) for field in numbers}
 
 
@@ -211,7 +210,7 @@ def amplitude_columns(
             continue
         indexes: list[int | None] = list(range(length)) if field in lists else [None]
         amplitudes += [(field, index) for index in indexes]
-        units += [0.02 * sizes[role["quantity"]] * min(1.0, abs(role["high"]))] * len(indexes)
+        units += [GRID.unit_share * sizes[role["quantity"]] * min(1.0, abs(role["high"]))] * len(indexes)
     return tuple(amplitudes), tuple(units)
 
 

@@ -13,16 +13,9 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
+from cogging.diagnosis.thresholds import GRID, SPECTRUM
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.estimation.innovations import Innovations
-
-BINS = 1 << 16  # of the positions, or times, at least: the shortest period is some bins long
-PEAKS = 5  # of each view of the spectrum, that are looked at exactly
-PROBE = 1 << 13  # rows of an impulse response: at any sample rate, the observer has settled by then
-TURNS = 1.5  # over the travel, that an error of the reading must make to be told from one of its scale
-PERIOD = 32.0  # counts of the encoder: at a steady speed, what rounding does repeats itself over some of them
-BESIDE = np.array([-0.7, -0.35, 0.0, 0.35, 0.7])  # turns in the travel, more than what is known
-STRETCH = 128  # bins of a spectrum, over which its level is taken
 
 
 def plain_wave(effect: Effect) -> Wave | None:
@@ -67,9 +60,9 @@ def peaks(evidence: Evidence, effect: Effect, gain: Gain | None = None) -> tuple
     trials = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
     found = []
     # Both views, for a few broad peaks may lift the level of their stretch, and loud stretches hide quiet ones.
-    for view in (even, statistic) * PEAKS:
+    for view in (even, statistic) * SPECTRUM.peaks_exact:
         best = int(np.argmax(view))
-        if view[best] <= 2.0:
+        if view[best] <= SPECTRUM.peak_min:
             continue
         value = 1.0 / float(wave[best]) if spatial else float(wave[best])
         found.append(wave_of(evidence, effect, value))
@@ -87,10 +80,13 @@ def wave_range(evidence: Evidence, effect: Effect) -> tuple[float, float]:
         return low, high
     wave_low, wave_high = 1.0 / high, 1.0 / low
     if "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
-        return wave_low, min(wave_high, 0.25 / (evidence.scales.sample_time * evidence.scales.velocity))
-    wave_low = max(wave_low, TURNS / sizes["position"])  # longer, it is a scale; shorter, the quantiser's own
+        return wave_low, min(
+            wave_high, SPECTRUM.followed_rate / (evidence.scales.sample_time * evidence.scales.velocity)
+        )
+    # Longer, it is a scale; shorter, the quantiser's own.
+    wave_low = max(wave_low, SPECTRUM.reading_turns / sizes["position"])
     if evidence.model.encoder.resolution > 0.0:
-        wave_high = min(wave_high, 1.0 / (PERIOD * evidence.model.encoder.resolution))
+        wave_high = min(wave_high, 1.0 / (SPECTRUM.rounding_counts * evidence.model.encoder.resolution))
     return wave_low, wave_high
 
 
@@ -99,7 +95,8 @@ def spectrum_of_score(evidence: Evidence, effect: Effect, gain: Gain | None) -> 
     spatial, on_reading = is_spatial_wave(effect), "reading" in effect.HOOKS
     span = evidence.scales.position if spatial else evidence.scales.time
     # Rows that share a bin in time would fold what is faster than the bins into lines that are not there.
-    bins = BINS if spatial else max(BINS, 1 << int(np.ceil(np.log2(span / evidence.scales.sample_time + 1.0))))
+    rows = 0 if spatial else 1 << int(np.ceil(np.log2(span / evidence.scales.sample_time + 1.0)))
+    bins = max(SPECTRUM.bins, rows)
     origin = min(float(s.log.position.min()) for s in evidence.sources) if spatial else 0.0
     scores, powers, start = [], [], 0
     wave = np.zeros(0)
@@ -117,7 +114,7 @@ def spectrum_of_score(evidence: Evidence, effect: Effect, gain: Gain | None) -> 
         scores.append(score)
         powers.append(power)
     total, norm = sum(scores[1:], scores[0]), sum(powers[1:], powers[0])
-    return np.abs(total) ** 2 / np.maximum(norm, 1e-7 * float(norm.max())), wave
+    return np.abs(total) ** 2 / np.maximum(norm, SPECTRUM.variance_min * float(norm.max())), wave
 
 
 def wave_of(evidence: Evidence, effect: Effect, value: float) -> Candidate:
@@ -126,7 +123,7 @@ def wave_of(evidence: Evidence, effect: Effect, value: float) -> Candidate:
     if wave is None:
         raise ValueError(f"{effect.NAME}: must be a wave")
     role = effect.ROLES[wave.sine]
-    unit = 0.02 * abs(role["high"]) * quantities(evidence)[role["quantity"]]
+    unit = GRID.unit_share * abs(role["high"]) * quantities(evidence)[role["quantity"]]
     return Candidate(effect, {wave.shape: value}, ((wave.sine, None), (wave.cosine, None)), (unit, unit))
 
 
@@ -135,7 +132,7 @@ def levelled(statistic: FloatArray) -> FloatArray:
 
     Where a force hardly reaches the reading, what leaks in from elsewhere would outshine a line that is really there.
     """
-    edges = np.arange(0, len(statistic) + 1, STRETCH)
+    edges = np.arange(0, len(statistic) + 1, SPECTRUM.level_bins)
     edges[-1] = len(statistic)
     result = statistic.copy()
     for first, last in itertools.pairwise(edges):
@@ -172,7 +169,7 @@ def _score(
     weight = source.mask * gain**2
     if spatial:
         speed = np.abs(along.middle_velocity)
-        edges = np.linspace(0.0, float(speed.max()) + 1e-12, 41)
+        edges = np.linspace(0.0, float(speed.max()) + 1e-12, SPECTRUM.speed_edges)
         share, _ = np.histogram(speed, edges, weights=weight)
         middle = 0.5 * (edges[1:] + edges[:-1])
         power = np.zeros(len(wave))
@@ -202,14 +199,14 @@ def _response(source: Innovations, filter_: Filter, mass: float, reading: bool) 
 
     By what one impulse does to the prediction of a free mass, which is all that the loop of the observer adds.
     """
-    h = source.scales.sample_time
-    time, impulse = h * np.arange(PROBE), np.zeros((1, PROBE))
-    impulse[0, PROBE // 8] = 1.0
-    free = Predictor(time, time, np.zeros(PROBE), bandwidth=source.bandwidth, initial_velocity=1.0)  # at 1 m/s
+    h, rows = source.scales.sample_time, SPECTRUM.probe_rows
+    time, impulse = h * np.arange(rows), np.zeros((1, rows))
+    impulse[0, rows // SPECTRUM.probe_start] = 1.0
+    free = Predictor(time, time, np.zeros(rows), bandwidth=source.bandwidth, initial_velocity=1.0)  # at 1 m/s
     along = free.predict(Plant(axis=AxisParameters(mass=mass)))
     answer = free.propagate(along, mass, *((np.zeros_like(impulse), impulse) if reading else (impulse,)))
     white = np.asarray(whiten(np.asarray(answer), list(filter_.coefficients)))[0]
-    frequency = np.asarray(np.fft.rfftfreq(PROBE, h))
+    frequency = np.asarray(np.fft.rfftfreq(rows, h))
     level = np.interp(frequency, filter_.frequency, filter_.level)
     return frequency, np.asarray(np.abs(source.scale * np.fft.rfft(white) / filter_.rms) ** 2 / level)
 
@@ -227,8 +224,8 @@ def beside_known(evidence: Evidence, effect: Effect) -> list[Candidate]:
     span = evidence.scales.position
     found = []
     for period in known_periods(evidence.model):
-        for turns in span / period + BESIDE:
-            if turns > TURNS and role["low"] < span / turns / sizes[role["quantity"]] < role["high"]:
+        for turns in span / period + np.array(SPECTRUM.beside_known):
+            if turns > SPECTRUM.reading_turns and role["low"] < span / turns / sizes[role["quantity"]] < role["high"]:
                 found.append(wave_of(evidence, effect, float(span / turns)))
     return found
 
@@ -241,7 +238,7 @@ def refine(evidence: Evidence, found: Sequence[Candidate]) -> list[Candidate]:
         role = candidate.law.ROLES[field]
         spatial = role["quantity"] == "distance"
         span = evidence.scales.position if spatial else evidence.scales.time
-        for shift in (-0.3, -0.15, 0.15, 0.3):
+        for shift in SPECTRUM.beside_peak:
             wave = (1.0 / value if spatial else value) + shift / span
             if wave > 0.0:
                 near.append(

@@ -20,12 +20,11 @@ from cogging.diagnosis.evidence.noise_filter import (
     periodogram_length,
 )
 from cogging.diagnosis.evidence.score_test import ScoreTest, groups
+from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.estimation.innovations import Innovations
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
-
-TOGETHER = 8  # columns that are whitened at once
 
 
 @dataclass(frozen=True)
@@ -168,8 +167,8 @@ class Evidence:
             n = len(source.log)
             power, frequency = periodogram(self.free_residual[start : start + n], source)
             start += n
-            low = power[(frequency > 0.5) & (frequency < 60.0)]
-            if len(low) > 20:
+            low = power[(frequency > SCORE_TEST.effects_above) & (frequency < SCORE_TEST.effects_below)]
+            if len(low) > SCORE_TEST.scatter_lines:
                 worst = max(worst, float(np.median(low) / np.log(2.0)))
         return worst
 
@@ -182,8 +181,8 @@ class Evidence:
         return np.concatenate(parts, axis=1)
 
     def whitened_each(self, made: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
-        """`whitened` of many tables; TOGETHER columns and more at a time, which is quicker than a few."""
-        for first, last in groups([len(tables[0]) for tables in made], TOGETHER):
+        """`whitened` of many tables; several columns at a time, which is quicker than a few."""
+        for first, last in groups([len(tables[0]) for tables in made], SCORE_TEST.columns_together):
             parts = zip(*made[first:last], strict=True)
             white = self.whitened([np.concatenate(part) for part in parts])
             ends = np.cumsum([len(tables[0]) for tables in made[first:last]])
@@ -200,12 +199,13 @@ class Evidence:
         size = np.sqrt(np.diag(gram))
         gram -= shares @ shares.T
         left = np.sqrt(np.maximum(np.diag(gram), 0.0))
-        seen = left > 2e-3 * np.where(size > 0.0, size, 1.0)  # the rest is what linear columns cannot tell
+        # The rest is what linear columns cannot tell.
+        seen = left > SCORE_TEST.untuned_share * np.where(size > 0.0, size, 1.0)
         amplitudes = np.zeros(len(columns))
         if not seen.any():
             return ScoreTest(0.0, 0, amplitudes, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
         values, vectors = np.linalg.eigh(gram[np.ix_(seen, seen)] / np.outer(left[seen], left[seen]))
-        good = values > 1e-4
+        good = values > SCORE_TEST.column_rank
         inverse = (vectors[:, good] / values[good]) @ vectors[:, good].T
         score = (columns @ self.free_residual)[seen] / left[seen]
         solution = inverse @ score

@@ -10,8 +10,9 @@ import numpy as np
 from cogging._core import whiten
 from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence, Unweighted
-from cogging.diagnosis.evidence.noise_filter import CLIP, Filter, coloured, robust_rms, spectrum
+from cogging.diagnosis.evidence.noise_filter import Filter, coloured, robust_rms, spectrum
 from cogging.diagnosis.evidence.score_test import orthonormal
+from cogging.diagnosis.thresholds import WHITENING
 from cogging.estimation.gauss_newton import Estimate, columns_of
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet_plant
@@ -19,8 +20,6 @@ from cogging.estimation.whitening import BLOCK, whitening_filter
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
-
-GLITCH = 20.0  # rms of the whitened residual, beyond which a row is no effect
 
 
 def gather(
@@ -76,8 +75,8 @@ def weighed(
         table = np.asarray(whiten(np.vstack([noise[None, :], part.residual[None, :], part.columns]), list(a)))
         rms = robust_rms(table[0, source.mask > 0])
         table *= source.mask / rms
-        table[0] = np.clip(table[0], -CLIP, CLIP)
-        table[1] = np.clip(table[1], -GLITCH, GLITCH)
+        table[0] = np.clip(table[0], -WHITENING.outlier, WHITENING.outlier)
+        table[1] = np.clip(table[1], -WHITENING.glitch, WHITENING.glitch)
         basis = orthonormal(table[2:])
         level = spectrum(table[0] - (basis @ table[0]) @ basis, source)
         filter_ = Filter(a, rms, level[0], np.ones_like(level[1]) if plain else level[1])
@@ -106,7 +105,7 @@ def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatA
     """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
     a = whitening_filter(source, noise)
     table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.mask
-    return np.asarray(least_squares_of_long_rows(table[1:], table[0], rcond=1e-9) @ part.columns)
+    return np.asarray(least_squares_of_long_rows(table[1:], table[0], rcond=WHITENING.refit_rank) @ part.columns)
 
 
 def slow_friction(source: Innovations, model: Model) -> FloatArray:
@@ -117,6 +116,7 @@ def slow_friction(source: Innovations, model: Model) -> FloatArray:
     """
     velocity = source.along.middle_velocity
     width = max(model.axis.coulomb_width, source.rest)
-    shapes = [np.sign(velocity) * np.exp(-((velocity / (factor * width)) ** 2)) for factor in (0.5, 1.0, 2.0, 4.0)]
-    shapes += [2.0 * velocity * w / (velocity**2 + w**2) for w in (width, 3.0 * width)]
+    shapes = [np.sign(velocity) * np.exp(-((velocity / (factor * width)) ** 2)) for factor in WHITENING.friction_decays]
+    tails = [factor * width for factor in WHITENING.friction_tails]
+    shapes += [2.0 * velocity * w / (velocity**2 + w**2) for w in tails]
     return np.array(shapes) * max(model.axis.coulomb, 1e-12)

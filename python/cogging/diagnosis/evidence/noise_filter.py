@@ -8,11 +8,8 @@ import numpy as np
 
 from cogging._core import whiten
 from cogging.arrays import FloatArray
+from cogging.diagnosis.thresholds import DISTRIBUTION, WHITENING
 from cogging.estimation.innovations import Innovations
-
-LINES = 12  # of a periodogram in a band of its level, at least
-LEVEL_MIN = 1e-3  # of a band: what the first filter left
-CLIP = 6.0  # whitened residuals beyond this many rms are outliers, and are cut there
 
 
 @dataclass(frozen=True)
@@ -73,11 +70,14 @@ def periodogram(white: FloatArray, source: Innovations) -> tuple[FloatArray, Flo
 
 
 def bands(frequency: FloatArray) -> list[slice]:
-    """Lines of a periodogram in bands of a third of an octave, at least LINES each; the constant stands apart."""
+    """Lines of a periodogram in bands of a third of an octave, each of some lines; the constant stands apart."""
     parts, first = [], 1
     while first < len(frequency):
-        last = min(len(frequency), max(first + LINES, int(np.searchsorted(frequency, 1.26 * frequency[first]))))
-        if len(frequency) - last < LINES:
+        last = min(
+            len(frequency),
+            max(first + WHITENING.band_lines, int(np.searchsorted(frequency, WHITENING.band_ratio * frequency[first]))),
+        )
+        if len(frequency) - last < WHITENING.band_lines:
             last = len(frequency)
         parts.append(slice(first, last))
         first = last
@@ -90,11 +90,11 @@ def spectrum(white: FloatArray, source: Innovations) -> tuple[FloatArray, FloatA
     parts = bands(frequency)
     places = [float(np.sqrt(frequency[part.start] * frequency[part.stop - 1])) for part in parts]
     levels = [float(np.median(power[part]) / np.log(2.0)) for part in parts]
-    return np.array(places), np.maximum(np.array(levels), LEVEL_MIN)
+    return np.array(places), np.maximum(np.array(levels), WHITENING.band_level_min)
 
 
 def robust_rms(values: FloatArray) -> float:
-    """Rms with outliers cut at 6 times the median size."""
-    limit = CLIP * 1.4826 * float(np.median(np.abs(values)))
+    """Rms with outliers cut, as the median size tells them."""
+    limit = WHITENING.outlier * DISTRIBUTION.normal_median * float(np.median(np.abs(values)))
     rms = float(np.sqrt(np.mean(np.clip(values, -limit, limit) ** 2))) if limit > 0 else float(values.std())
     return rms if rms > 0.0 else 1.0

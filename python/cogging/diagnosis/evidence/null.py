@@ -9,7 +9,8 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
-from cogging.diagnosis.evidence.noise_filter import CLIP, robust_rms
+from cogging.diagnosis.evidence.noise_filter import robust_rms
+from cogging.diagnosis.thresholds import NULL, OBSERVER, WHITENING
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.statistics import moving_average
@@ -18,21 +19,20 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, role_of
 
-QUICK = 100.0  # Hz, of the observer: above the motion, below what a coarse encoder makes noisy
-CALM = 50.0  # Hz, where rows soon after a start are left out
-FIRST = 2  # iterations, after which the other form of friction is fitted no further where it is hopelessly behind:
-HOPELESS = 1000.0  # of 2 ln likelihood; all that 40 blind logs had left to gain then was under 200
-GAP = 5.0  # median steps, beyond which one is a gap
-STARTS = 1.5  # times the power of the other rows, or under 1 / STARTS, where those soon after a start are unlike them
-
 
 def sources_of(
     logs: Sequence[Log], model: Model, *, rest: float | None = None, quick: bool = False
 ) -> list[Innovations]:
     """The logs as this model predicts them; `quick` with rows soon after each quick start."""
-    limit = QUICK if quick else CALM
+    limit = OBSERVER.quick_bandwidth if quick else OBSERVER.calm_bandwidth
     return [
-        Innovations(log, model, bandwidth=min(limit, 0.05 / _sample_time(log)), rest=rest, quick_starts=quick)
+        Innovations(
+            log,
+            model,
+            bandwidth=min(limit, OBSERVER.bandwidth_of_rate / _sample_time(log)),
+            rest=rest,
+            quick_starts=quick,
+        )
         for log in logs
     ]
 
@@ -40,7 +40,7 @@ def sources_of(
 def _sample_time(log: Log) -> float:
     """The mean step, s, of those that are no gap."""
     steps = np.diff(log.time)
-    long = steps > GAP * float(np.median(steps))
+    long = steps > NULL.time_gap * float(np.median(steps))
     return float(steps[~long].mean()) if long.any() else float((log.time[-1] - log.time[0]) / (len(log) - 1))
 
 
@@ -80,7 +80,7 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     """
     forms = [model]
     if model.axis.coulomb > 0.0 and not stated_exact(model):
-        other = 0.0 if model.axis.coulomb_width > 0.0 else 0.005 * max(_speed(log) for log in logs)
+        other = 0.0 if model.axis.coulomb_width > 0.0 else NULL.other_width * max(_speed(log) for log in logs)
         forms.append(model.replace(axis=model.axis.replace(coulomb_width=other)))
     # Both are judged on the same rows.
     rest = max(source.rest for form in forms for source in sources_of(logs, form))
@@ -90,15 +90,15 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
         try:
             sources = sources_of(logs, form, rest=rest)
             floors = width_floor(sources)
-            if best is not None and fit(form, nuisances(form), sources, iterations=FIRST, floors=floors).cost > (
-                best[0].cost + HOPELESS
-            ):
+            if best is not None and fit(
+                form, nuisances(form), sources, iterations=NULL.first_iterations, floors=floors
+            ).cost > (best[0].cost + NULL.hopeless):
                 continue
             estimate = fit(form, nuisances(form), sources, floors=floors)
         except (DivergedError, ValueError) as error:
             failure = error
             continue
-        if best is None or estimate.cost < best[0].cost - 5.0:
+        if best is None or estimate.cost < best[0].cost - NULL.form_gain:
             best = (estimate, sources)
     if best is None:
         raise failure or ValueError("logs: could not be predicted")
@@ -120,20 +120,20 @@ def starts_fit(model: Model, calm: Sequence[Innovations], quick: Sequence[Innova
         residual = fast.of([model])[0]
         white = np.asarray(whiten(residual[None, :], list(whitening_filter(slow, residual))))[0]
         rows, late = fast.mask > 0, slow.mask > 0
-        limit = CLIP * robust_rms(white[rows & late])
+        limit = WHITENING.outlier * robust_rms(white[rows & late])
         soon.append(np.minimum(white[rows & ~late] ** 2, limit**2))
         others.append(np.minimum(white[rows & late] ** 2, limit**2))
     extra, usual = np.concatenate(soon), np.concatenate(others)
     if len(extra) == 0 or len(usual) == 0:
         return False
-    return float(usual.mean()) / STARTS < float(extra.mean()) < STARTS * float(usual.mean())
+    return float(usual.mean()) / NULL.starts_power < float(extra.mean()) < NULL.starts_power * float(usual.mean())
 
 
 def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:
     """A width of friction far below the slowest rows that count is an axis that sticks: that form stands beside."""
-    return {"axis.coulomb_width": 0.2 * min(source.rest for source in sources)}
+    return {"axis.coulomb_width": NULL.width_of_rest * min(source.rest for source in sources)}
 
 
 def _speed(log: Log) -> float:
-    window = max(1, round(0.01 / _sample_time(log)))
+    window = max(1, round(NULL.speed_window / _sample_time(log)))
     return float(np.abs(np.gradient(moving_average(log.position, window), log.time)).max())

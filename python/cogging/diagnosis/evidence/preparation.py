@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cogging.diagnosis.evidence.given_logs import Logs, read_logs
+from cogging.diagnosis.thresholds import PREPARATION
 from cogging.log_check.controller import check_controller
 from cogging.log_check.missing_rows import with_missing_rows
 from cogging.log_check.unit_check import check_against_model
@@ -16,8 +17,6 @@ from cogging.logs.pauses import without_pauses
 from cogging.logs.repeated_rows import counted_once, repeated, repeated_text
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
-
-ROWS_MIN = 500
 
 
 @dataclass(frozen=True)
@@ -51,8 +50,8 @@ def prepared(
     if not given:
         raise ValueError("logs: must be at least 1, got 0")
     for name, log in zip((*called, *others_called), (*given, *others), strict=True):
-        if len(log) < ROWS_MIN:
-            raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
+        if len(log) < PREPARATION.rows_min:
+            raise ValueError(f"{name}: rows: must be at least {PREPARATION.rows_min} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
     whole = _counted_once(given, called, others, others_called)
     notes = list(whole.notes)
@@ -74,8 +73,8 @@ def _counted_once(given: list[Log], called: list[str], others: list[Log], others
                 raise ValueError(
                     f"{name}: must be other motion than {first} to confirm anything, but {repeated_text(rows)} in it"
                 )
-    left, kept, said = counted_once(given, called, ROWS_MIN)
-    others_left, others_kept, others_said = counted_once(others, others_called, ROWS_MIN)
+    left, kept, said = counted_once(given, called, PREPARATION.rows_min)
+    others_left, others_kept, others_said = counted_once(others, others_called, PREPARATION.rows_min)
     names = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
     others_names = [name for name, rows in zip(others_called, others_kept, strict=True) if rows.any()]
     return Prepared(left, names, others_left, others_names, (*said, *others_said))
@@ -114,6 +113,6 @@ def _whole(log: Log, model: Model, name: str, notes: list[str]) -> Log:
 
 def seconds_of_motion(log: Log) -> float:
     """Time in which the mean speed over some rows is above a hundredth of the largest."""
-    step = max(1, len(log) // 2000)
+    step = max(1, len(log) // PREPARATION.motion_steps)
     steps, moved = np.diff(log.time[::step]), np.abs(np.diff(log.position[::step]))
-    return float(steps[moved / steps > 0.01 * float((moved / steps).max())].sum())
+    return float(steps[moved / steps > PREPARATION.motion_speed * float((moved / steps).max())].sum())

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.thresholds import SCORE_TEST
 
 
 @dataclass(frozen=True)
@@ -53,5 +54,5 @@ def orthonormal(columns: FloatArray) -> FloatArray:
     size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
     rows = columns[size > 0.0] / size[size > 0.0, None]
     values, vectors = np.linalg.eigh(rows @ rows.T)
-    good = values > 1e-9 * max(values[-1], 1e-300)
+    good = values > SCORE_TEST.basis_rank * max(values[-1], 1e-300)
     return np.asarray((vectors[:, good] / np.sqrt(values[good])).T @ rows)

@@ -9,18 +9,14 @@ from cogging.diagnosis.candidates.signatures import candidates, quantities
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.score_test import orthonormal
-from cogging.diagnosis.naming.names import LOOK_ALIKE
 from cogging.diagnosis.search.state import Search
+from cogging.diagnosis.thresholds import LEVEL_CHANGE, NAME
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.statistics import student
 from cogging.estimation.whitening import Whitened
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
-
-CHANGED = 4.2  # stated and found deviations together, beyond which mass, viscous or Coulomb friction has changed
-SHARED = 0.7  # of what a change does to the logs, that an alternative does too
-VANISHING = 1e-3  # of the command: a force below it is as good as none
 
 
 def changes(search_: Search, model: Model) -> list[tuple[str, float, float, float]]:
@@ -37,7 +33,7 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
             continue
         prior = getattr(model.axis, name)
-        if prior <= VANISHING * search_.evidence.scales.of(known[path].unit):
+        if prior <= LEVEL_CHANGE.vanishing * search_.evidence.scales.of(known[path].unit):
             continue  # a deviation relative to nothing says nothing
         if values[i] <= 0.0:
             continue  # no such machine: the logs do not tell this level from what goes with it
@@ -52,7 +48,8 @@ def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
     """Effects of one amplitude that would do to these logs nearly what a change of mass or friction does.
 
     Beside all else that is free, their columns have a cosine c with that of the level. T (1 - c^2) of the change tells
-    the two apart: of what shares most of it (c^2), one with less than LOOK_ALIKE, at an amplitude in its range.
+    the two apart: of what shares most of it (c^2), one with less than the margin of what is alike (NAME.alike_margin),
+    at an amplitude in its range.
     """
     evidence, estimate = search_.evidence, search_.estimate
     place = estimate.paths.index(f"axis.{name}")
@@ -75,7 +72,7 @@ def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
         amplitude = moved * common / its / sizes[role["quantity"]]
         shared = common**2 / (its * power)
         apart = moved**2 * power * (1.0 - shared) / evidence.overdispersion
-        if shared > SHARED and apart < LOOK_ALIKE and role["low"] <= amplitude <= role["high"]:
+        if shared > LEVEL_CHANGE.shared and apart < NAME.alike_margin and role["low"] <= amplitude <= role["high"]:
             found.append(effect)
     return tuple(found)
 

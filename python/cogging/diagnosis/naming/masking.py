@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from cogging.diagnosis.thresholds import LEVEL_CHANGE
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
-
-VANISHED = 0.25  # of its size: below it, an effect of the model was masking what was missing
 
 
 def masking_notes(nominal: Model, final: Model) -> list[str]:
@@ -40,7 +39,7 @@ def _vanished(nominal: Model, final: Model) -> Iterator[tuple[str, str, float, f
         if not sizes:
             continue
         first, second = max(sizes, key=lambda pair: abs(pair[0].value))
-        if 0.0 < max(abs(b.value) for _, b in sizes) < VANISHED * abs(first.value):
+        if 0.0 < max(abs(b.value) for _, b in sizes) < LEVEL_CHANGE.vanished * abs(first.value):
             yield effect.NAME, first.unit, first.value, second.value
 
 

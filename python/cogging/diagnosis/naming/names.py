@@ -14,20 +14,12 @@ from cogging.diagnosis.candidates.waves import is_wave
 from cogging.diagnosis.entries import NamedEffect, Value
 from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.residual.shape import Shape
-from cogging.diagnosis.search.choice import FORM, alike
-from cogging.diagnosis.search.confirmation import INFORMATIVE
+from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.refit import conditional_paths, effect_parameters
-from cogging.diagnosis.search.search import HARMONICS_MAX, RIVAL
 from cogging.diagnosis.search.state import Added, Search
+from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION, LEVEL_CHANGE, NAME, SEARCH
 from cogging.estimation.gauss_newton import Estimate
 from cogging.model.parameters import effect_paths, parameters_of
-
-SUREST = 0.97  # of the names that nothing speaks against, on blind logs, as many are right, rather fewer
-FORMLESS = 6.0  # of the score, by which a force of any shape explains more than an effect that has the right form
-HALF = 0.5  # of T
-STRONG = -25.0  # log p-value of a refused effect
-PERIODS_APART = 1.5  # in turns over the travel
-LOOK_ALIKE = 25.0  # of the penalised 2 ln likelihood, for a rival that explains nearly the same part of the residual
 
 
 def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedEffect:
@@ -43,7 +35,7 @@ def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedE
     return NamedEffect(
         effect.NAME,
         tuple(dict.fromkeys([*(r.name for r in rivals), *others])),
-        round(0.5 * confidence, 3) if others else confidence,
+        round(NAME.if_full_name * confidence, 3) if others else confidence,
         _values(found.estimate, prefix, effect),
         where_of(effect, found.evidence),
         added.finding.test.statistic,
@@ -84,12 +76,16 @@ def fully_named(found: Search, place: int) -> list[str]:
     if not is_wave(found.vocabulary[names[place]]):
         return []
     others = [name for name in names if name != names[place] and is_wave(found.vocabulary[name])]
-    return [name for name in dict.fromkeys(others) if others.count(name) >= HARMONICS_MAX]
+    return [name for name in dict.fromkeys(others) if others.count(name) >= SEARCH.harmonics_max]
 
 
 def margin(best: Finding, rival: Finding) -> float:
     """Of the score, within which a rival is an alternative: more where it explains nearly the same rows."""
-    return max(LOOK_ALIKE, FORM * best.test.statistic) if alike(rival, best) > 0.85 else RIVAL
+    return (
+        max(NAME.alike_margin, CHOICE.form * best.test.statistic)
+        if alike(rival, best) > NAME.nearly_same_rows
+        else SEARCH.rival
+    )
 
 
 def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
@@ -101,16 +97,16 @@ def unresolved(best: Finding, rival: Finding, found: Search) -> bool:
     if (
         period is None
         or known not in known_periods(found.nominal.model)
-        or rival.test.statistic < HALF * best.test.statistic
+        or rival.test.statistic < NAME.unresolved_share * best.test.statistic
     ):
         return False
-    return bool(abs(1.0 / period - 1.0 / known) * found.evidence.scales.position < PERIODS_APART)
+    return bool(abs(1.0 / period - 1.0 / known) * found.evidence.scales.position < NAME.turns_apart)
 
 
 def unexplained(found: Search) -> bool:
     """Whether more was refused than was added: what explains most of these logs is then no effect as it is listed."""
     named = max(added.finding.test.statistic for added in found.added)
-    return any(one.log_p_value < STRONG and one.test.statistic > named for one in found.unused)
+    return any(one.log_p_value < NAME.refused_strong and one.test.statistic > named for one in found.unused)
 
 
 def _confidence(added: Added, odds: float, shapes_left: bool) -> float:
@@ -118,22 +114,22 @@ def _confidence(added: Added, odds: float, shapes_left: bool) -> float:
     chance = 1.0 / (1.0 + odds)
     check = added.confirmation
     if check is None:
-        chance *= 0.93
-    elif check.noncentrality < INFORMATIVE:
-        chance *= 0.88
-    elif abs(check.ratio - 1.0) > 2.0 * check.deviation:
-        chance *= 0.8
+        chance *= NAME.if_unconfirmed
+    elif check.noncentrality < CONFIRMATION.informative:
+        chance *= NAME.if_uninformed
+    elif abs(check.ratio - 1.0) > NAME.ratio_doubted * check.deviation:
+        chance *= NAME.if_ratio_doubted
     # A generic shape that explains more than the named effect does: its form is not quite that.
     generic = max((shape.score for shape in added.shapes), default=0.0)
-    if generic > added.finding.score + FORMLESS:
-        chance *= 0.7
+    if generic > added.finding.score + NAME.formless:
+        chance *= NAME.if_formless
     if shapes_left:
-        chance *= 0.75
+        chance *= NAME.if_shapes_left
     if added.or_map:
-        chance *= 0.8
-    if added.finding.test.statistic < 35.0:
-        chance *= 0.9
-    return round(float(np.clip(SUREST * chance, 0.01, SUREST)), 3)
+        chance *= NAME.if_map
+    if added.finding.test.statistic < NAME.weak:
+        chance *= NAME.if_weak
+    return round(float(np.clip(NAME.surest * chance, NAME.least_sure, NAME.surest)), 3)
 
 
 def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
@@ -155,9 +151,11 @@ def changed(
 ) -> NamedEffect:
     """Mass, viscous or Coulomb friction beyond what the model states (level_changes.changes), as an effect."""
     name, size, half, beyond = change
-    confidence = 0.97 if abs(beyond) > 5.0 else 0.86
+    confidence = (
+        LEVEL_CHANGE.sure_of_change if abs(beyond) > LEVEL_CHANGE.change_clear else LEVEL_CHANGE.less_sure_of_change
+    )
     if residual_shapes:
-        confidence *= 0.8
+        confidence *= LEVEL_CHANGE.if_shapes_left_too
     value = Value(size, "1", (size - half, size + half))
     return NamedEffect(
         f"{name}_change",

@@ -9,13 +9,13 @@ import numpy as np
 
 from cogging.diagnosis.report.binning import Series, binned, bins_of, envelope, liveliest, rows_of, smoothed, spectrum
 from cogging.diagnosis.residual.shape import MOMENTS, Shape
+from cogging.diagnosis.thresholds import REPORT
 from cogging.model.intervals import SIGMAS_95
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
-POINTS = 4000  # of a trace: more cannot be seen
 
 
 def coordinates_figure(gaps: Mapping[str, Series]) -> Figure:
@@ -48,7 +48,7 @@ def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: fl
     axes.axhline(0.0, color="black", linewidth=0.6)
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         values, gap, block = rows_of(series, name, direction)
-        if len(values) < 100:
+        if len(values) < REPORT.profile_rows:
             axes.text(0.5, 0.5, "no such motion", transform=axes.transAxes, ha="center")
             continue
         places, mean, half = binned(values, gap, block, bins_of(values, name))
@@ -67,14 +67,14 @@ def draw_spectrum(axes: Any, gaps: Mapping[str, Series]) -> None:
 
 def limits(shape: Shape) -> tuple[float, float]:
     """A range of force that shows the places that are known, and cuts the bars of those that are hardly seen."""
-    known = shape.deviation < 4.0 * float(np.median(shape.deviation))
+    known = shape.deviation < REPORT.deviation_shown * float(np.median(shape.deviation))
     reach = np.abs(shape.force[known]) + 2.2 * shape.deviation[known] if known.any() else np.abs(shape.force)
     top = float(np.max(reach)) or 1.0
     return -1.1 * top, 1.1 * top
 
 
 def time_figure(gaps: Mapping[str, Series], log: int = 0) -> Figure:
-    """The gap over time, and a stretch of it from close by; averaged over SMOOTH, so that noise does not hide it."""
+    """The gap over time, and a stretch of it from close by; averaged a little, so that noise does not hide it."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
@@ -82,7 +82,7 @@ def time_figure(gaps: Mapping[str, Series], log: int = 0) -> Figure:
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         time, gap = series["time"][log] - series["time"][log][0], series["gap"][log]
         gap = np.where(series["mask"][log], smoothed(gap, time), np.nan)
-        few = max(1, len(time) // POINTS)
+        few = max(1, len(time) // REPORT.trace_points)
         middle, low, high = envelope(time, gap, few)
         whole.fill_between(middle, low, high, color=colour, alpha=0.75, linewidth=0.3, label=label)
         strip = liveliest(series["gap"][log], np.asarray(series["mask"][log]), len(time) // 12)
@@ -105,13 +105,13 @@ def folded_figure(gaps: Mapping[str, Series], periods: Sequence[float]) -> Figur
     for line, (way, sign) in enumerate((("forward", 1.0), ("backward", -1.0))):
         for panel, period in zip(panels[line], periods, strict=True):
             panel.axhline(0.0, color="black", linewidth=0.6)
-            scale, unit = (1e3, "mm") if period < 0.1 else (1.0, "m")
+            scale, unit = (1e3, "mm") if period < REPORT.folded_milli else (1.0, "m")
             for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
                 position, gap, block = rows_of(series, "position")
                 along = sign * rows_of(series, "velocity")[0] > 0.0
                 if not along.any():
                     continue
-                edges = np.linspace(0.0, period, 33)
+                edges = np.linspace(0.0, period, REPORT.bin_quantiles)
                 place, mean, half = binned(position[along] % period, gap[along], block[along], edges)
                 panel.fill_between(scale * place, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
                 panel.plot(scale * place, mean, color=colour, linewidth=1.4, label=label)

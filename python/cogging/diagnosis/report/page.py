@@ -24,6 +24,7 @@ from cogging.diagnosis.report.words import (
     where_words,
 )
 from cogging.diagnosis.residual.shape import MOMENTS
+from cogging.diagnosis.thresholds import REPORT
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 from cogging.outputs import to_toml
@@ -202,10 +203,12 @@ def _figures(result: Diagnosis) -> dict[str, str]:
         return {}
     figures = {"time": time_figure(gaps), "coordinates": coordinates_figure(gaps)}
     if result.location is not None:
-        told = result.location.significant[:6]
+        told = result.location.significant[: REPORT.shapes_drawn]
         if told:
             figures["shapes"] = shapes_figure(told)
-        periods = [wave.value for wave in result.location.waves if wave.coordinate == "spatial period"][:3]
+        periods = [wave.value for wave in result.location.waves if wave.coordinate == "spatial period"][
+            : REPORT.periods_drawn
+        ]
         if periods:
             figures["folded"] = folded_figure(gaps, periods)
     return {name: picture(figure) for name, figure in figures.items()}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
+from cogging.diagnosis.thresholds import REPORT
 from cogging.effects.effect import Effect
 
 if TYPE_CHECKING:
@@ -83,9 +84,9 @@ def law(vocabulary: Mapping[str, Effect], name: str) -> str:
 def chance_text(log_p_value: float) -> str:
     """A chance given as its logarithm, in words."""
     exponent = -log_p_value / np.log(10.0)
-    if exponent < 2.0:
+    if exponent < REPORT.chance_percent:
         return f"in {100.0 * np.exp(log_p_value):.0f} of 100 logs"
-    if exponent < 6.0:
+    if exponent < REPORT.chance_never:
         return f"in 1 of {10 ** int(exponent):,} logs"
     return "practically never, in less than 1 of a million logs"
 

@@ -6,15 +6,7 @@ import numpy as np
 
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
-
-BAND = (8.0, 60.0)  # Hz: below, the levels of friction are re-tuned; above, a coarse encoder's noise goes with speed
-BLOCK = 0.1  # s
-BLOCKS_MIN = 20
-BURSTS_MAX = 12  # blocks
-SPEEDS = 4  # ranges of speed with a level of noise each
-SPEEDS_OF_ROWS = 24  # the same where every row counts
-BLOW = 3.0  # rms beyond which a single row is cut: a blow is no burst
-QUARTILES = 1.349  # standard deviations between the quartiles of a normal distribution
+from cogging.diagnosis.thresholds import BURST, DISTRIBUTION
 
 
 def bursts(evidence: Evidence) -> float:
@@ -26,21 +18,21 @@ def bursts(evidence: Evidence) -> float:
     total, start = 0.0, 0
     for source in evidence.sources:
         n, h = len(source.log), source.scales.sample_time
-        residual = np.clip(evidence.free_residual[start : start + n], -BLOW, BLOW)
+        residual = np.clip(evidence.free_residual[start : start + n], -BURST.blow_cut, BURST.blow_cut)
         start += n
         frequency = np.fft.rfftfreq(n, h)
-        inside = (frequency >= BAND[0]) & (frequency < BAND[1])
+        inside = (frequency >= BURST.band[0]) & (frequency < BURST.band[1])
         power = np.fft.irfft(np.where(inside, np.fft.rfft(residual), 0.0), n) ** 2 * source.mask
-        length = max(2, round(BLOCK / h))
+        length = max(2, round(BURST.burst_block / h))
         rows = len(residual) // length * length
         counted = source.mask[:rows].reshape(-1, length).sum(axis=1)
-        moving = counted > 0.5 * length
-        if moving.sum() < BLOCKS_MIN:
+        moving = counted > BURST.block_moving * length
+        if moving.sum() < BURST.blocks_min:
             continue
         level = power[:rows].reshape(-1, length).sum(axis=1)[moving] / counted[moving]
         speed = (np.abs(source.along.velocity) * source.mask)[:rows].reshape(-1, length).sum(axis=1)[moving]
         total += _log_p_value(
-            level, speed / counted[moving], (BAND[1] - BAND[0]) * 2.0 * h * float(counted[moving].mean())
+            level, speed / counted[moving], (BURST.band[1] - BURST.band[0]) * 2.0 * h * float(counted[moving].mean())
         )
     return total
 
@@ -48,16 +40,16 @@ def bursts(evidence: Evidence) -> float:
 def _log_p_value(level: np.ndarray, speed: np.ndarray, freedom: float) -> float:
     """Log p-value of the loudest few of these levels (m,), with `freedom` degrees of freedom in each at most."""
     place = np.empty(len(level), dtype=int)
-    place[np.argsort(speed)] = np.arange(len(level)) * SPEEDS // len(level)
-    usual = np.array([np.median(level[place == k]) for k in range(SPEEDS)])
+    place[np.argsort(speed)] = np.arange(len(level)) * BURST.speed_levels // len(level)
+    usual = np.array([np.median(level[place == k]) for k in range(BURST.speed_levels)])
     ratio = level / np.maximum(usual[place], 1e-300)
     low, high = np.quantile(np.log(np.maximum(ratio, 1e-300)), [0.25, 0.75])
-    scatter = float(high - low) / QUARTILES
+    scatter = float(high - low) / DISTRIBUTION.normal_quartiles
     d = max(1, round(min(freedom, 2.0 / max(scatter**2, 1e-9))))
     median = d * (1.0 - 2.0 / (9.0 * d)) ** 3
-    chances = np.sort([log_survival(float(median * one), d) for one in ratio])[:BURSTS_MAX]
+    chances = np.sort([log_survival(float(median * one), d) for one in ratio])[: BURST.bursts_max]
     choices = [log_choices(len(level), count) for count in range(1, len(chances) + 1)]
-    return min(0.0, float(np.min(np.cumsum(chances) + choices)) + float(np.log(BURSTS_MAX)))
+    return min(0.0, float(np.min(np.cumsum(chances) + choices)) + float(np.log(BURST.bursts_max)))
 
 
 def variance_jumps(evidence: Evidence) -> float:
@@ -68,15 +60,15 @@ def variance_jumps(evidence: Evidence) -> float:
     power = evidence.free_residual**2
     mask = evidence.residual != 0.0
     speed = np.concatenate([np.abs(source.along.velocity) for source in evidence.sources])
-    edges = np.unique(np.quantile(speed[mask], np.linspace(0.0, 1.0, SPEEDS_OF_ROWS + 1)))
+    edges = np.unique(np.quantile(speed[mask], np.linspace(0.0, 1.0, BURST.speed_levels_of_rows + 1)))
     place = np.clip(np.searchsorted(edges, speed, side="right") - 1, 0, max(len(edges) - 2, 0))
-    rows = np.maximum(np.bincount(place, mask, minlength=SPEEDS_OF_ROWS), 1.0)
-    level = np.maximum(np.bincount(place, power * mask, minlength=SPEEDS_OF_ROWS) / rows, 1.0)
+    rows = np.maximum(np.bincount(place, mask, minlength=BURST.speed_levels_of_rows), 1.0)
+    level = np.maximum(np.bincount(place, power * mask, minlength=BURST.speed_levels_of_rows) / rows, 1.0)
     power = power / level[place]
     worst = 0.0
-    for block in range(0, int(evidence.block[-1]) + 1, 3):
-        mine = (evidence.block >= block) & (evidence.block < block + 3) & mask
+    for block in range(0, int(evidence.block[-1]) + 1, BURST.jump_blocks):
+        mine = (evidence.block >= block) & (evidence.block < block + BURST.jump_blocks) & mask
         n = int(mine.sum())
-        if n >= 100:
+        if n >= BURST.jump_rows:
             worst = min(worst, log_survival(float(power[mine].sum()), n))
     return worst

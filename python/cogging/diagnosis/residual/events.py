@@ -12,15 +12,8 @@ from cogging.diagnosis.candidates.waves import adjoint
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.log_p_value import log_choices, log_survival
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS, Shape
+from cogging.diagnosis.thresholds import DISTRIBUTION, EVENT
 from cogging.estimation.innovations import Innovations
-
-EVENTS_MAX = 12
-SUSPECTED = -3.0  # log p-value, from which jumps are held against blows of force
-APART = 0.02  # s: jumps that are closer are one
-LENGTHS = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s, of intervals of friction
-MEDIAN, HUNDREDTH = 0.4549, 6.635  # of chi-square with one degree of freedom: median, and 99 of 100 are below
-BLOWS = (0.002, 0.006, 0.02, 0.06)  # s, lengths of a force that may be taken for a jump
-COUNTS = 2.0  # of the encoder, that a jump must have: rounding alone makes it one count, now and then
 
 
 def with_events(evidence: Evidence, found: Sequence[Shape]) -> list[Shape]:
@@ -46,7 +39,8 @@ def level_of(score: FloatArray) -> float:
     """Mean of squared scores of noise, from their median, or from what all but one in a hundred stay below."""
     if len(score) == 0:
         return 0.0
-    return float(max(np.median(score) / MEDIAN, np.quantile(score, 0.99) / HUNDREDTH))
+    middle = np.median(score) / DISTRIBUTION.chi_square_median
+    return float(max(middle, np.quantile(score, EVENT.tail) / DISTRIBUTION.chi_square_hundredth))
 
 
 def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
@@ -57,16 +51,16 @@ def _jumps(evidence: Evidence, readings: list[FloatArray]) -> Shape | None:
         score = np.cumsum(reading[::-1])[::-1] ** 2 * source.mask
         level = level_of(score[source.mask > 0])
         rows += float(source.mask.sum())
-        near = max(1, round(APART / source.scales.sample_time))
-        for _ in range(EVENTS_MAX):
+        near = max(1, round(EVENT.jumps_apart / source.scales.sample_time))
+        for _ in range(EVENT.events_max):
             row = int(np.argmax(score))
             if level <= 0.0 or score[row] <= 0.0:
                 break
             chosen.append((float(score[row]) / level, number, row))
             score[max(0, row - near) : row + near + 1] = 0.0
-    chosen = sorted(chosen, reverse=True)[:EVENTS_MAX]
+    chosen = sorted(chosen, reverse=True)[: EVENT.events_max]
     found = _told(evidence, chosen, rows)
-    if found is None or found.log_p_value > SUSPECTED:
+    if found is None or found.log_p_value > EVENT.jumps_suspected:
         return found
     return _told(evidence, [one for one in chosen if not _is_blow(evidence, one[1], one[2])], rows)
 
@@ -81,7 +75,7 @@ def _told(evidence: Evidence, chosen: Sequence[tuple[float, int, int]], trials: 
                 errors[i, row:] = 1.0
         tables.append(source.rows_of_readings(evidence.alongs[number], errors, evidence.model.axis.mass))
     times = [evidence.sources[n].log.time[row] - evidence.sources[n].log.time[0] for _, n, row in chosen]
-    smallest = COUNTS * evidence.model.encoder.resolution
+    smallest = EVENT.jump_counts * evidence.model.encoder.resolution
     return _best(evidence, JUMPS, tables, times, trials, smallest)
 
 
@@ -91,7 +85,7 @@ def _is_blow(evidence: Evidence, number: int, row: int) -> bool:
     n, h = len(source.log), source.scales.sample_time
     error, blows = np.zeros((1, n)), []
     error[0, row:] = 1.0
-    for length in {max(1, round(seconds / h)) for seconds in BLOWS}:
+    for length in {max(1, round(seconds / h)) for seconds in EVENT.blow_lengths}:
         for first in (row - length, row - length // 2, row):
             blow = np.zeros(n)
             blow[max(0, first) : first + length] = 1.0
@@ -132,7 +126,7 @@ def _strongest(source: Innovations, force: FloatArray) -> tuple[list[tuple[float
     """The strongest intervals in a log, as (score, first row, rows), and how many were tried of each length."""
     total = np.concatenate([[0.0], np.cumsum(force * source.mask)])
     found, trials = [], []
-    for seconds in LENGTHS:
+    for seconds in EVENT.friction_lengths:
         length = max(2, round(seconds / source.scales.sample_time))
         if length >= len(force):
             continue
@@ -141,9 +135,9 @@ def _strongest(source: Innovations, force: FloatArray) -> tuple[list[tuple[float
         if level <= 0.0:
             continue
         trials.append(float(source.mask.sum()) / length)
-        for _ in range(EVENTS_MAX):
+        for _ in range(EVENT.events_max):
             row = int(np.argmax(score))
-            if score[row] <= 4.0 * level:
+            if score[row] <= EVENT.friction_level * level:
                 break
             found.append((float(score[row]) / level, row, length))
             score[max(0, row - length // 2) : row + length // 2 + 1] = 0.0
@@ -154,7 +148,7 @@ def _apart(found: Sequence[tuple[float, int, int, int]]) -> list[tuple[float, in
     """Of intervals, as (score, log, first row, rows), the strongest that do not overlap in a log."""
     chosen: list[tuple[float, int, int, int]] = []
     for one in sorted(found, reverse=True):
-        if len(chosen) == EVENTS_MAX:
+        if len(chosen) == EVENT.events_max:
             break
         if all(o[1] != one[1] or one[2] >= o[2] + o[3] or o[2] >= one[2] + one[3] for o in chosen):
             chosen.append(one)
@@ -180,7 +174,7 @@ def _best(
         if test.freedom == 0:
             continue
         value = min(test.statistic, evidence.bounded(test))
-        chance = log_survival(value, test.freedom) + log_choices(trials, count) + float(np.log(EVENTS_MAX))
+        chance = log_survival(value, test.freedom) + log_choices(trials, count) + float(np.log(EVENT.events_max))
         if best is None or chance < best.log_p_value:
             order = np.argsort(times[:count])
             best = Shape(

@@ -6,8 +6,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.residual.shape import JUMPS, MOMENTS, Shape
-
-STRONG = 3.0  # deviations from which a place counts
+from cogging.diagnosis.thresholds import LOCATION
 
 
 def shape_text(shape: Shape) -> str:
@@ -40,7 +39,7 @@ def ranges(shape: Shape) -> str:
 
 def _moments(shape: Shape) -> str:
     """The largest of what happened, each with its moment."""
-    order = sorted(range(len(shape.places)), key=lambda i: -abs(shape.force[i]))[:4]
+    order = sorted(range(len(shape.places)), key=lambda i: -abs(shape.force[i]))[: LOCATION.moments_told]
     size = length_text if shape.coordinate == JUMPS else (lambda value: f"{value:.2g} V")
     told = [f"{'+-'[int(shape.force[i] < 0.0)]}{size(abs(shape.force[i]))} at {shape.places[i]:.4g} s" for i in order]
     more = len(shape.places) - len(order)
@@ -49,7 +48,7 @@ def _moments(shape: Shape) -> str:
 
 def _peaks(force: FloatArray, deviation: FloatArray) -> list[int]:
     """The strongest place of each run of one sign, at most two runs, those of a tenth of the strongest and above."""
-    strong = np.abs(force) > STRONG * np.where(deviation > 0.0, deviation, np.inf)
+    strong = np.abs(force) > LOCATION.place_strong * np.where(deviation > 0.0, deviation, np.inf)
     runs, current = [], -1
     for i in range(len(force)):
         if not strong[i]:
@@ -60,11 +59,13 @@ def _peaks(force: FloatArray, deviation: FloatArray) -> list[int]:
         elif abs(force[i]) > abs(force[runs[-1]]):
             runs[-1] = current = i
     runs.sort(key=lambda i: -abs(force[i]))
-    return [i for i in runs[:2] if abs(force[i]) >= 0.1 * abs(force[runs[0]])]
+    return [i for i in runs[: LOCATION.runs_told] if abs(force[i]) >= LOCATION.run_strong * abs(force[runs[0]])]
 
 
 def _span(shape: Shape, force: FloatArray, deviation: FloatArray, peak: int) -> str:
-    strong = (np.abs(force) > STRONG * np.where(deviation > 0.0, deviation, np.inf)) & (force * force[peak] > 0.0)
+    strong = (np.abs(force) > LOCATION.place_strong * np.where(deviation > 0.0, deviation, np.inf)) & (
+        force * force[peak] > 0.0
+    )
     first = last = peak
     while first > 0 and strong[first - 1]:
         first -= 1
@@ -86,7 +87,7 @@ def _about_rest(shape: Shape) -> str:
         mine = side * shape.places >= 0.0
         force, deviation = shape.force[mine], shape.deviation[mine]
         speed = np.abs(shape.places[mine])
-        strong = np.abs(force) > STRONG * np.where(deviation > 0.0, deviation, np.inf)
+        strong = np.abs(force) > LOCATION.place_strong * np.where(deviation > 0.0, deviation, np.inf)
         if (strong & (speed > 0.0)).any() or (strong.any() and len(speed) == 1):
             peak = int(np.argmax(np.abs(force) * strong))
             order = np.argsort(speed)
@@ -99,15 +100,15 @@ def _about_rest(shape: Shape) -> str:
                 last += 1
             told[label] = (speed[order][first], speed[order][last], force[peak], last == len(order) - 1)
     if not told:
-        rest = np.abs(shape.force) > STRONG * np.where(shape.deviation > 0.0, shape.deviation, np.inf)
+        rest = np.abs(shape.force) > LOCATION.place_strong * np.where(shape.deviation > 0.0, shape.deviation, np.inf)
         return "at rest" if rest.any() else "spread over its whole range, strong nowhere"
     parts = []
     for label, (low, high, force, to_the_end) in told.items():
         if low <= np.min(np.abs(shape.places)[shape.places != 0.0]):
             reach = "at any speed" if to_the_end else f"within {quantity_text(high, 'm/s')} of rest"
-        elif to_the_end and high > 1.1 * low:
+        elif to_the_end and high > LOCATION.speeds_apart * low:
             reach = f"above {quantity_text(low, 'm/s')}"
-        elif high <= 1.1 * low:
+        elif high <= LOCATION.speeds_apart * low:
             reach = f"about {quantity_text(high, 'm/s')}"
         else:
             reach = f"from {quantity_text(low, 'm/s')} to {quantity_text(high, 'm/s')}"
@@ -120,18 +121,18 @@ def _about_rest(shape: Shape) -> str:
 
 def quantity_text(value: float, unit: str) -> str:
     """A number with its unit, in milli where that reads better."""
-    if unit in ("m", "m/s") and 0.0 < abs(value) < 0.1:
+    if unit in ("m", "m/s") and 0.0 < abs(value) < LOCATION.told_below:
         return f"{1e3 * value:.3g} m{unit}"
     return f"{value:.3g} {unit}"
 
 
 def length_text(value: float) -> str:
     """A length in m, mm or um, four digits, since periods are known well."""
-    if value < 1e-4:
+    if value < LOCATION.micro_below:
         return f"{1e6 * value:.4g} um"
-    return f"{1e3 * value:.4g} mm" if value < 0.1 else f"{value:.4g} m"
+    return f"{1e3 * value:.4g} mm" if value < LOCATION.told_below else f"{value:.4g} m"
 
 
 def share_text(share: float) -> str:
     """A share in whole percent."""
-    return f"{100.0 * share:.0f} %" if share >= 0.01 else "under 1 %"
+    return f"{100.0 * share:.0f} %" if share >= LOCATION.share_told else "under 1 %"

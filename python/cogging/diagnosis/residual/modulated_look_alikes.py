@@ -15,10 +15,7 @@ from cogging.diagnosis.candidates.waves import Gain, is_spatial_wave, peaks
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.score_test import ScoreTest, cosine
 from cogging.diagnosis.residual.shape import Shape
-
-ALIKE = 0.5  # cosine between what a look-alike explains and what the finding does: else it is another effect
-PEAKS = 4  # of each kind's spectrum
-PHASES = 8  # places in a period
+from cogging.diagnosis.thresholds import LOOK_ALIKE
 
 
 def kinds(evidence: Evidence) -> dict[str, Gain]:
@@ -48,15 +45,15 @@ def modulated_look_alikes(evidence: Evidence, finding: Finding) -> list[Shape]:
     found = []
     for kind, gain in kinds(quiet).items():
         tried = []
-        for candidate in peaks(quiet, effect, gain)[0][:PEAKS]:
+        for candidate in peaks(quiet, effect, gain)[0][: LOOK_ALIKE.wave_peaks]:
             (period,) = candidate.shape.values()
             test = wave_test(quiet, gain, float(period))
-            if test.freedom == 2 and cosine(test.explained, same[0].test.explained) > ALIKE:
+            if test.freedom == 2 and cosine(test.explained, same[0].test.explained) > LOOK_ALIKE.wave_alike:
                 tried.append((test, float(period)))
         if not tried:
             continue
         test, period = max(tried, key=lambda one: one[0].statistic)
-        places = np.linspace(0.0, period, PHASES + 1)[:-1]
+        places = np.linspace(0.0, period, LOOK_ALIKE.wave_places + 1)[:-1]
         waves = np.array([np.sin(2.0 * np.pi * places / period), np.cos(2.0 * np.pi * places / period)])
         statistic = finding.test.statistic + test.statistic - same[0].test.statistic
         found.append(

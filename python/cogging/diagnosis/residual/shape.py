@@ -10,7 +10,7 @@ from cogging.arrays import FloatArray
 if TYPE_CHECKING:
     from cogging.diagnosis.evidence.score_test import ScoreTest
 
-JUMPS, FRICTION_INTERVALS = "jumps of the reading over time", "friction in spells of time"
+JUMPS, FRICTION_INTERVALS = "jumps of the reading over time", "friction in intervals of time"
 MOMENTS = (JUMPS, FRICTION_INTERVALS)  # coordinates whose places are moments
 
 

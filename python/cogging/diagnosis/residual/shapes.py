@@ -15,14 +15,12 @@ from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.residual.shape import Shape
+from cogging.diagnosis.thresholds import SCORE_TEST, SHAPE
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
-PHASES = 8  # places in a pitch
 ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too
-PLAIN = 0.15  # of the gap's power, from which what explains it is judged against the noise that it leaves
-PROMISING = 6.0  # T above its freedom from which a shape is judged against the noise that it leaves
 
 
 def hats(values: FloatArray, places: FloatArray) -> FloatArray:
@@ -43,11 +41,12 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
         places = np.unique(np.quantile(values[moving], np.linspace(0.0, 1.0, count)))
         return places if len(places) > 2 else np.linspace(places[0] - 1e-9, places[-1] + 1e-9, 3)
 
-    ends = np.linspace(float(x.min()), float(x.max()), 9)
+    ends = np.linspace(float(x.min()), float(x.max()), SHAPE.travel_places)
     forward = hats(x, ends)
     speeds = np.unique(np.concatenate([-one_way(-v[moving]), [0.0], one_way(v[moving])]))
-    times, ages = np.linspace(0.0, float(t[-1]), 13), np.linspace(0.0, float(t[-1]), 7)
-    commands, accelerations, paces = spread(u, 9), spread(a, 9), spread(np.abs(v), 6)
+    times, ages = np.linspace(0.0, float(t[-1]), SHAPE.time_places), np.linspace(0.0, float(t[-1]), SHAPE.ageing_places)
+    commands, accelerations = spread(u, SHAPE.value_places), spread(a, SHAPE.value_places)
+    paces = spread(np.abs(v), SHAPE.gain_speeds)
     # Each coordinate's shape is free for either direction where that makes a difference.
     both = np.vstack([forward * (direction > 0), forward * (direction < 0)])
     speed_columns = hats(v, speeds)
@@ -74,7 +73,7 @@ def over_pitch(
     if model.cogging is None or len(model.cogging.basis.wavenumbers) == 0:
         return {}
     pitch = float(2.0 * np.pi / np.min(model.cogging.basis.wavenumbers))
-    places = np.linspace(0.0, pitch, PHASES + 1)
+    places = np.linspace(0.0, pitch, SHAPE.pitch_places + 1)
     phase = np.mod(position, pitch)
     wave = hats(phase, places)
     wave = np.vstack([wave[0] + wave[-1], wave[1:-1]])  # the last place is the first
@@ -90,9 +89,9 @@ def one_way(velocity: FloatArray) -> FloatArray:
     up = velocity[velocity > 0]
     if len(up) == 0:
         return up  # the axis never moves this way
-    if len(up) < 50:
+    if len(up) < SHAPE.way_rows:
         return np.array([float(up.max())])
-    return np.asarray(np.quantile(up, np.linspace(0.0, 1.0, 7)))
+    return np.asarray(np.quantile(up, np.linspace(0.0, 1.0, SHAPE.way_speeds)))
 
 
 def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = ()) -> list[Shape]:
@@ -121,9 +120,9 @@ def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = 
             return None
         asked = plain and not is_answered(name)
         start, explained = evidence.unwhitened_fit(tables[name]) if asked else (np.empty(0), 0.0)
-        if name in usual and explained <= PLAIN:
+        if name in usual and explained <= SHAPE.plain_share:
             return usual[name]
-        test, share = best_test(evidence, tables[name], [start] if explained > PLAIN else [], power)
+        test, share = best_test(evidence, tables[name], [start] if explained > SHAPE.plain_share else [], power)
         return None if test is None else shape_of(name, *facts[name], test, share, len(facts))
 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
@@ -147,7 +146,7 @@ def best_test(
     if first.freedom == 0:
         return None, 0.0
     test, statistic = first, evidence.bounded(first)
-    own = [first.amplitudes] if statistic > first.freedom + PROMISING else []
+    own = [first.amplitudes] if statistic > first.freedom + SHAPE.shape_promising else []
     for start in (*own, *starts):
         quiet = refiltered(evidence, [start @ table for table in tables])
         again = quiet.test(quiet.whitened(tables))
@@ -177,5 +176,5 @@ def low_power(evidence: Evidence) -> float:
         start += n
         spectrum = np.abs(np.fft.rfft(part)) ** 2
         frequency = np.fft.rfftfreq(n, source.scales.sample_time)
-        total += 2.0 * float(spectrum[frequency < 60.0].sum()) / n
+        total += 2.0 * float(spectrum[frequency < SCORE_TEST.effects_below].sum()) / n
     return max(total, 1.0)

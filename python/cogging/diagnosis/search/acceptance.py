@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cogging.diagnosis.discrepancy import discrepancies
+from cogging.diagnosis.thresholds import ACCEPTANCE
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
-
-PAYS = 1.01  # times the gap on the confirm logs, which an effect may not make larger
 
 
 def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
@@ -28,10 +27,10 @@ def that_pays(
     loop where it is asked for (`replay`) and can be had.
     """
     other = discrepancies(confirm, [before, tuned, kept], replay=replay)
-    if other[1].rms <= PAYS * other[0].rms:
+    if other[1].rms <= ACCEPTANCE.gap_growth * other[0].rms:
         return tuned, ""
     if other[2].rms < other[0].rms:
         own = discrepancies(logs, [before, kept], replay=replay)
-        if own[1].rms <= PAYS * own[0].rms:
+        if own[1].rms <= ACCEPTANCE.gap_growth * own[0].rms:
             return kept, ""
     return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"

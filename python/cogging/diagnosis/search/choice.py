@@ -13,25 +13,9 @@ from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.score_test import cosine
-from cogging.diagnosis.search.confirmation import INFORMATIVE, Confirmation, confirmation
+from cogging.diagnosis.search.confirmation import Confirmation, confirmation
+from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION
 from cogging.estimation.gauss_newton import Estimate
-
-# Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml).
-#: ln of the probability that noise shows as much anywhere in one effect's scan: some 20 effects, 0.15 % in all.
-DETECTED = -9.5
-POSSIBLE = -1.5  # the same, from which a rival counts
-JOINT = -15.0  # the same for both logs together, where that alone is not enough
-UNSHOWN = -20.0  # the same for what the confirm logs cannot show
-SLIPPERY = -60.0  # the same for a level of friction or a force in an interval: odd friction near rest looks like them
-NEAR_BEST = -5.0  # the same for a rival of what stands by itself
-WORTH = 0.01  # of the residual's power below 60 Hz: an effect that explains less is not worth a name
-OVERWHELMING = 1000.0  # score beyond which effects are taken in the order of what they are worth
-REACH = 60.0  # of the score: what is farther from the best is no rival
-FORM = 0.05  # of T: how well the form of anything is known
-SAME = 0.01  # of a period
-LIKE = 0.5  # cosine between what two findings explain
-MOSTLY, NEARLY = 0.7, 0.9  # of T
-MANY = 4  # amplitudes
 
 
 def told_apart(findings: Sequence[Finding]) -> tuple[list[Finding], list[Finding]]:
@@ -41,7 +25,7 @@ def told_apart(findings: Sequence[Finding]) -> tuple[list[Finding], list[Finding
 
 def is_rounding(finding: Finding, faint: Sequence[Finding]) -> bool:
     """Whether a wave in the reading that rounding may have made explains more of what a finding does."""
-    return any(other.score > finding.score and alike(other, finding) > LIKE for other in faint)
+    return any(other.score > finding.score and alike(other, finding) > CHOICE.like for other in faint)
 
 
 def is_seen(finding: Finding, check: Confirmation | None, power: float, other_power: float) -> bool:
@@ -52,17 +36,17 @@ def is_seen(finding: Finding, check: Confirmation | None, power: float, other_po
         check: its test on the other motion.
         power, other_power: power of the residuals below 60 Hz, in the logs and in the other motion (low_power).
     """
-    if finding.log_p_value <= DETECTED:
-        return finding.test.statistic >= WORTH * power
-    if check is None or finding.log_p_value + check.log_p_value > JOINT:
+    if finding.log_p_value <= CHOICE.detected:
+        return finding.test.statistic >= CHOICE.worth * power
+    if check is None or finding.log_p_value + check.log_p_value > CHOICE.joint:
         return False
-    return check.shown >= WORTH * other_power
+    return check.shown >= CHOICE.worth * other_power
 
 
 def needed(finding: Finding) -> float:
     """Log p-value below which an effect must lie where the confirm logs cannot show it."""
     effect = finding.candidate.law
-    return SLIPPERY if acts_in_interval(effect) or "friction_level" in effect.HOOKS else UNSHOWN
+    return CHOICE.slippery if acts_in_interval(effect) or "friction_level" in effect.HOOKS else CHOICE.unshown
 
 
 def refusal(finding: Finding, check: Confirmation | None) -> str | None:
@@ -71,7 +55,7 @@ def refusal(finding: Finding, check: Confirmation | None) -> str | None:
         return None
     if check.refuted:
         return f"other motion shows {check.ratio:.2f} of what was foreseen"
-    if check.noncentrality < INFORMATIVE and finding.log_p_value > needed(finding):
+    if check.noncentrality < CONFIRMATION.informative and finding.log_p_value > needed(finding):
         return f"the other motion cannot show it (lambda {check.noncentrality:.1f})"
     return None
 
@@ -81,12 +65,12 @@ def worths(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) 
 
     Where the evidence is overwhelming, every imperfection of the model is significant: then that is the order to take.
     """
-    if max((f.score for f in findings), default=0.0) < OVERWHELMING:
+    if max((f.score for f in findings), default=0.0) < CHOICE.overwhelming:
         return {}
     plain = gather(estimate, evidence.sources, memory=evidence.memory, plain=True)
     worth = {}
     for finding in findings:
-        if finding.log_p_value < DETECTED:
+        if finding.log_p_value < CHOICE.detected:
             again = judged(plain, [finding.candidate], 1.0)
             worth[finding.name] = again[0].test.statistic if again else 0.0
     return worth
@@ -105,19 +89,24 @@ def choose(
 
     One that was refused because it does not pay (`unpaid`) is not chosen again, but what comes in its place may be it.
     """
-    reach = max(REACH, FORM * best.test.statistic)
-    seen = NEAR_BEST if best.log_p_value < DETECTED else POSSIBLE
+    reach = max(CHOICE.reach, CHOICE.form * best.test.statistic)
+    seen = CHOICE.near_best if best.log_p_value < CHOICE.detected else CHOICE.possible
     near = [
         f
         for f in findings
         if f is best
-        or (f.score > best.score - reach and f.name not in barred and f.log_p_value < seen and alike(f, best) > LIKE)
+        or (
+            f.score > best.score - reach
+            and f.name not in barred
+            and f.log_p_value < seen
+            and alike(f, best) > CHOICE.like
+        )
     ]
     checks = {f.name: check if f is best else confirmation(confirm_evidence, f) for f in near}
 
     def gain(f: Finding) -> float:
         c = checks[f.name]
-        return 0.0 if c is None else float(np.clip(c.gain, -60.0, None))
+        return 0.0 if c is None else float(np.clip(c.gain, -CHOICE.loss_max, None))
 
     standing = [f for f in near if f is best or not (checks[f.name] is not None and checks[f.name].refuted)]  # type: ignore[union-attr]
     ranked = sorted(standing, key=lambda f: worth.get(f.name, 0.0 if worth else f.score) + gain(f), reverse=True)
@@ -137,17 +126,23 @@ def plainer(ranked: Sequence[Finding]) -> Finding:
     first, and of a period that the model has not, the plain wave that is most of it.
     """
     first = ranked[0]
-    if len(first.candidate.amplitudes) > MANY:
+    if len(first.candidate.amplitudes) > CHOICE.many:
         for other in ranked[1:]:
-            if len(other.candidate.amplitudes) <= 2 and other.test.statistic > NEARLY * first.test.statistic:
+            if (
+                len(other.candidate.amplitudes) <= CHOICE.few
+                and other.test.statistic > CHOICE.nearly * first.test.statistic
+            ):
                 return other
     period = first.candidate.period
-    if period is None or is_wave(first.candidate.law) or len(first.candidate.amplitudes) <= 2:
+    if period is None or is_wave(first.candidate.law) or len(first.candidate.amplitudes) <= CHOICE.few:
         return first
     for other in ranked[1:]:
         if is_spatial_wave(other.candidate.law) and other.candidate.law.HOOKS == first.candidate.law.HOOKS:
             other_period = other.candidate.period or 0.0
-            if abs(other_period / period - 1.0) < SAME and other.test.statistic > MOSTLY * first.test.statistic:
+            if (
+                abs(other_period / period - 1.0) < CHOICE.same_period
+                and other.test.statistic > CHOICE.mostly * first.test.statistic
+            ):
                 return other
     return first
 

@@ -17,14 +17,11 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import nuisances, sources_of, width_floor
+from cogging.diagnosis.thresholds import CONFIRMATION
 from cogging.estimation.gauss_newton import fit
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths
-
-PLACES, SHIFTS = 2000, 97  # along the travel, and of one cogging against another
-SHIFTED = 1.0 / 12.0  # of the longest period, from which the zeros differ
-INFORMATIVE = 10.0  # noncentrality from which the silence of the confirm logs counts against an effect
 
 
 @dataclass(frozen=True)
@@ -45,14 +42,14 @@ class Confirmation:
 
     @property
     def deviation(self) -> float:
-        """1-sigma of the ratio; at least 0.15, since the amplitudes are estimates themselves."""
-        return float(np.hypot(1.0 / np.sqrt(max(self.noncentrality, 1e-9)), 0.15))
+        """1-sigma of the ratio; not below `amplitude_error`, since the amplitudes are estimates themselves."""
+        return float(np.hypot(1.0 / np.sqrt(max(self.noncentrality, 1e-9)), CONFIRMATION.amplitude_error))
 
     @property
     def refuted(self) -> bool:
         """Whether the other motion speaks against it: it shows far less or more than expected, or fits worse."""
-        far = (3.0 if self.ratio < 1.0 else 10.0) * self.deviation  # more than expected may be a shape not quite right
-        return self.noncentrality >= INFORMATIVE and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
+        far = (CONFIRMATION.less_refutes if self.ratio < 1.0 else CONFIRMATION.more_refutes) * self.deviation
+        return self.noncentrality >= CONFIRMATION.informative and (abs(self.ratio - 1.0) > far or self.gain <= 0.0)
 
     @property
     def shown(self) -> float:
@@ -71,7 +68,7 @@ class Confirmation:
     @property
     def confirmed(self) -> bool:
         """Whether the other motion shows it."""
-        return self.noncentrality >= INFORMATIVE and not self.refuted
+        return self.noncentrality >= CONFIRMATION.informative and not self.refuted
 
 
 def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str], *, quick: bool = False) -> Evidence:
@@ -90,7 +87,9 @@ def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str
     paths = [p for p in tuned if not p.startswith("effects.")]
     paths += [p for p in nuisances(model) if p.startswith("effects.") and p.rpartition(".")[0] in own]
     sources = sources_of(logs, model, quick=quick)
-    evidence = gather(fit(model, paths, sources, iterations=4, floors=width_floor(sources)), sources)
+    evidence = gather(
+        fit(model, paths, sources, iterations=CONFIRMATION.retuning_iterations, floors=width_floor(sources)), sources
+    )
     return replace(evidence, turns=not same_zero(evidence, model))
 
 
@@ -103,11 +102,11 @@ def same_zero(evidence: Evidence, before: Model) -> bool:
     if mine is None or its is None or len(its.basis.wavenumbers) == 0:
         return False
     period = 2.0 * np.pi / float(np.min(its.basis.wavenumbers))
-    places = np.linspace(*place(evidence), PLACES)
-    shifts = period * np.linspace(-0.5, 0.5, SHIFTS)
+    places = np.linspace(*place(evidence), CONFIRMATION.travel_points)
+    shifts = period * np.linspace(-0.5, 0.5, CONFIRMATION.shifts)
     force = np.asarray(its.force(places))
     alike = [float(force @ np.asarray(mine.force(places + shift))) for shift in shifts]
-    return bool(max(alike) > 0.0 and abs(shifts[int(np.argmax(alike))]) < SHIFTED * period)
+    return bool(max(alike) > 0.0 and abs(shifts[int(np.argmax(alike))]) < CONFIRMATION.zero_shift * period)
 
 
 def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | None:
@@ -122,7 +121,7 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
     # Two logs need share neither the encoder's zero nor that of time: a wave may come back with another phase.
     law = finding.candidate.law
     turned = is_wave(law) and (evidence.turns or not is_spatial_wave(law))
-    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False) if turned else [0.0]
+    turns = np.linspace(0.0, 2.0 * np.pi, CONFIRMATION.wave_turns, endpoint=False) if turned else [0.0]
     best = Confirmation(0.0, 0.0, -np.inf)
     for turn in turns:
         amplitudes = finding.amplitudes
@@ -134,7 +133,7 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
         if noncentrality <= 0.0:
             continue
         score = -float(predicted @ evidence.free_residual) / evidence.overdispersion
-        gain = 2.0 * score - noncentrality - (0.0 if turn == 0.0 else 4.0)
+        gain = 2.0 * score - noncentrality - (0.0 if turn == 0.0 else CONFIRMATION.turn_penalty)
         if gain > best.gain:
             best = Confirmation(noncentrality, score / noncentrality, gain, float(turn))
     if not np.isfinite(best.gain):

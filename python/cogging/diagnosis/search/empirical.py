@@ -9,9 +9,9 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import discrepancies, source_of
-from cogging.diagnosis.search.acceptance import PAYS
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.state import Search
+from cogging.diagnosis.thresholds import ACCEPTANCE
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -67,7 +67,7 @@ def with_term(
         elsewhere = [gap.rms for gap in discrepancies(others, [model, tuned], replay=False)] if others else None
     except (DivergedError, ValueError) as error:
         raise NoTerm(f"the model with an empirical term cannot be fitted: {error}") from None
-    if after > before or (elsewhere is not None and elsewhere[1] > PAYS * elsewhere[0]):
+    if after > before or (elsewhere is not None and elsewhere[1] > ACCEPTANCE.gap_growth * elsewhere[0]):
         here = elsewhere or [before, after]
         raise NoTerm(f"an empirical term does not pay: the gap grows from {here[0]:.4g} to {here[1]:.4g} V with it")
     told = {"name": law.NAME, "gap_before": before, "gap_after": after}

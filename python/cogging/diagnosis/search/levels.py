@@ -8,14 +8,12 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.evidence.null import width_floor
+from cogging.diagnosis.thresholds import REFIT
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.innovations import Innovations
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
-
-ITERATIONS = 3
-HALVINGS = 4
 
 
 def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovations]) -> Model:
@@ -35,14 +33,14 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
         return sum(float(np.sum(s.of([one])[0, rows] ** 2)) for s, rows in zip(sources, masks, strict=True))
 
     best = gap(model)
-    for _ in range(ITERATIONS):
+    for _ in range(REFIT.level_iterations):
         known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, sources, scales)
         right = np.concatenate([r[rows] for r, rows in zip(residuals, masks, strict=True)])
         table = np.concatenate([c[:, rows] for c, rows in zip(columns, masks, strict=True)], axis=1)
         step = -least_squares_of_long_rows(table, right)
-        for halving in range(HALVINGS):
+        for halving in range(REFIT.level_halvings):
             values = {
                 p.path: max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf))
                 for p, s in zip(parameters, step, strict=True)
@@ -57,6 +55,6 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
         else:
             return model
         gained, best, model = best - after, after, moved
-        if gained < 1e-3 * best:
+        if gained < REFIT.level_gain * best:
             break
     return model

@@ -7,10 +7,7 @@ from cogging.diagnosis.entries import Placebo
 from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.confirmation import confirmation
 from cogging.diagnosis.search.state import Search
-
-PLACEBOS = 5
-SUSPECTED = -6.0  # log p-value: what is significant and was refused is no placebo
-DISTINCT = 0.3  # cosine with another placebo, above which it would say the same again
+from cogging.diagnosis.thresholds import ACCEPTANCE
 
 
 def placebos(found: Search) -> tuple[Placebo, ...]:
@@ -21,12 +18,12 @@ def placebos(found: Search) -> tuple[Placebo, ...]:
     named = {added.finding.name for added in found.added}
     chosen: list[Finding] = []
     for finding in sorted(found.unused, key=lambda one: -one.test.statistic):
-        if finding.name in named or finding.log_p_value < SUSPECTED:
+        if finding.name in named or finding.log_p_value < ACCEPTANCE.placebo_suspected:
             continue
-        if any(alike(finding, other) > DISTINCT for other in chosen):
+        if any(alike(finding, other) > ACCEPTANCE.placebo_like for other in chosen):
             continue
         chosen.append(finding)
-        if len(chosen) == PLACEBOS:
+        if len(chosen) == ACCEPTANCE.placebos_max:
             break
     told = []
     for finding in chosen:

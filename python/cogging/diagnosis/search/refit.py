@@ -13,6 +13,7 @@ from cogging.diagnosis.candidates.scan import in_range
 from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import width_floor
+from cogging.diagnosis.thresholds import REFIT
 from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.model.model import Model
@@ -32,17 +33,20 @@ def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) 
     ]
     floors, ceilings = shape_limits(model, evidence)
     floors |= width_floor(evidence.sources)
-    fitted = fit(model, paths, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
+    fitted = fit(model, paths, evidence.sources, iterations=REFIT.iterations, floors=floors, ceilings=ceilings)
     sizes = quantities(evidence)
     for effect in fitted.model.effects[given:]:
         for name, role in effect.ROLES.items():
             value = getattr(effect, name)
-            if role["role"] == "amplitude" and np.max(np.abs(value)) > 1.01 * role["high"] * sizes[role["quantity"]]:
+            if (
+                role["role"] == "amplitude"
+                and np.max(np.abs(value)) > REFIT.amplitude_excess * role["high"] * sizes[role["quantity"]]
+            ):
                 raise ValueError(f"its {name} runs to {np.max(np.abs(value)):.3g}")
             if role["role"] == "shape" and isinstance(value, float) and not in_range(evidence, role, value):
                 # The shape runs off where the log does not hold it: shapes stay where the scan found them.
                 held = [p for p in paths if p not in shape_paths(model)]
-                return fit(model, held, evidence.sources, iterations=8, floors=floors, ceilings=ceilings)
+                return fit(model, held, evidence.sources, iterations=REFIT.iterations, floors=floors, ceilings=ceilings)
     return fitted
 
 
@@ -59,8 +63,12 @@ def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], di
         for name, role in effect.ROLES.items():
             if role["role"] == "shape" and role["quantity"] != "position" and not is_held(effect, role):
                 size = sizes[role["quantity"]]
-                floors[f"{prefix}.{name}"] = max(0.5 * role["low"], 1e-4 * role["high"]) * size
-                ceilings[f"{prefix}.{name}"] = (1.0 if role["quantity"] == "relative" else 2.0) * role["high"] * size
+                floors[f"{prefix}.{name}"] = (
+                    max(REFIT.floor_of_range * role["low"], REFIT.floor_of_high * role["high"]) * size
+                )
+                ceilings[f"{prefix}.{name}"] = (
+                    (1.0 if role["quantity"] == "relative" else REFIT.ceiling_of_range) * role["high"] * size
+                )
             elif role["role"] == "amplitude" and role["low"] == 0.0:
                 floors[f"{prefix}.{name}"] = 0.0
     return floors, ceilings

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-import numpy as np
-
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
@@ -19,9 +17,6 @@ from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alik
 from cogging.diagnosis.residual.shapes import low_power, shapes
 from cogging.diagnosis.search.acceptance import that_pays, with_levels_of
 from cogging.diagnosis.search.choice import (
-    DETECTED,
-    FORM,
-    POSSIBLE,
     choose,
     is_rounding,
     is_seen,
@@ -33,19 +28,11 @@ from cogging.diagnosis.search.confirmation import Confirmation, confirmation, re
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
+from cogging.diagnosis.thresholds import CHOICE, SEARCH
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-# Thresholds, frozen before a seed is drawn for a report (see tests/blind/seeds.toml), as those in choice.py.
-HINTED = -3.0  # ln of the probability that noise shows as much, from which the confirm logs are asked
-LEFT_OVER = -12.0  # the same for a generic shape: it also catches what friction laws differ by
-RIVAL = 2.0 * np.log(100.0)  # of the penalised 2 ln likelihood: a rival closer than this is an alternative
-AGAIN = 150.0  # of the score: what is farther from the best is not looked at a second time
-EFFECTS_MAX = 4
-TERMS_MAX = 8
-HARMONICS_MAX = 3  # terms of one name: a fourth would tell of the shape, and take the place of another effect
 
 
 def search(
@@ -72,10 +59,12 @@ def search(
     while True:
         progress(f"scanning, effect {len(state.added) + 1}")
         scanned = scan_twice(state)
-        if len(state.added) == TERMS_MAX:
+        if len(state.added) == SEARCH.terms_max:
             return finish(state, scanned)
         wrong_map = None if free_map else map_error(state.estimate, state.evidence)
-        if wrong_map is not None and wrong_map.rivals(max((f.score for f in scanned.findings), default=0.0), RIVAL):
+        if wrong_map is not None and wrong_map.rivals(
+            max((f.score for f in scanned.findings), default=0.0), SEARCH.rival
+        ):
             return search(logs, model, confirm, progress, replay, True, vocabulary)  # re-tuning comes first
         choice = choose_next(state, scanned)
         if choice is None:
@@ -125,9 +114,11 @@ def scan_twice(state: State) -> Scanned:
     found = shapes(evidence)
     state.nominal_shapes = state.nominal_shapes or with_events(evidence, found)
     best = max(findings, key=lambda f: f.score, default=None)
-    if best is not None and best.log_p_value < 0.6 * DETECTED:
+    if best is not None and best.log_p_value < SEARCH.rescan_from * CHOICE.detected:
         state.evidence = cleaned(evidence, best)
-        near = {f.name for f in findings if f.score > best.score - AGAIN and f.log_p_value < POSSIBLE}
+        near = {
+            f.name for f in findings if f.score > best.score - SEARCH.rescan_within and f.log_p_value < CHOICE.possible
+        }
         again = scan(state.evidence, [vocabulary[name] for name in sorted(near)])
         sharper, still_faint = told_apart(profiled(evidence, again))
         findings = [*sharper, *(f for f in findings if f.name not in near)]
@@ -155,9 +146,9 @@ def barred_names(state: State) -> set[str]:
     """Effects that are not tried: refused before, or as many as can be told were added."""
     names = [one.finding.name for one in state.added]
     barred = {finding.name for finding, _ in state.refused}
-    if len(set(names)) == EFFECTS_MAX:  # further harmonics of what was found may still come
+    if len(set(names)) == SEARCH.effects_max:  # further harmonics of what was found may still come
         barred |= set(state.task.vocabulary) - set(names)
-    return barred | {name for name in names if names.count(name) == HARMONICS_MAX}
+    return barred | {name for name in names if names.count(name) == SEARCH.harmonics_max}
 
 
 def first_that_stands(
@@ -169,7 +160,7 @@ def first_that_stands(
     other_power = low_power(state.confirm_evidence) if state.confirm_evidence is not None else 0.0
     waiting: tuple[Finding, Confirmation | None] | None = None
     for finding in sorted(scanned.findings, key=lambda f: -worth.get(f.name, f.score if not worth else 0.0)):
-        if finding.log_p_value > (HINTED if confirm else DETECTED) or finding.name in barred:
+        if finding.log_p_value > (SEARCH.hinted if confirm else CHOICE.detected) or finding.name in barred:
             continue
         if is_rounding(finding, scanned.faint):
             continue
@@ -233,7 +224,7 @@ def accept(
 ) -> None:
     """Take the effect into the model, and make the evidence of what is left."""
     or_map = wrong_map is not None and wrong_map.rivals(
-        choice.rivals[0].score, max(2.0 * RIVAL, FORM * wrong_map.statistic)
+        choice.rivals[0].score, max(SEARCH.map_rival * SEARCH.rival, CHOICE.form * wrong_map.statistic)
     )
     missing = [*scanned.shapes, *modulated_look_alikes(state.evidence, choice.finding)]
     state.added.append(Added(choice.finding, choice.rivals, missing, choice.check, tuned, or_map))

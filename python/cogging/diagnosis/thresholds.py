@@ -1,0 +1,473 @@
+"""All thresholds of the diagnosis, by step; each with its unit, its meaning and, in brackets, what set it.
+
+Units: `ln p` is the ln of the probability that noise alone shows as much, `T` a score test's statistic, `score` the
+penalised 2 ln likelihood of a finding, `1` a plain ratio or number. What set them: `tuned` values were set together on
+the tuning seeds of the blind suite (tests/blind/seeds.toml) and frozen before a seed was drawn for a report. `exact`
+ones are mathematics. `cost` ones save time; what a larger value would find, nobody measured. `drawn` ones are how a
+result is shown. `assumed` ones were chosen by judgement: no data are on record.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class DistributionConstants:
+    """Constants of distributions by which levels of noise are read from medians: no thresholds."""
+
+    chi_square_median: float = 0.4549  # 1: median of chi-square with one degree of freedom [exact]
+    chi_square_hundredth: float = 6.635  # 1: 99 of 100 values of it are below [exact]
+    normal_quartiles: float = 1.349  # 1: standard deviations between the quartiles of a normal distribution [exact]
+    normal_median: float = 1.4826  # 1: its standard deviation over its median size [exact]
+
+
+# Evidence -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class PreparationThresholds:
+    """Which logs can be diagnosed at all."""
+
+    rows_min: int = 500  # rows: a log must have [assumed]
+    motion_min: float = 1.0  # s: in motion, in all given logs together; less is insufficient excitation [assumed]
+    motion_steps: int = 2000  # 1: steps into which a log is cut to see in which the axis moves [assumed]
+    motion_speed: float = 0.01  # of the largest mean speed of a step: from there the axis moves [assumed]
+    command_missed: float = 1e-3  # of the rms command: a controller that misses more has its gains refitted [assumed]
+
+
+@dataclass(frozen=True)
+class ObserverThresholds:
+    """The observers whose innovations are the residual, and the rows that count."""
+
+    quick_bandwidth: float = 100.0  # Hz: above the motion, below what a coarse encoder makes noisy [assumed]
+    calm_bandwidth: float = 50.0  # Hz: the same where rows soon after a start are left out [assumed]
+    gap_bandwidth: float = 15.0  # Hz: of that whose innovations are the gap where no controller is known [assumed]
+    turning_bandwidth: float = 50.0  # Hz: the same for an axis that keeps turning back [assumed]
+    bandwidth_of_rate: float = 0.05  # of the sample rate: no bandwidth is higher [assumed]
+    moving_rows: float = 0.1  # of the rows: fewer in motion ask for the faster observer, then for less rest [assumed]
+    rest_of_speed: float = 3e-3  # of the log's speed: below it is rest, where rest took too many rows [assumed]
+
+
+@dataclass(frozen=True)
+class NullThresholds:
+    """The re-tuned model that stands for nothing missing."""
+
+    first_iterations: int = 2  # 1: of a fit, after which a form of friction that is `hopeless` is given up [cost]
+    hopeless: float = 1000.0  # 2 ln likelihood: behind by more, it is so [at most 200 to gain then on 40 blind logs]
+    form_gain: float = 5.0  # of the cost: by so much another form of friction must fit better [assumed]
+    other_width: float = 0.005  # of the largest speed: friction width that stands beside sticking [assumed]
+    width_of_rest: float = 0.2  # of the slowest row that counts: narrower friction is an axis that sticks [assumed]
+    time_gap: float = 5.0  # median steps: a longer one is a gap in time [assumed]
+    starts_power: float = 1.5  # times the power of other rows, or its inverse: rows after starts are alike [assumed]
+    speed_window: float = 0.01  # s: over which positions are averaged to tell the largest speed [assumed]
+
+
+@dataclass(frozen=True)
+class WhiteningThresholds:
+    """The filters that make a residual white."""
+
+    band_lines: int = 12  # 1: lines of a periodogram in a band of its level, at least [assumed]
+    band_ratio: float = 1.26  # 1: highest over lowest frequency of a band, a third of an octave [exact]
+    band_level_min: float = 1e-3  # 1: level of a band, against white noise, of what the first filter left [assumed]
+    outlier: float = 6.0  # rms of the whitened residual: larger ones are cut there for the filters [assumed]
+    glitch: float = 20.0  # rms of the whitened residual: beyond it a row is cut there, for it is no effect [assumed]
+    friction_decays: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)  # widths: exp(-(v / w)^2) near rest is free [assumed]
+    friction_tails: tuple[float, ...] = (1.0, 3.0)  # widths: v w / (v^2 + w^2) near rest is free [assumed]
+    refit_rank: float = 1e-9  # of the largest singular value: what re-tuning makes of a residual [assumed]
+
+
+@dataclass(frozen=True)
+class ScoreTestThresholds:
+    """Score tests, and the scatter of the scores."""
+
+    columns_together: int = 8  # 1: columns that are whitened at once [cost]
+    effects_below: float = 60.0  # Hz: effects are slower; power and scatter are taken below [assumed]
+    effects_above: float = 0.5  # Hz: the scatter of the scores is taken above [assumed]
+    scatter_lines: int = 20  # 1: lines between the two, of which more must be for the scatter to be told [assumed]
+    untuned_share: float = 2e-3  # of a column's size: what re-tuning leaves of it must be larger [assumed]
+    column_rank: float = 1e-4  # eigenvalue of the columns' correlation: smaller directions are left out [assumed]
+    basis_rank: float = 1e-9  # of the largest eigenvalue: smaller ones are rounding [assumed]
+
+
+# Scan -----------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class GridThresholds:
+    """Shapes at which an effect is first tried."""
+
+    turns_to_change: float = 3.0  # turns in the travel: a wave needs for its amplitude to change along it [assumed]
+    nodes: int = 6  # 1: places along the travel of an amplitude that is a list [assumed]
+    values_of_shape: tuple[int, ...] = (3, 12, 4, 2, 3)  # 1: each, for 0, 1, 2, 3 and more shape numbers [cost]
+    moments: int = 10  # 1: at which something may begin or end [cost]
+    resonances: int = 96  # 1: frequencies that are tried of a resonance, for it is narrow [assumed]
+    first_damping: float = 0.03  # 1: damping ratio of a resonance, to begin with [assumed]
+    small: float = 0.02  # 1: of what is relative and starts from nothing: columns are nearly linear in it [assumed]
+    unit_share: float = 0.02  # of the largest amplitude: a column is made with it [assumed]
+    exponents: tuple[float, ...] = (1.0, 2.0)  # 1: that are tried [assumed]
+    assumed_friction: float = 0.1  # of the largest command: friction of a model that has none [assumed]
+    limit_nearest: float = 0.005  # of the largest command below it: the first limit of it that is tried [assumed]
+    smallest_share: float = 2e-3  # of its largest value: the least that is tried of what starts from nothing [assumed]
+
+
+@dataclass(frozen=True)
+class SpectrumThresholds:
+    """Spectra of the scores of waves."""
+
+    bins: int = 1 << 16  # 1: of positions or times, at least: the shortest period is some bins long [assumed]
+    peaks_exact: int = 5  # 1: of each view of a spectrum, that are looked at exactly [cost]
+    peak_min: float = 2.0  # T: what is lower is no peak [assumed]
+    probe_rows: int = 1 << 13  # rows: of an impulse response; at any rate the observer has settled by then [assumed]
+    probe_start: int = 8  # 1: part of these rows before the impulse, as a divisor [assumed]
+    reading_turns: float = 1.5  # turns in the travel: fewer of a reading's error are one of its scale [assumed]
+    rounding_counts: float = 32.0  # counts: rounding at a steady speed repeats itself over fewer [assumed]
+    followed_rate: float = 0.25  # of the sample rate: rows no longer follow a faster wave [assumed]
+    beside_known: tuple[float, ...] = (-0.7, -0.35, 0.0, 0.35, 0.7)  # turns: more than a known wave [assumed]
+    beside_peak: tuple[float, ...] = (-0.3, -0.15, 0.15, 0.3)  # turns: more than a peak, in its width [assumed]
+    level_bins: int = 128  # 1: bins of a spectrum over which its level is taken [assumed]
+    variance_min: float = 1e-7  # of the largest: a smaller variance of a score is not divided by [assumed]
+    speed_edges: int = 41  # 1: edges of the speeds for which the variance is added up [assumed]
+
+
+@dataclass(frozen=True)
+class IntervalThresholds:
+    """Intervals of time in which a force acts."""
+
+    lengths_tried: int = 40  # 1: from the shortest to nearly the whole log [cost]
+    shortest: float = 0.2  # s: what is shorter may be a single blow [assumed]
+    longest: float = 0.9  # of the log: what is longer is no interval [assumed]
+    intervals_exact: int = 8  # 1: that are looked at exactly [cost]
+
+
+@dataclass(frozen=True)
+class ScanThresholds:
+    """The scan, and how shapes are sharpened."""
+
+    stands_out: float = -3.0  # ln p: from which a wave's period is tried by other effects too [assumed]
+    hope: float = -6.0  # score: from which a sharper shape may yet make something of it [cost]
+    sharpened_within: float = 60.0  # score: what is farther from the best is not sharpened [cost]
+    peaks_refined: int = 4  # 1: peaks of a spectrum whose width is looked through [cost]
+    rounds: int = 3  # 1: of moving one shape [cost]
+    rounds_of_size: int = 6  # 1: the same where the shape alone makes the effect: it is also its size [cost]
+    rounds_more: int = 4  # 1: for each further shape [cost]
+    first_step: float = 0.35  # 1: logarithm of a shape's first step [assumed]
+    step_shrinks: float = 0.4  # 1: factor on a step that no longer helps [assumed]
+    wave_step: float = 0.2  # turns in the travel or the log: of a step of 1 [assumed]
+    linear_step: float = 0.25  # of the range: of a step of 1 [assumed]
+    below_range: float = 0.5  # of the lowest value: a logarithmic shape may go down to [assumed]
+    outside_range: float = 0.01  # of its ends: shapes may pass them by [assumed]
+
+
+@dataclass(frozen=True)
+class FindingThresholds:
+    """Findings judged."""
+
+    faint_counts: float = 0.06  # counts: a smaller wave in the reading may be rounding's [0.03 on 281 blind nulls]
+    findings_profiled: int = 8  # 1: the best, that are judged against the noise that they leave [cost]
+    worth_profiling: float = 6.0  # T: from which that is worth the time [cost]
+    size_linear: tuple[float, float] = (0.02, 50.0)  # 1: by what a finite column is scaled, from nothing [assumed]
+    size_finite: tuple[float, float] = (0.25, 2.5)  # 1: the same of any other finite column [assumed]
+
+
+@dataclass(frozen=True)
+class MapErrorThresholds:
+    """Errors of a cogging map."""
+
+    error_size: float = 0.3  # of the amplitude: 1-sigma of the map; also of the ratio of sines to cosines [assumed]
+    error_seen: float = -5.0  # ln p: from which an error of the map is seen [assumed]
+
+
+# Residual -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ShapeThresholds:
+    """Forces of any shape in a coordinate."""
+
+    travel_places: int = 9  # 1: places along the travel [assumed]
+    time_places: int = 13  # 1: moments of a force, of friction and of gain [assumed]
+    ageing_places: int = 7  # 1: moments of drag [assumed]
+    value_places: int = 9  # 1: quantiles of command and acceleration [assumed]
+    gain_speeds: int = 6  # 1: quantiles of speed, for the gain [assumed]
+    way_speeds: int = 7  # 1: quantiles of speed in one direction [assumed]
+    way_rows: int = 50  # rows in one direction: fewer have one place [assumed]
+    pitch_places: int = 8  # 1: places in a pitch [assumed]
+    plain_share: float = 0.15  # of the gap's power: what explains more unwhitened is tried against its noise [assumed]
+    shape_promising: float = 6.0  # T above its freedom: from which a shape is judged against its own noise [cost]
+
+
+@dataclass(frozen=True)
+class EventThresholds:
+    """What happens at moments."""
+
+    events_max: int = 12  # 1: of one kind [assumed]
+    jumps_suspected: float = -3.0  # ln p: from which jumps are held against blows of force [cost]
+    jumps_apart: float = 0.02  # s: jumps that are closer are one [assumed]
+    jump_counts: float = 2.0  # counts: a jump must have; rounding alone makes it one, now and then [assumed]
+    blow_lengths: tuple[float, ...] = (0.002, 0.006, 0.02, 0.06)  # s: a force may be taken for a jump [assumed]
+    friction_lengths: tuple[float, ...] = (0.05, 0.08, 0.13, 0.2, 0.32, 0.5, 0.8)  # s: of other friction [assumed]
+    friction_level: float = 4.0  # times the mean squared score: an interval of friction must have [assumed]
+    tail: float = 0.99  # quantile: of the squared scores, that of `chi_square_hundredth` [exact]
+
+
+@dataclass(frozen=True)
+class BurstThresholds:
+    """Intervals in which the residual is louder."""
+
+    band: tuple[float, float] = (8.0, 60.0)  # Hz: below, friction is re-tuned; above, a coarse encoder [assumed]
+    burst_block: float = 0.1  # s: of one value of power [assumed]
+    blocks_min: int = 20  # 1: in motion, of a log [assumed]
+    block_moving: float = 0.5  # of its rows: in motion, more of a block [assumed]
+    bursts_max: int = 12  # 1: blocks that a burst may be made of [assumed]
+    blow_cut: float = 3.0  # rms: beyond it a single row is cut, for a blow is no burst [assumed]
+    speed_levels: int = 4  # 1: ranges of speed with a level of noise each [assumed]
+    speed_levels_of_rows: int = 24  # 1: the same where every row counts [assumed]
+    jump_blocks: int = 3  # 1: blocks of 0.2 s over which a jump of the variance is taken [assumed]
+    jump_rows: int = 100  # rows: in them, at least [assumed]
+
+
+@dataclass(frozen=True)
+class LookAlikeThresholds:
+    """Waves that are like a named one, but go with something else."""
+
+    wave_alike: float = 0.5  # cosine: less of what a look-alike and the finding explain is another effect [assumed]
+    wave_peaks: int = 4  # 1: of each kind's spectrum [cost]
+    wave_places: int = 8  # 1: places in a period, that are told [drawn]
+
+
+@dataclass(frozen=True)
+class LocationThresholds:
+    """Where a gap sits, before a name."""
+
+    told: float = -9.5  # ln p: a coordinate or wave below it is told [assumed]
+    told_with_names: float = -7.0  # ln p: the same in the lines of a result [assumed]
+    waves_max: int = 5  # 1: that are told [assumed]
+    wave_turns_min: float = 4.0  # turns in the travel or the log: coordinates tell slower waves [assumed]
+    wave_share_min: float = 0.1  # of the strongest wave's share: weaker ones are its shadows [assumed]
+    waves_refined: int = 2  # 1: of each kind [cost]
+    place_strong: float = 3.0  # deviations: from which a place is told [assumed]
+    run_strong: float = 0.1  # of the strongest place: weaker runs are not told [assumed]
+    runs_told: int = 2  # 1: runs of one sign [drawn]
+    moments_told: int = 4  # 1: of what happened [drawn]
+    speeds_apart: float = 1.1  # 1: ratio of two speeds that are told as a range [drawn]
+    told_below: float = 0.1  # m or m/s: lengths and speeds are told in milli [drawn]
+    micro_below: float = 1e-4  # m: lengths are told in micro [drawn]
+    share_told: float = 0.01  # 1: a smaller share is told as under 1 % [drawn]
+
+
+# Choose ---------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SearchThresholds:
+    """How far the search goes."""
+
+    hinted: float = -3.0  # ln p: in one effect's scan, from which the confirm logs are asked [tuned]
+    rival: float = 2.0 * float(np.log(100.0))  # score: a closer rival is an alternative; likelihood ratio 100 [tuned]
+    rescan_from: float = 0.6  # of `detected` (ln p): from there filters are estimated without the best [assumed]
+    rescan_within: float = 150.0  # score: what is farther from the best is not looked at again [tuned]
+    map_rival: float = 2.0  # of `rival`: an error of the map within that speaks against a name [assumed]
+    effects_max: int = 4  # 1: names that are added at most [tuned]
+    terms_max: int = 8  # 1: terms of all names [tuned]
+    harmonics_max: int = 3  # 1: terms of one name; a fourth would tell of its shape alone [tuned]
+
+
+@dataclass(frozen=True)
+class ChoiceThresholds:
+    """Which finding stands out, and which of several alike is the one."""
+
+    detected: float = -9.5  # ln p: in one effect's scan, of some 20; 0.15 % in all [tuned]
+    possible: float = -1.5  # ln p: the same, from which a rival counts [tuned]
+    near_best: float = -5.0  # ln p: the same for a rival of what stands by itself [tuned]
+    joint: float = -15.0  # ln p: of both logs together, where `detected` is not reached [tuned]
+    unshown: float = -20.0  # ln p: of what the confirm logs cannot show [tuned]
+    slippery: float = -60.0  # ln p: the same of friction and intervals: odd friction near rest is like them [tuned]
+    worth: float = 0.01  # of the residual's power below 60 Hz: what explains less is not worth a name [tuned]
+    overwhelming: float = 1000.0  # score: beyond it effects are taken in the order of what they are worth [tuned]
+    reach: float = 60.0  # score: what is farther from the best is no rival [tuned]
+    form: float = 0.05  # of T: how well the form of anything is known [tuned]
+    loss_max: float = 60.0  # of 2 ln likelihood: no confirm log speaks against a rival with more [assumed]
+    like: float = 0.5  # cosine between what two findings explain: more are alike [tuned]
+    same_period: float = 0.01  # 1: relative difference of periods that are one [tuned]
+    mostly: float = 0.7  # of T: a plain wave stands for its modulation [tuned]
+    nearly: float = 0.9  # of T: few amplitudes stand for many [tuned]
+    many: int = 4  # 1: amplitudes, above which there are many [tuned]
+    few: int = 2  # 1: amplitudes of a plain effect, at most [assumed]
+
+
+@dataclass(frozen=True)
+class ConfirmationThresholds:
+    """What other motion says."""
+
+    informative: float = 10.0  # lambda: from which the silence of the confirm logs counts [assumed]
+    amplitude_error: float = 0.15  # 1: 1-sigma of the ratio at least, since amplitudes are estimates [assumed]
+    less_refutes: float = 3.0  # deviations: less than expected by more refutes [assumed]
+    more_refutes: float = 10.0  # deviations: the same for more than expected, maybe a shape not quite right [assumed]
+    retuning_iterations: int = 4  # 1: of the fit on the confirm logs [cost]
+    travel_points: int = 2000  # 1: along the travel, where coggings are compared [assumed]
+    shifts: int = 97  # 1: of one cogging against another within a period [assumed]
+    zero_shift: float = 1.0 / 12.0  # of the longest period: from which zeros of position differ [assumed]
+    wave_turns: int = 48  # 1: phases at which a wave may come back [assumed]
+    turn_penalty: float = 4.0  # of 2 ln likelihood: for a phase that is free [assumed]
+
+
+# Refit and accept -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class RefitThresholds:
+    """The fit of a model with an effect in it."""
+
+    iterations: int = 8  # 1: of the joint fit, at most [cost]
+    amplitude_excess: float = 1.01  # of the largest amplitude of an effect: one that runs beyond is refused [assumed]
+    floor_of_range: float = 0.5  # of the lowest value that is looked for: shapes stay above [assumed]
+    floor_of_high: float = 1e-4  # of the highest: the same where the lowest is nothing [assumed]
+    ceiling_of_range: float = 2.0  # of the highest value that is looked for: shapes stay below [assumed]
+    level_iterations: int = 3  # 1: of tuning levels to the gap [cost]
+    level_halvings: int = 4  # 1: of a step that makes the gap larger [cost]
+    level_gain: float = 1e-3  # of the squared gap: a smaller gain ends the tuning [cost]
+
+
+@dataclass(frozen=True)
+class AcceptanceThresholds:
+    """Whether an effect pays, and the terms that must not."""
+
+    gap_growth: float = 1.01  # times the gap on the confirm logs: an effect may not make it larger [assumed]
+    placebos_max: int = 5  # 1: placebo terms that are told [assumed]
+    placebo_suspected: float = -6.0  # ln p: what is below and was refused is no placebo [assumed]
+    placebo_like: float = 0.3  # cosine with another placebo: above, it would say the same again [assumed]
+
+
+# Name and verdict -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class NameThresholds:
+    """Alternatives of a name, and its confidence."""
+
+    surest: float = 0.97  # 1: confidence of a name that nothing speaks against; as many are right [blind logs]
+    least_sure: float = 0.01  # 1: confidence that no name is below [assumed]
+    formless: float = 6.0  # score: by which any shape must explain more than an effect of the right form [assumed]
+    unresolved_share: float = 0.5  # of T: a rival at a known period must explain, to be unresolved [assumed]
+    refused_strong: float = -25.0  # ln p: of a refused effect that puts the names in doubt [assumed]
+    turns_apart: float = 1.5  # turns in the travel: periods within that are not resolved [assumed]
+    alike_margin: float = 25.0  # score: for a rival that explains nearly the same rows [assumed]
+    nearly_same_rows: float = 0.85  # cosine: above, two findings explain nearly the same rows [assumed]
+    weak: float = 35.0  # T: below it a name is a little less sure [assumed]
+    ratio_doubted: float = 2.0  # deviations: of what other motion shows from what was expected [assumed]
+    if_unconfirmed: float = 0.93  # factor on the confidence: without confirm logs [assumed]
+    if_uninformed: float = 0.88  # factor: confirm logs that cannot show it [assumed]
+    if_ratio_doubted: float = 0.8  # factor: see `ratio_doubted` [assumed]
+    if_formless: float = 0.7  # factor: any shape explains more, see `formless` [assumed]
+    if_shapes_left: float = 0.75  # factor: something is left that has no name [assumed]
+    if_map: float = 0.8  # factor: an error of the map explains as much [assumed]
+    if_weak: float = 0.9  # factor: see `weak` [assumed]
+    if_full_name: float = 0.5  # factor: a wave beside a name that has all the terms it may have [assumed]
+
+
+@dataclass(frozen=True)
+class LevelChangeThresholds:
+    """Mass and friction beyond what is stated; effects that vanish; ranges."""
+
+    changed: float = 4.2  # deviations, stated and found together: beyond, mass or friction has changed [assumed]
+    shared: float = 0.7  # of what a change does to the logs: an alternative does too [assumed]
+    vanishing: float = 1e-3  # of the command: a force below is as good as none [assumed]
+    change_clear: float = 5.0  # deviations: from which a change is sure [assumed]
+    sure_of_change: float = 0.97  # 1: confidence of a change beyond that [assumed]
+    less_sure_of_change: float = 0.86  # 1: confidence of a smaller one [assumed]
+    if_shapes_left_too: float = 0.8  # factor: something is left that has no name [assumed]
+    vanished: float = 0.25  # of its size: an effect of the model that falls below was masking another [assumed]
+    range_tails: tuple[float, float] = (0.05, 0.95)  # quantiles of the force: the range that holds most [drawn]
+    range_tighter: float = 0.02  # of the rows: by which another coordinate must hold it more tightly [drawn]
+    dynamics_from: float = 10.0  # Hz: lower end of the range of a delay, lag or mode [drawn]
+
+
+@dataclass(frozen=True)
+class VerdictThresholds:
+    """The verdict, and what no effect explains."""
+
+    sure: float = 0.9  # 1: confidence from which a name is stated [assumed]
+    doubted: float = 0.7  # 1: confidence below which a name falls to a better shape without a name [assumed]
+    own_cause: float = 0.5  # of the strongest effect's T: a residual shape beyond has a cause of its own [assumed]
+    left_over: float = -12.0  # ln p: of a generic shape; it also catches what friction laws differ by [tuned]
+    again: float = -5.0  # ln p: of the same coordinate on the confirm logs [assumed]
+    together: float = -26.0  # ln p: of both logs at once, where each is below `again` [assumed]
+    jump: float = -18.0  # ln p: of readings that jump, on any log: no model's error does that [assumed]
+    jumps_together: float = -12.0  # ln p: the same of both logs [assumed]
+    interval: float = -12.0  # ln p: of intervals of friction: what laws differ by comes and goes too [assumed]
+    intervals_together: float = -60.0  # ln p: the same of both logs [assumed]
+    lonely: float = -100.0  # ln p: of a shape in time, which other motion need not show [assumed]
+    variance: float = -80.0  # ln p: of a burst at any frequency; a coarse encoder's noise goes with speed [assumed]
+    burst: float = -12.0  # ln p: of bursts of force: noise has its own [assumed]
+    bursts_together: float = -60.0  # ln p: the same of both logs [assumed]
+    rounding: float = 0.07  # of the residual's power: from there the encoder's rounding is no white noise [assumed]
+    weakened: float = 2.0  # 1: what is left must then have as many times the ln p [assumed]
+
+
+# Gap and report -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class GapThresholds:
+    """The gap, before and after."""
+
+    jitter: float = 0.01  # of the sample time: more than a microsecond of resolution makes; no replay [assumed]
+    jitter_quantile: float = 0.9  # quantile: of the steps' deviations, that is held against `jitter` [assumed]
+    followed: float = 3.0  # floors of noise: a replay farther off measures something else [assumed]
+    floor_rank: float = 1e-9  # of a column's size: ridge and rank of the fit that leaves the floor [assumed]
+    closed_min: float = 1e-3  # of the squared gap: less above the floor is no share to close [assumed]
+    smoothing: float = 0.02  # s: over which velocities are averaged for an acceleration [assumed]
+
+
+@dataclass(frozen=True)
+class ReportThresholds:
+    """What figures and pages show."""
+
+    band_block: float = 0.25  # s: closer rows say much the same: bands are computed from blocks [assumed]
+    trace_window: float = 0.01  # s: over which traces are averaged [drawn]
+    trace_points: int = 4000  # 1: of a trace; more cannot be seen [drawn]
+    bin_edges: int = 41  # 1: of bins of equal width in position and time [drawn]
+    bin_quantiles: int = 33  # 1: of bins elsewhere, and of a folded period [drawn]
+    bin_edges_even: int = 17  # 1: edges of equal width beside these quantiles [drawn]
+    bin_width_min: float = 1e-2  # of the whole range: no bin is narrower [drawn]
+    bin_rows: int = 20  # rows: the mean of fewer is noise [assumed]
+    profile_rows: int = 100  # rows: fewer are no such motion [assumed]
+    liveliest_share: float = 0.95  # of the most motion in a stretch: as good as that [drawn]
+    deviation_shown: float = 4.0  # median deviations: larger bars are cut [drawn]
+    folded_milli: float = 0.1  # m: shorter periods are drawn in mm [drawn]
+    shapes_drawn: int = 6  # 1: coordinates on a page, at most [drawn]
+    periods_drawn: int = 3  # 1: folded periods on a page, at most [drawn]
+    chance_percent: float = 2.0  # decades: a likelier chance is told in logs of 100 [drawn]
+    chance_never: float = 6.0  # decades: a rarer one is told as practically never [drawn]
+
+
+DISTRIBUTION = DistributionConstants()
+PREPARATION = PreparationThresholds()
+OBSERVER = ObserverThresholds()
+NULL = NullThresholds()
+WHITENING = WhiteningThresholds()
+SCORE_TEST = ScoreTestThresholds()
+GRID = GridThresholds()
+SPECTRUM = SpectrumThresholds()
+INTERVAL = IntervalThresholds()
+SCAN = ScanThresholds()
+FINDING = FindingThresholds()
+MAP_ERROR = MapErrorThresholds()
+SHAPE = ShapeThresholds()
+EVENT = EventThresholds()
+BURST = BurstThresholds()
+LOOK_ALIKE = LookAlikeThresholds()
+LOCATION = LocationThresholds()
+SEARCH = SearchThresholds()
+CHOICE = ChoiceThresholds()
+CONFIRMATION = ConfirmationThresholds()
+REFIT = RefitThresholds()
+ACCEPTANCE = AcceptanceThresholds()
+NAME = NameThresholds()
+LEVEL_CHANGE = LevelChangeThresholds()
+VERDICT = VerdictThresholds()
+GAP = GapThresholds()
+REPORT = ReportThresholds()
