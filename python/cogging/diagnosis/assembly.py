@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import Discrepancy, discrepancies, floor_of, follows, source_of
 from cogging.diagnosis.entries import Gap, NamedEffect, Step
 from cogging.diagnosis.evidence.preparation import Prepared
@@ -15,13 +16,14 @@ from cogging.diagnosis.evidence.running_controller import obeys
 from cogging.diagnosis.experiment.separating import separating
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.location import Location
+from cogging.diagnosis.naming.large_names import map_note, named_large
 from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.naming.names import changed, merged, named
 from cogging.diagnosis.naming.verdict import unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
 from cogging.diagnosis.residual.location_words import shape_text
-from cogging.diagnosis.residual.shape import FRICTION_INTERVALS
+from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
@@ -48,7 +50,9 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     retuned, final = file_form(found.tuned, model), with_intervals(file_form(last_model(found), model), found.estimate)
     nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(file_form(added.model, model) for added in found.added[:-1]), final]
-    measured = measure(logs, models, found.nominal.model, replay=replay)
+    measured = measure(logs, models, found.nominal.model, model, replay=replay, balance=found.large is not None)
+    if measured.given[0] is measured.stated:
+        nominal = model  # re-tuning does not pay
     effects = _effects(found, model, beyond)
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm))
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
@@ -65,7 +69,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
             shape_text(shape) for shape in location.shapes if shape.log_p_value < LOCATION.told_with_names
         ),
         ledger=tuple(_ledger(found, measured)),
-        notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes),
+        notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes, *_large_notes(found, model)),
         placebo=placebos(found),
         series=_series(logs.given, measured.given, location) | {"given": model},
         vocabulary=found.vocabulary,
@@ -117,33 +121,55 @@ class Measured:
         given: discrepancies on the given logs, one a model.
         confirm: the same on the confirm logs; None without.
         notes: sentences on how they could not be measured.
+        stated: discrepancy of the model as it was read, on the given logs.
     """
 
     given: list[Discrepancy]
     confirm: list[Discrepancy] | None
     notes: tuple[str, ...]
+    stated: Discrepancy
 
 
-def measure(logs: Prepared, models: Sequence[Model], fitted: Model, *, replay: bool) -> Measured:
+def measure(
+    logs: Prepared, models: Sequence[Model], fitted: Model, stated: Model, *, replay: bool, balance: bool
+) -> Measured:
     """Measure the gaps of models, the last of which is the final one, by the replayed loop where it follows the logs.
 
     Args:
         logs: given and confirm logs.
         models: models whose gaps are measured.
         fitted: model whose controller the confirm logs must obey to be replayed.
+        stated: model as it was read.
         replay: whether the loop can be replayed on the given logs.
+        balance: whether the gap is that of the force balance where no loop is replayed.
     """
     notes = []
-    given = discrepancies(logs.given, models, replay=replay)
+    given = discrepancies(logs.given, models, replay=replay, balance=balance, stated=stated)
     if replay and not follows(given[-1], logs.given, models[-1]):
         replay = False
-        given = discrepancies(logs.given, models, replay=False)
+        given = discrepancies(logs.given, models, replay=False, balance=balance, stated=stated)
         notes.append("the replayed loop does not follow the log closely enough to measure with: friction at reversals")
     loops = replay and all(obeys(log, fitted) for log in logs.confirm)
-    confirm = discrepancies(logs.confirm, models, replay=loops) if logs.confirm else None
+    confirm = None
+    if logs.confirm:
+        confirm = discrepancies(logs.confirm, models, replay=loops, balance=balance, stated=stated)
     if confirm and loops is not replay:
         notes.append("a confirm log does not obey the controller: its gap is that of an observer's innovations")
-    return Measured(given, confirm, tuple(notes))
+    as_read = _as_read(logs.given, [*models, stated], given[0], replay=replay, balance=balance)
+    if as_read is not None and as_read.rms < given[0].rms:
+        given = [as_read, *given[1:]]  # re-tuning that makes the gap larger is none
+    return Measured(given, confirm, tuple(notes), given[0] if as_read is None else as_read)
+
+
+def _as_read(
+    logs: Sequence[Log], models: Sequence[Model], first: Discrepancy, *, replay: bool, balance: bool
+) -> Discrepancy | None:
+    """The discrepancy of the last of models, measured as that of the first was; None where it cannot be."""
+    try:
+        read = discrepancies(logs, models, replay=replay, balance=balance, stated=models[-1])[-1]
+    except (DivergedError, ValueError):
+        return None
+    return read if read.signal == first.signal else None
 
 
 def _gap(measured: Measured, logs: Sequence[Log], final: Model) -> Gap:
@@ -158,6 +184,7 @@ def _gap(measured: Measured, logs: Sequence[Log], final: Model) -> Gap:
         before.signal,
         before.position,
         after.position,
+        measured.stated.rms,
     )
 
 
@@ -193,8 +220,21 @@ def _effects(found: Search, model: Model, beyond: Sequence[tuple[str, float, flo
         for shape in found.residual_shapes
         if shape.log_p_value < VERDICT.left_over and shape.coordinate != FRICTION_INTERVALS
     ]
-    effects = merged([named(found, place, left) for place in range(len(found.added))])
+    effects = merged([_named(found, place, left) for place in range(len(found.added))])
     return effects + [changed(change, look_alikes(found, model, change[0]), left) for change in beyond]
+
+
+def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
+    term = found.added[place].large
+    return named(found, place, left) if term is None else named_large(found, place, term)
+
+
+def _large_notes(found: Search, model: Model) -> list[str]:
+    """What is to be said of large effects."""
+    if found.large is None:
+        return []
+    note = map_note(found.estimate.model.effects[len(model.effects) :], model)
+    return [] if note is None else [note]
 
 
 def _separating(effects: Sequence[NamedEffect], vocabulary: Mapping[str, Effect], logs: Sequence[Log]) -> str | None:
@@ -221,6 +261,8 @@ def _ledger(found: Search, measured: Measured) -> list[Step]:
         )
         for i, one in enumerate(found.added)
     ]
+    large = () if found.large is None else found.large.refused
+    added += [Step(name, False, reason, 0.0, None, None, None, None) for name, reason in large]
     return added + [
         Step(finding.name, False, reason, finding.test.statistic, None, None, None, None)
         for finding, reason in found.refused

@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.residual.shapes import coordinates
 from cogging.diagnosis.thresholds import GAP, OBSERVER
 from cogging.estimation.innovations import Innovations
@@ -36,20 +37,37 @@ class Discrepancy:
     position: float | None
 
 
-def discrepancies(logs: Sequence[Log], models: Sequence[Model], *, replay: bool) -> list[Discrepancy]:
+def discrepancies(
+    logs: Sequence[Log],
+    models: Sequence[Model],
+    *,
+    replay: bool,
+    balance: bool = False,
+    stated: Model | None = None,
+) -> list[Discrepancy]:
     """The discrepancy of each model, by the replay of the loop where it can be had for every model, else by prediction.
 
     A controller that is sampled with jitter is not replayed: what the jitter does to its derivative would be the gap.
+
+    Args:
+        logs: logs that are measured.
+        models: models that are held against them.
+        replay: whether the loop may be replayed.
+        balance: whether, instead of a prediction, the force balance is taken where every model has one: a prediction
+            errs by the less, the more its own friction damps it, and a fit of what is large would make use of that.
+        stated: model whose mass turns innovations into forces: what a fit makes of the mass must not; None: the first.
     """
     if replay and not any(jitters(log) for log in logs):
         try:
             return _replayed(logs, models)
         except (DivergedError, ValueError):
             pass
+    if balance and all(has_balance(model) for model in models):
+        return _balanced(logs, models)
     series: list[list[FloatArray]] = [[] for _ in models]
     masks = []
     for log in logs:
-        source = source_of(log, models[0])
+        source = source_of(log, models[0] if stated is None else stated)
         masks.append(source.mask > 0)
         for i, row in enumerate(source.of(models)):
             series[i].append(row)
@@ -80,6 +98,27 @@ def source_of(log: Log, model: Model) -> Innovations:
             log, model, bandwidth=source.bandwidth, rest=OBSERVER.rest_of_speed * source.scales.velocity
         )
     return source
+
+
+def has_balance(model: Model) -> bool:
+    """Whether a model has a force balance: no state of its own but that of a load that hangs on the motor."""
+    return all("state" not in effect.HOOKS or effect.NAME == "flexible_mode" for effect in model.effects)
+
+
+def _balanced(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]:
+    balances = balances_of(logs, models[0])
+    found = []
+    for model in models:
+        rows = [source.of([model])[0] for source in balances.sources]
+        even = [source.balance.dynamics.even for source in balances.sources]
+        series = tuple(np.interp(log.time, at, row) for log, at, row in zip(logs, even, rows, strict=True))
+        masks = tuple(
+            np.interp(log.time, at, source.mask.astype(float)) > 0.5
+            for log, at, source in zip(logs, even, balances.sources, strict=True)
+        )
+        rms = float(np.sqrt(np.mean(balances.joined(rows) ** 2)))
+        found.append(Discrepancy(rms, "force balance", series, masks, None))
+    return found
 
 
 def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]:

@@ -105,6 +105,7 @@ class Gap:
     Attributes:
         unit: unit of the command.
         floor: gap that noise and quantiser alone would leave.
+        given: gap of the model as it was read, before any re-tuning; None where it cannot be measured.
         before, after: gaps of the re-tuned model, and of that with what was found.
         confirm_before, confirm_after: the same on the confirm logs; None without.
         signal: name of what was compared.
@@ -120,6 +121,7 @@ class Gap:
     signal: str
     position_before: float | None = None
     position_after: float | None = None
+    given: float | None = None
 
     @property
     def closed(self) -> float | None:
@@ -143,6 +145,7 @@ class Gap:
         return {
             "unit": self.unit,
             "floor": self.floor,
+            "given": self.given,
             "before": self.before,
             "after": self.after,
             "confirm_before": self.confirm_before,

@@ -123,7 +123,8 @@ class Diagnosis(ByValue):
             if "added" in self.unlisted:
                 lines.append(f"    {term_text(self.unlisted['added'], self.gap.unit)}")
         g = self.gap
-        lines.append(f"gap ({g.signal}): {g.before:.4g} {g.unit} before, {g.after:.4g} after, floor {g.floor:.4g}")
+        as_read = "" if g.given is None else f"{g.given:.4g} {g.unit} as given, "
+        lines.append(f"gap ({g.signal}): {as_read}{g.before:.4g} re-tuned, {g.after:.4g} after, floor {g.floor:.4g}")
         if g.confirm_before is not None and g.confirm_after is not None:
             lines.append(f"  on the confirm logs: {g.confirm_before:.4g} {g.unit} before, {g.confirm_after:.4g} after")
         if self.where_text:

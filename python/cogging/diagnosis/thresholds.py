@@ -444,6 +444,79 @@ class ReportThresholds:
     chance_never: float = 6.0  # decades: a rarer one is told as practically never [drawn]
 
 
+# Large effects --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class AllowanceThresholds:
+    """How far re-tuning may move mass and friction."""
+
+    stated: float = 4.2  # stated deviations: beyond them a level has changed, as in LEVEL_CHANGE [tuned]
+    unstated: float = 3.0  # factor: either way, where nobody states how well a level is known [assumed]
+    at_end: float = 1e-6  # 1: relative; so near to an end of what is allowed a level stands at it [exact]
+
+
+@dataclass(frozen=True)
+class BalanceThresholds:
+    """The force balance in which large effects are looked for."""
+
+    cutoffs: tuple[float, ...] = (0.1, 0.03, 0.01, 0.003)  # of the sample rate: of its filter, tried in turn [assumed]
+    lowest_cutoff: float = 2.0  # Hz: no cut-off is lower [assumed]
+    noise: float = 0.1  # of the rms command: what the encoder may make of it, else a lower cut-off [assumed]
+    rows_max: int = 30_000  # rows: of a log that are looked at; a lower cut-off needs fewer [cost]
+    rest: float = 0.02  # of the largest speed: slower rows show what friction does at rest [assumed]
+    reach: float = 0.5  # periods of the cut-off: so far the filter brings what friction does at rest [assumed]
+    rows_left: float = 0.3  # of the rows in motion: fewer away from rest, and those near it count too [assumed]
+    column_size: float = 1e-12  # of the residual: a column that is smaller does nothing [exact]
+    no_room: float = 1e-9  # of a column's size: between the ends of what does not move [exact]
+
+
+@dataclass(frozen=True)
+class SeedThresholds:
+    """Terms that the force balance may lack."""
+
+    fine: int = 4  # 1: wavenumbers of a spectrum for each that is independent [assumed]
+    harmonic_max: float = 250.0  # turns over the travel: waves are sought up to there, the 200th of a turn [assumed]
+    speeds: int = 40  # 1: classes of speed, in each of which the filter lets as much through [cost]
+    spectrum_max: int = 1 << 20  # 1: lines of a spectrum at most [cost]
+    peaks: int = 3  # 1: of a spectrum, that are looked at exactly [cost]
+    looked_at: int = 3  # 1: seeds of a name, that are tried at their own size [cost]
+    together: int = 64  # 1: effects that are tried at once [cost]
+    counts: float = 3.0  # counts of the encoder: an error of its reading has at least; rounding makes less [assumed]
+    finite: tuple[float, float] = (0.25, 4.0)  # times the size tried, of an effect that its shape alone makes [assumed]
+    damping_ratios: tuple[float, ...] = (0.01, 0.05, 0.2)  # 1: of a load that hangs on the motor [assumed]
+    resonances: int = 60  # 1: frequencies of its resonance [cost]
+    sharpened: int = 3  # 1: of these, the best, that are looked at more closely [cost]
+    evaluations: int = 60  # 1: of the residual, while one is [cost]
+    load_max: float = 0.95  # of the moving mass: that hangs on the motor [assumed]
+
+
+@dataclass(frozen=True)
+class LargeThresholds:
+    """Which large effects are added, and when the search for small ones takes over."""
+
+    large: float = 0.1  # of the rms command: what a model leaves unexplained is large from here [assumed]
+    rest: float = 0.02  # of the rms command: down to there further terms are sought, once one was added [assumed]
+    above_noise: float = 2.0  # times what the encoder makes of the balance: the same [assumed]
+    worth: float = 0.15  # of the power that is left: a large effect takes away at least [assumed]
+    parameter: float = 0.03  # of the ln of the power left: each parameter must be worth [assumed]
+    near: float = 0.7  # of the ln of the power taken: seeds that take so much are refitted too [assumed]
+    rivals: int = 4  # 1: seeds that are refitted [cost]
+    alternative: float = 0.15  # of the ln of the power left: a rival that leaves less than so much more [assumed]
+    terms: int = 10  # 1: that are added at most [cost]
+    growth: float = 1.01  # times the gap on other motion: no term makes it larger [assumed]
+    evaluations: int = 12  # 1: of the residual and its derivatives in a refit, at most [cost]
+    tolerance: float = 1e-5  # of the power left: a refit ends there [cost]
+    inside: float = 1e-6  # of the room of a parameter: where a refit starts from one of its ends [exact]
+    iterations: int = 8  # 1: of the fit of whitened residuals that follows [cost]
+    trials: float = 1000.0  # 1: shapes that were looked at, of all effects [assumed]
+    half_explained: float = 0.5  # of the power: a term that leaves more is not what the gap is most of [assumed]
+    map_harmonics: int = 3  # 1: waves that are one map of the cogging, at least [assumed]
+    pitch_max: int = 200  # 1: turns of the longest period in a pitch, at most [assumed]
+    pitch_within: float = 0.004  # 1: relative; so near to a whole part of the pitch its periods are [assumed]
+    shown: float = 0.03  # of the gap on other motion: it shows a term that takes more [assumed]
+
+
 DISTRIBUTION = DistributionConstants()
 PREPARATION = PreparationThresholds()
 OBSERVER = ObserverThresholds()
@@ -471,3 +544,7 @@ LEVEL_CHANGE = LevelChangeThresholds()
 VERDICT = VerdictThresholds()
 GAP = GapThresholds()
 REPORT = ReportThresholds()
+ALLOWANCE = AllowanceThresholds()
+BALANCE = BalanceThresholds()
+SEED = SeedThresholds()
+LARGE = LargeThresholds()

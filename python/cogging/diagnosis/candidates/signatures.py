@@ -5,14 +5,47 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.thresholds import GRID
 from cogging.effects.effect import Effect, SplineKnots, Travel, Wave, Window, kind_of
+from cogging.logs.log import Log
 from cogging.model.model import Model
+from cogging.model.parameters import Scales
+
+
+class SeenLog(Protocol):
+    """One log, as far as it decides which shapes can be seen in it."""
+
+    @property
+    def log(self) -> Log:
+        """The log."""
+
+    @property
+    def rest(self) -> float:
+        """Speed below which rows do not count, m/s."""
+
+    @property
+    def settle(self) -> float:
+        """Time after a start from which rows count, s."""
+
+
+class Seen(Protocol):
+    """Logs under a model, as far as they decide which shapes are tried."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def sources(self) -> Sequence[SeenLog]:
+        """The logs."""
+
+    @property
+    def scales(self) -> Scales:
+        """Sizes of all logs together."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +95,7 @@ class Candidate:
         return sum(1 for name, _ in self.amplitudes if name == field)
 
 
-def quantities(evidence: Evidence) -> dict[str, float]:
+def quantities(evidence: Seen) -> dict[str, float]:
     """The value in these logs of each quantity that an effect's ROLES name (see cogging.effects)."""
     model, scales = evidence.model, evidence.scales
     force = max(float(np.abs(s.log.command).max()) for s in evidence.sources) or 1.0
@@ -89,14 +122,14 @@ def quantities(evidence: Evidence) -> dict[str, float]:
     }
 
 
-def place(evidence: Evidence) -> tuple[float, float]:
+def place(evidence: Seen) -> tuple[float, float]:
     """Lower and upper end of the positions in the logs, m."""
     low = min(float(s.log.position.min()) for s in evidence.sources)
     high = max(float(s.log.position.max()) for s in evidence.sources)
     return low, high
 
 
-def shape_range(evidence: Evidence, role: Mapping[str, Any]) -> tuple[float, float]:
+def shape_range(evidence: Seen, role: Mapping[str, Any]) -> tuple[float, float]:
     """Between which values a shape is looked for: as its effect says, as far as these logs can show it.
 
     Nothing shorter than a count of the encoder is seen, nothing slower than what counts as rest; and friction that
@@ -114,7 +147,7 @@ def shape_range(evidence: Evidence, role: Mapping[str, Any]) -> tuple[float, flo
     return low, high
 
 
-def shape_values(evidence: Evidence, law: Effect, field: str, count: int) -> list[float]:
+def shape_values(evidence: Seen, law: Effect, field: str, count: int) -> list[float]:
     """Where to look along one shape parameter."""
     role = law.ROLES[field]
     low_end, high_end = place(evidence)
@@ -146,7 +179,7 @@ def shape_values(evidence: Evidence, law: Effect, field: str, count: int) -> lis
     return [float(v) for v in values]
 
 
-def candidates(evidence: Evidence, law: Effect, periods: Sequence[float] = ()) -> Iterator[Candidate]:
+def candidates(evidence: Seen, law: Effect, periods: Sequence[float] = ()) -> Iterator[Candidate]:
     """The grid of an effect that is no wave; `periods` (m): beside those of the known cogging, for what has one."""
     roles = law.ROLES
     lists = list_fields(law)
@@ -189,7 +222,7 @@ def list_fields(law: Effect) -> list[str]:
     return [field for field in law.ROLES if isinstance(getattr(law, field), list)]
 
 
-def shape_grid(evidence: Evidence, law: Effect) -> dict[str, list[Any]]:
+def shape_grid(evidence: Seen, law: Effect) -> dict[str, list[Any]]:
     """Values that are tried of each shape of an effect that is a number."""
     roles, lists = law.ROLES, list_fields(law)
     numbers = [field for field, role in roles.items() if role["role"] == "shape" and field not in lists]
@@ -199,7 +232,7 @@ def shape_grid(evidence: Evidence, law: Effect) -> dict[str, list[Any]]:
 
 
 def amplitude_columns(
-    evidence: Evidence, law: Effect, length: int
+    evidence: Seen, law: Effect, length: int
 ) -> tuple[tuple[tuple[str, int | None], ...], tuple[float, ...]]:
     """Amplitudes of an effect, those in lists `length` times, and the unit of each (see Candidate)."""
     sizes, lists = quantities(evidence), list_fields(law)

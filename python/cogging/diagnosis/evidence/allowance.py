@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from cogging.diagnosis.thresholds import ALLOWANCE
 from cogging.model.model import Model
 
-STATED = 4.2  # stated deviations beyond which mass, viscous or Coulomb friction has changed
-UNSTATED = 3.0  # factor within which a level is taken to be known where nobody states how well
 LEVELS = ("mass", "viscous", "coulomb")
-AT_END = 1e-6  # relative
 
 
 @dataclass(frozen=True)
@@ -28,12 +26,16 @@ class Allowance:
 
     def inside(self, path: str, value: float) -> bool:
         """Whether the statement allows a value; anything, of what it says nothing about."""
-        room = AT_END * abs(value)
+        room = ALLOWANCE.at_end * abs(value)
         return self.floors.get(path, -float("inf")) - room <= value <= self.ceilings.get(path, float("inf")) + room
+
+    def nearest(self, path: str, value: float) -> float:
+        """The allowed value that is nearest to one."""
+        return min(max(value, self.floors.get(path, -float("inf"))), self.ceilings.get(path, float("inf")))
 
     def at_end(self, path: str, value: float) -> bool:
         """Whether a value stands at an end of what is allowed, or beyond."""
-        room = AT_END * abs(value)
+        room = ALLOWANCE.at_end * abs(value)
         low, high = self.floors.get(path, -float("inf")), self.ceilings.get(path, float("inf"))
         return value <= low + room or value >= high - room
 
@@ -52,8 +54,8 @@ class Allowance:
 def allowance(model: Model) -> Allowance:
     """How far mass, viscous and Coulomb friction may be from what a model states.
 
-    Within STATED of its stated deviations; not at all where it is stated to be exact; within a factor UNSTATED where
-    nothing is stated. A friction of zero of which nothing is stated is not known at all.
+    Within some of its stated deviations (ALLOWANCE.stated); not at all where it is stated to be exact; within a factor
+    where nothing is stated (ALLOWANCE.unstated). A friction of zero of which nothing is stated is not known at all.
     """
     floors: dict[str, float] = {}
     ceilings: dict[str, float] = {}
@@ -65,8 +67,8 @@ def allowance(model: Model) -> Allowance:
             exact.append(path)
             floors[path] = ceilings[path] = value
         elif stated is not None:
-            floors[path] = max(0.0, value * (1.0 - STATED * stated), value / 1e3 if name == "mass" else 0.0)
-            ceilings[path] = value * (1.0 + STATED * stated)
+            floors[path] = max(0.0, value * (1.0 - ALLOWANCE.stated * stated), value / 1e3 if name == "mass" else 0.0)
+            ceilings[path] = value * (1.0 + ALLOWANCE.stated * stated)
         elif value > 0.0:
-            floors[path], ceilings[path] = value / UNSTATED, value * UNSTATED
+            floors[path], ceilings[path] = value / ALLOWANCE.unstated, value * ALLOWANCE.unstated
     return Allowance(floors, ceilings, tuple(exact))

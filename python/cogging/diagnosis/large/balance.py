@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from cogging._core import AxisParameters
 from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.thresholds import BALANCE
 from cogging.effects.effect import Effect
 from cogging.estimation.residuals import quiet_plant
 from cogging.identification.force_balance import ForceBalance
@@ -20,12 +21,7 @@ from cogging.model.difference_steps import central
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales
 
-CUTOFFS = (0.1, 0.03, 0.01, 0.003)  # of the sample rate: of the filter, the highest that the encoder allows
-NOISE = 0.1  # of the rms command, that quantiser and noise of the encoder may make of the balance
-ROWS_MAX = 30_000  # of a log, that are looked at: a lower cut-off needs fewer
-REST = 0.02  # of the largest speed, below which friction is not known
 WEAKENING = {"command_gain", "shape_command", "lag"}  # what may take a command away
-LOWEST = 2.0  # Hz, of the cut-off
 
 
 @dataclass(frozen=True)
@@ -136,6 +132,12 @@ class Balances:
         """Rms of the residual, V."""
         return float(np.sqrt(np.mean(self.residual**2)))
 
+    @property
+    def independent_rows(self) -> float:
+        """Rows that count, as many as know nothing of each other behind the filter."""
+        parts = [(source.balance.dynamics, int(source.mask.sum())) for source in self.sources]
+        return float(sum(rows * min(1.0, 2.0 * one.cutoff * one.sample_time) for one, rows in parts))
+
     @cached_property
     def noise(self) -> float:
         """What quantiser and noise of the encoder make of the balance, rms, V."""
@@ -178,25 +180,37 @@ def balances_of(logs: Sequence[Log], model: Model) -> Balances:
 def _balance_of(log: Log, model: Model) -> LogBalance:
     step = float(np.median(np.diff(log.time)))
     longest = (log.time[-1] - log.time[0]) / step
-    shares = [share for share in CUTOFFS if longest * share / CUTOFFS[0] <= ROWS_MAX] or [CUTOFFS[-1]]
+    shares = [share for share in BALANCE.cutoffs if longest * share / BALANCE.cutoffs[0] <= BALANCE.rows_max] or [
+        BALANCE.cutoffs[-1]
+    ]
     balance = None
     for share in shares:
-        balance = ForceBalance.of(log, cutoff=max(LOWEST, share / step))
-        if noise_floor(balance, model) < NOISE * float(np.std(log.command)):
+        balance = ForceBalance.of(log, cutoff=max(BALANCE.lowest_cutoff, share / step))
+        if noise_floor(balance, model) < BALANCE.noise * float(np.std(log.command)):
             break
     assert balance is not None
-    balance = _thinned(balance)
+    balance = _away_from_rest(_thinned(balance))
     counted = np.abs(balance.dynamics.motion.middle_velocity[balance.mask])
     return LogBalance(balance, float(counted.min()) if len(counted) else 0.0)
+
+
+def _away_from_rest(balance: ForceBalance) -> ForceBalance:
+    """The balance without the rows into which the filter brings what friction did at rest; with, where few are left."""
+    dynamics = balance.dynamics
+    reach = max(1, round(BALANCE.reach / (dynamics.cutoff * dynamics.sample_time)))
+    slow = np.abs(dynamics.motion.middle_velocity) <= BALANCE.rest * balance.scales.velocity
+    near = np.convolve(slow.astype(float), np.ones(2 * reach + 1), mode="same") > 0.5
+    mask = balance.mask & ~near
+    return replace(balance, mask=mask) if mask.sum() > BALANCE.rows_left * balance.mask.sum() else balance
 
 
 def _thinned(balance: ForceBalance) -> ForceBalance:
     """The balance on as few rows as its cut-off needs: what is faster was taken out of them."""
     dynamics = balance.dynamics
-    every = int(CUTOFFS[0] / (dynamics.cutoff * dynamics.sample_time))
+    every = int(BALANCE.cutoffs[0] / (dynamics.cutoff * dynamics.sample_time))
     if every < 2 or dynamics.pauses:
         return balance
     rows = len(dynamics.even) // every * every
     command = dynamics.command[:rows].reshape(-1, every).mean(axis=1)
     log = Log(dynamics.even[:rows:every], dynamics.motion.position[:rows:every], command)
-    return ForceBalance.of(log, cutoff=dynamics.cutoff, rest=REST * balance.scales.velocity)
+    return ForceBalance.of(log, cutoff=dynamics.cutoff, rest=BALANCE.rest * balance.scales.velocity)

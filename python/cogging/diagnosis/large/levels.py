@@ -11,10 +11,8 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.large.balance import Balances
+from cogging.diagnosis.thresholds import BALANCE
 from cogging.model.parameters import parameters_of
-
-SIZE = 1e-12  # of a column, below which it does nothing
-ROOM = 1e-9  # between the ends of what does not move
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ def bounded(products: FloatArray, low: FloatArray, high: FloatArray) -> tuple[Fl
 
     total, gram, right = float(products[-1, -1]), products[:-1, :-1], products[:-1, -1]
     size = np.sqrt(np.diag(gram))
-    moves = (size > SIZE * np.sqrt(total)) & (high > low)
+    moves = (size > BALANCE.column_size * np.sqrt(total)) & (high > low)
     weights = np.zeros(len(size))
     if not moves.any():
         return weights, total
@@ -106,7 +104,7 @@ def bounded(products: FloatArray, low: FloatArray, high: FloatArray) -> tuple[Fl
     aim = -(vectors.T @ (right[moves] / size)) / np.sqrt(values)
     inside = np.linalg.lstsq(root, aim, rcond=None)[0] / size
     if not np.all((inside >= low[moves]) & (inside <= high[moves])):
-        ends = (low[moves] * size - ROOM, high[moves] * size + ROOM)
+        ends = (low[moves] * size - BALANCE.no_room, high[moves] * size + BALANCE.no_room)
         inside = np.clip(lsq_linear(root, aim, bounds=ends, method="bvls").x / size, low[moves], high[moves])
     weights[moves] = inside
     left = float(total + 2.0 * weights @ right + weights @ gram @ weights)

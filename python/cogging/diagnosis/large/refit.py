@@ -12,12 +12,9 @@ from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.large.balance import Balances
 from cogging.diagnosis.search.refit import effect_parameters, shape_limits
+from cogging.diagnosis.thresholds import LARGE
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, role_of, with_values
-
-EVALUATIONS = 12  # of the residual and its derivatives, at most
-INSIDE = 1e-6  # of the room, from an end of it
-TOLERANCE = 1e-5  # of the power that is left
 
 
 def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
@@ -61,8 +58,8 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
             jac=slopes,
             bounds=(low, high),
             x_scale="jac",
-            max_nfev=EVALUATIONS,
-            ftol=TOLERANCE,
+            max_nfev=LARGE.evaluations,
+            ftol=LARGE.tolerance,
         )
         better = balances.under(with_values(model, dict(zip(paths, found.x, strict=True))))
     except (DivergedError, ValueError, np.linalg.LinAlgError):
@@ -88,6 +85,6 @@ def _that_move(
     with np.errstate(invalid="ignore"):
         closed = np.isfinite(high - low)
         width = np.where(closed, high - low, np.maximum(np.abs(start), 1e-6))
-    inner = np.maximum(start, np.where(np.isfinite(low), low + INSIDE * width, -np.inf))
-    inner = np.minimum(inner, np.where(np.isfinite(high), high - INSIDE * width, np.inf))
+    inner = np.maximum(start, np.where(np.isfinite(low), low + LARGE.inside * width, -np.inf))
+    inner = np.minimum(inner, np.where(np.isfinite(high), high - LARGE.inside * width, np.inf))
     return [p for p, one in zip(paths, room, strict=True) if one], inner[room], low[room], high[room]

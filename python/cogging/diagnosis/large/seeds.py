@@ -10,21 +10,12 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
-from cogging.diagnosis.candidates.waves import PERIOD, is_wave, plain_wave
+from cogging.diagnosis.candidates.waves import is_wave, plain_wave
 from cogging.diagnosis.large.balance import WEAKENING, Balances
 from cogging.diagnosis.large.levels import Levels
 from cogging.diagnosis.large.spectrum import peaks, sharpened
+from cogging.diagnosis.thresholds import SEED, SPECTRUM
 from cogging.effects.effect import Effect, Wave, kind_of
-
-PEAKS = 3  # of a spectrum, that are looked at exactly
-LOOKED_AT = 3  # seeds of a name, whose size is tried as it is
-TOGETHER = 64  # effects that are tried at once
-COUNTS = 3.0  # of the encoder, that an error of its reading has at least: what is smaller, rounding makes too
-FINITE = (0.25, 4.0)  # times the size that was tried of an effect that its shape alone makes
-DAMPING = (0.01, 0.05, 0.2)  # of a load that hangs on the motor
-SHARPENED = 3  # of these, the best, that are looked at more closely
-RESONANCES = 60  # frequencies of its resonance that are tried
-SHARE_MAX = 0.95  # of the moving mass, that hangs on the motor
 
 
 @dataclass(frozen=True)
@@ -64,7 +55,7 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
     if "flexible_mode" in vocabulary:
         found += _resonances(balances, levels, vocabulary["flexible_mode"])
     for name in {seed.name for seed in found}:
-        first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[:LOOKED_AT]
+        first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
         best[name] = min((as_it_is(balances, levels, seed) for seed in first), key=lambda seed: seed.left)
     return sorted(best.values(), key=lambda seed: seed.left)
 
@@ -72,8 +63,8 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
 def judged(balances: Balances, levels: Levels, tried: list[Candidate]) -> list[Seed]:
     """Each candidate at its best size; those left out that cannot be simulated or would be no such machine."""
     found: list[Seed] = []
-    for first in range(0, len(tried), TOGETHER):
-        part = tried[first : first + TOGETHER]
+    for first in range(0, len(tried), SEED.together):
+        part = tried[first : first + SEED.together]
         try:
             tables = _tables(balances, part)
         except (DivergedError, ValueError):
@@ -110,9 +101,9 @@ def _tables(balances: Balances, tried: list[Candidate]) -> list[FloatArray]:
 
 def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: FloatArray) -> Seed | None:
     if not candidate.amplitudes:
-        ends = np.array([FINITE[0]]), np.array([FINITE[1]])
+        ends = np.array([SEED.finite[0]]), np.array([SEED.finite[1]])
         weights, left = levels.fitted(columns, np.zeros(1), ends[1])
-        if weights[-1] < FINITE[0]:
+        if weights[-1] < SEED.finite[0]:
             return None
         return Seed(_resized(candidate, float(weights[-1])), (), left)
     sizes, roles = quantities(balances), candidate.law.ROLES
@@ -122,7 +113,8 @@ def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: Fl
     amplitudes = weights[len(levels.paths) :]
     count = balances.model.encoder.resolution
     if "reading" in candidate.law.HOOKS and len(amplitudes) > 1:
-        if float(np.linalg.norm(amplitudes)) < COUNTS * count or (candidate.period or np.inf) < PERIOD * count:
+        short = (candidate.period or np.inf) < SPECTRUM.rounding_counts * count
+        if short or float(np.linalg.norm(amplitudes)) < SEED.counts * count:
             return None
     return Seed(candidate, tuple(float(a) for a in amplitudes), left)
 
@@ -155,7 +147,7 @@ def _waves(balances: Balances, levels: Levels, laws: Iterable[Effect]) -> Iterat
         if wave is None or "reading" in law.HOOKS:
             continue
         along = law.ROLES[wave.shape]["quantity"] == "distance"
-        found = peaks(balances, residual, PEAKS, spatial=along, gained="command_gain" in law.HOOKS)
+        found = peaks(balances, residual, SEED.peaks, spatial=along, gained="command_gain" in law.HOOKS)
         for value in found:
             seed = _sharpest(balances, levels, law, value, along)
             if seed is not None:
@@ -201,7 +193,7 @@ def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[See
     bottom = max(2.0 / balances.scales.time, 0.5)
     if not bottom < top:
         return
-    grid = [(f, d) for d in DAMPING for f in np.geomspace(bottom, top, RESONANCES)]
+    grid = [(f, d) for d in SEED.damping_ratios for f in np.geomspace(bottom, top, SEED.resonances)]
     seeds = [seed for f, d in grid if (seed := _resonance(balances, levels, law, float(f), d)) is not None]
 
     def left(logarithms: FloatArray) -> float:
@@ -209,10 +201,11 @@ def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[See
         seed = _resonance(balances, levels, law, float(frequency), float(damping))
         return np.inf if seed is None else seed.left
 
-    for seed in sorted(seeds, key=lambda one: one.left)[:SHARPENED]:
+    for seed in sorted(seeds, key=lambda one: one.left)[: SEED.sharpened]:
         root = (1.0 - seed.candidate.shape["mass_ratio"]) ** 0.5
         start = np.log([seed.candidate.shape["frequency"] * root, seed.candidate.shape["damping_ratio"] * root])
-        better = minimize(left, start, method="Nelder-Mead", options={"maxfev": 60, "xatol": 1e-3, "fatol": 1e-3 * seed.left})
+        ends = {"maxfev": SEED.evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
+        better = minimize(left, start, method="Nelder-Mead", options=ends)
         frequency, damping = np.exp(better.x)
         yield _resonance(balances, levels, law, float(frequency), float(damping)) or seed
 
@@ -228,7 +221,7 @@ def _resonance(balances: Balances, levels: Levels, law: Effect, antiresonance: f
     weights, left = levels.fitted(balances.joined(rows), np.zeros(1), np.array([np.inf]))
     moved = weights[levels.paths.index("axis.mass")] if "axis.mass" in levels.paths else 0.0
     share = float(weights[-1]) * mass / (mass + float(moved))
-    if not 0.0 < share < SHARE_MAX:
+    if not 0.0 < share < SEED.load_max:
         return None
     root = (1.0 - share) ** 0.5
     shape = {"frequency": antiresonance / root, "damping_ratio": damping / root, "mass_ratio": share}

@@ -8,17 +8,10 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.large.balance import Balances, LogBalance
-
-FINE = 4  # wavenumbers for each that is independent
-HARMONIC_MAX = 250.0  # turns over the travel, at least, up to which waves are sought: the 200th harmonic of a turn
-COUNTS = 8.0  # of the encoder, that a period has at least
-SPEEDS = 40  # classes of speed, in which the filter lets as much through
-LENGTH_MAX = 1 << 20  # of a spectrum
+from cogging.diagnosis.thresholds import SEED
 
 
-def peaks(
-    balances: Balances, residual: FloatArray, count: int, *, spatial: bool, gained: bool = False
-) -> list[float]:
+def peaks(balances: Balances, residual: FloatArray, count: int, *, spatial: bool, gained: bool = False) -> list[float]:
     """Wavenumbers (1/m) or frequencies (Hz) of the waves that explain most of a residual (V, (n,)), the best first.
 
     Args:
@@ -31,8 +24,8 @@ def peaks(
     ends = [_ends(source, spatial) for source in balances.sources]
     span = max(high - low for low, high in ends)
     highest = min(_highest(source, spatial, span) for source in balances.sources)
-    length = int(min(LENGTH_MAX, 2 ** np.ceil(np.log2(4.0 * FINE * max(highest * span, 1.0)))))
-    spacing = span * FINE / length
+    length = int(min(SEED.spectrum_max, 2 ** np.ceil(np.log2(4.0 * SEED.fine * max(highest * span, 1.0)))))
+    spacing = span * SEED.fine / length
     wave = np.arange(length // 2 + 1) / (spacing * length)
     score, power, start = np.zeros(len(wave), complex), np.zeros(len(wave)), 0
     origin = min(low for low, _ in ends)
@@ -82,8 +75,9 @@ def _highest(source: LogBalance, spatial: bool, span: float) -> float:
     dynamics = source.balance.dynamics
     if not spatial:
         return min(dynamics.cutoff, 0.25 / dynamics.sample_time)
-    speed = float(np.quantile(np.abs(dynamics.motion.middle_velocity[source.mask]), 0.1)) if source.mask.any() else 1.0
-    return min(max(HARMONIC_MAX / span, 1.5 * dynamics.cutoff / max(speed, 1e-300)), 0.25 / (dynamics.sample_time * max(speed, 1e-300)))
+    speeds = np.abs(dynamics.motion.middle_velocity[source.mask])
+    speed = max(float(np.quantile(speeds, 0.1)) if len(speeds) else 1.0, 1e-300)
+    return min(max(SEED.harmonic_max / span, 1.5 * dynamics.cutoff / speed), 0.25 / (dynamics.sample_time * speed))
 
 
 def _power(source: LogBalance, gain: FloatArray, wave: FloatArray, spatial: bool) -> FloatArray:
@@ -91,10 +85,10 @@ def _power(source: LogBalance, gain: FloatArray, wave: FloatArray, spatial: bool
     weight = gain[source.mask] ** 2
     cutoff = source.balance.dynamics.cutoff
     if not spatial:
-        return 0.5 * weight.sum() / (1.0 + (wave / cutoff) ** 8) ** 2
+        return np.asarray(0.5 * weight.sum() / (1.0 + (wave / cutoff) ** 8) ** 2)
     speed = np.abs(source.balance.dynamics.motion.middle_velocity[source.mask])
-    share, edges = np.histogram(speed, SPEEDS, weights=weight)
+    share, edges = np.histogram(speed, SEED.speeds, weights=weight)
     power = np.zeros(len(wave))
     for one, velocity in zip(share, 0.5 * (edges[1:] + edges[:-1]), strict=True):
         power += 0.5 * one / (1.0 + np.minimum(wave * velocity / cutoff, 1e6) ** 8) ** 2
-    return power
+    return np.asarray(power)

@@ -10,7 +10,7 @@ from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.search.state import Search
-from cogging.diagnosis.thresholds import LEVEL_CHANGE, NAME
+from cogging.diagnosis.thresholds import ALLOWANCE, LEVEL_CHANGE, NAME
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.statistics import student
@@ -30,18 +30,29 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
     found = []
     for i, path in enumerate(search_.estimate.paths):
         name = path.removeprefix("axis.")
-        if name not in ("mass", "viscous", "coulomb") or model.uncertainty.get(name) is None:
+        if name not in ("mass", "viscous", "coulomb"):
             continue
         prior = getattr(model.axis, name)
         if prior <= LEVEL_CHANGE.vanishing * search_.evidence.scales.of(known[path].unit):
             continue  # a deviation relative to nothing says nothing
         if values[i] <= 0.0:
             continue  # no such machine: the logs do not tell this level from what goes with it
-        stated = model.uncertainty[name] * prior
-        deviation = float(np.hypot(deviations[i], stated))
-        beyond = (values[i] - prior) / deviation if deviation > 0.0 else 0.0
+        beyond = deviations_beyond(float(values[i]), float(deviations[i]), prior, model.uncertainty.get(name))
         found.append((name, values[i] / prior - 1.0, float(halves[i]) / prior, float(beyond)))
     return found
+
+
+def deviations_beyond(value: float, deviation: float, prior: float, stated: float | None) -> float:
+    """By how many deviations, found and stated, a level is beyond what is stated of it.
+
+    Where nothing is stated it is known to within a factor (ALLOWANCE.unstated): what is beyond that counts.
+    """
+    if stated is None:
+        end = prior * ALLOWANCE.unstated if value > prior else prior / ALLOWANCE.unstated
+        outside = value - end if (value > prior) == (value > end) else 0.0
+        return outside / deviation if deviation > 0.0 else 0.0
+    together = float(np.hypot(deviation, stated * prior))
+    return (value - prior) / together if together > 0.0 else 0.0
 
 
 def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:

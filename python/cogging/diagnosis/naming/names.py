@@ -36,14 +36,14 @@ def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedE
         effect.NAME,
         tuple(dict.fromkeys([*(r.name for r in rivals), *others])),
         round(NAME.if_full_name * confidence, 3) if others else confidence,
-        _values(found.estimate, prefix, effect),
+        values_of(found.estimate, prefix, effect),
         where_of(effect, found.evidence),
         added.finding.test.statistic,
         added.finding.log_p_value,
     )
 
 
-def _values(estimate: Estimate, prefix: str, effect: Any) -> dict[str, Value]:
+def values_of(estimate: Estimate, prefix: str, effect: Any) -> dict[str, Value]:
     """The parameters of an effect in a fitted model, with intervals of those that the fit can tell."""
     known = parameters_of(estimate.model)
     free = set(effect_parameters(estimate.model)) - conditional_paths(estimate.model)

@@ -34,6 +34,8 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
         return _entry(others[JUMPS], True) | {"shape": f"on the other motion, {shape_text(others[JUMPS])}"}
     confidence = {effect.name: effect.confidence for effect in effects}
     for added in found.added:
+        if not added.shapes:
+            continue
         shape = max(added.shapes, key=lambda one: one.score)
         if confidence[added.finding.name] < VERDICT.doubted and shape.score > added.finding.score + NAME.formless:
             return _entry(shape, None)

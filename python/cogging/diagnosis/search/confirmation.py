@@ -13,6 +13,7 @@ from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import place
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
@@ -71,7 +72,15 @@ class Confirmation:
         return self.noncentrality >= CONFIRMATION.informative and not self.refuted
 
 
-def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str], *, quick: bool = False) -> Evidence:
+def retuned(
+    logs: Sequence[Log],
+    model: Model,
+    given: Model,
+    tuned: Sequence[str],
+    *,
+    quick: bool = False,
+    allowed: Allowance | None = None,
+) -> Evidence:
     """Evidence of other logs under a model whose nuisances are re-tuned on them, what was added as it is.
 
     Effects that the given model has are re-tuned too: they may have masked what was added.
@@ -82,14 +91,16 @@ def retuned(logs: Sequence[Log], model: Model, given: Model, tuned: Sequence[str
         given: model without it.
         tuned: paths that were free in the fit of the first logs.
         quick: whether rows soon after a quick start count (see sources_of).
+        allowed: how far mass and friction may move; None: freely.
     """
     own = [prefix for prefix, _ in effect_paths(model.effects)[: len(given.effects)]]
     paths = [p for p in tuned if not p.startswith("effects.")]
     paths += [p for p in nuisances(model) if p.startswith("effects.") and p.rpartition(".")[0] in own]
     sources = sources_of(logs, model, quick=quick)
-    evidence = gather(
-        fit(model, paths, sources, iterations=CONFIRMATION.retuning_iterations, floors=width_floor(sources)), sources
-    )
+    floors = width_floor(sources) | ({} if allowed is None else dict(allowed.floors))
+    ceilings = None if allowed is None else allowed.ceilings
+    iterations = CONFIRMATION.retuning_iterations
+    evidence = gather(fit(model, paths, sources, iterations=iterations, floors=floors, ceilings=ceilings), sources)
     return replace(evidence, turns=not same_zero(evidence, model))
 
 

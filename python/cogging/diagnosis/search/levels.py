@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cogging._core import DivergedError
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.diagnosis.thresholds import REFIT
 from cogging.estimation.gauss_newton import columns_of
@@ -16,15 +17,20 @@ from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
 
 
-def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovations]) -> Model:
+def with_levels(
+    model: Model, paths: Sequence[str], sources: Sequence[Innovations], allowed: Allowance | None = None
+) -> Model:
     """The model after least squares of the innovations over `paths`, effects that were found as they are.
+
+    Mass and friction move as far as they are `allowed` to; None: freely, to be tested afterwards.
 
     A fit of whitened residuals weighs high frequencies, where the noise is low: what is slightly wrong there bends the
     levels, and the gap with them. Models are compared by their gaps, each with the levels that make its own smallest.
     """
     paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
-    floors = width_floor(sources)
+    floors = width_floor(sources) | ({} if allowed is None else dict(allowed.floors))
+    ceilings = {} if allowed is None else dict(allowed.ceilings)
     masks = [source.mask > 0 for source in sources]
     if not paths or not any(rows.any() for rows in masks):
         return model
@@ -42,7 +48,10 @@ def with_levels(model: Model, paths: Sequence[str], sources: Sequence[Innovation
         step = -least_squares_of_long_rows(table, right)
         for halving in range(REFIT.level_halvings):
             values = {
-                p.path: max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf))
+                p.path: min(
+                    max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf)),
+                    ceilings.get(p.path, np.inf),
+                )
                 for p, s in zip(parameters, step, strict=True)
             }
             try:

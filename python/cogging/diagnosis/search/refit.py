@@ -10,7 +10,8 @@ import numpy as np
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.scan import in_range
-from cogging.diagnosis.candidates.signatures import quantities
+from cogging.diagnosis.candidates.signatures import Seen, quantities
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import width_floor
 from cogging.diagnosis.thresholds import REFIT
@@ -20,10 +21,13 @@ from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, role_of
 
 
-def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) -> Estimate:
+def refit(
+    estimate: Estimate, finding: Finding, evidence: Evidence, given: int, allowed: Allowance | None = None
+) -> Estimate:
     """Fit the model with the effect in it: nuisances, amplitudes, and shapes that are numbers.
 
-    Of the effects that the model was `given`, the amplitudes are fitted, as they are without anything added.
+    Of the effects that the model was `given`, the amplitudes are fitted, as they are without anything added. Mass and
+    friction move as far as they are `allowed` to; None: freely, to be tested afterwards.
     """
     model = estimate.model.replace(effects=(*estimate.model.effects, finding.effect()))
     own = {prefix for prefix, _ in effect_paths(model.effects)[:given]}
@@ -33,6 +37,8 @@ def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) 
     ]
     floors, ceilings = shape_limits(model, evidence)
     floors |= width_floor(evidence.sources)
+    if allowed is not None:
+        floors, ceilings = floors | dict(allowed.floors), ceilings | dict(allowed.ceilings)
     fitted = fit(model, paths, evidence.sources, iterations=REFIT.iterations, floors=floors, ceilings=ceilings)
     sizes = quantities(evidence)
     for effect in fitted.model.effects[given:]:
@@ -50,7 +56,7 @@ def refit(estimate: Estimate, finding: Finding, evidence: Evidence, given: int) 
     return fitted
 
 
-def shape_limits(model: Model, evidence: Evidence) -> tuple[dict[str, float], dict[str, float]]:
+def shape_limits(model: Model, evidence: Seen) -> tuple[dict[str, float], dict[str, float]]:
     """Values that shapes keep between while a fit moves them: twice the range in which their effect is looked for.
 
     An amplitude that has a sign keeps it.

@@ -9,9 +9,12 @@ from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.discrepancy import discrepancies, follows, source_of
+from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.null import fit_null
+from cogging.diagnosis.large.balance import balances_of
+from cogging.diagnosis.large.search import Large, search_large
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import low_power, shapes
@@ -25,6 +28,7 @@ from cogging.diagnosis.search.choice import (
     worths,
 )
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
+from cogging.diagnosis.search.large_start import started
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
@@ -76,8 +80,11 @@ def search(
 
 
 def begin(task: Task) -> State:
-    """The model re-tuned, before anything is looked for."""
+    """The model re-tuned, before anything is looked for; where it leaves much unexplained, with the large effects."""
     task.progress("re-tuning the model")
+    large = large_effects(task)
+    if large is not None:
+        return started(task, large)
     nominal, evidence = fit_null(task.logs, task.model)
     if task.free_map:
         nominal, evidence = freed(nominal, evidence)
@@ -89,13 +96,24 @@ def begin(task: Task) -> State:
     return state
 
 
+def large_effects(task: Task) -> Large | None:
+    """The search for large effects; None where what the model leaves unexplained is small, or nothing can be said."""
+    try:
+        balances = balances_of(task.logs, task.model)
+        confirm = balances_of(task.confirm, task.model) if task.confirm else None
+    except ValueError:
+        return None
+    return search_large(balances, confirm, allowance(task.model), task.vocabulary, task.progress)
+
+
 def evidence_elsewhere(state: State) -> Evidence | None:
     """The confirm logs under the present model; None where they cannot be predicted."""
     task, estimate = state.task, state.estimate
     if not task.confirm:
         return None
     try:
-        return retuned(task.confirm, estimate.model, task.model, estimate.paths, quick=state.quick)
+        paths, allowed = estimate.paths, state.allowed
+        return retuned(task.confirm, estimate.model, task.model, paths, quick=state.quick, allowed=allowed)
     except (DivergedError, ValueError):
         return None
 
@@ -186,7 +204,8 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
     """The fit with the effect in the model; None, and the effect refused, where it cannot be fitted."""
     try:
         state.task.progress(f"adding {finding.name}")
-        return refit(state.estimate, finding, state.evidence, len(state.task.model.effects))
+        given = len(state.task.model.effects)
+        return refit(state.estimate, finding, state.evidence, given, state.allowed)
     except (DivergedError, ValueError) as error:
         refuse(state, finding, f"the model with it cannot be fitted: {error}")
         return None
@@ -196,7 +215,7 @@ def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | 
     """The fitted model with its levels tuned; None, and the effect refused, where the gap on other motion grows."""
     task = state.task
     paths = state.nominal.paths
-    tuned = with_levels(fitted.model, paths, state.level_sources)
+    tuned = with_levels(fitted.model, paths, state.level_sources, state.allowed)
     turned = choice.check is not None and choice.check.turn != 0.0
     if not task.confirm or turned:
         return tuned
@@ -250,4 +269,5 @@ def finish(state: State, scanned: Scanned) -> Search:
         scanned.findings,
         state.confirm_evidence,
         state.task.vocabulary,
+        state.large,
     )

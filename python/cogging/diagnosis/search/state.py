@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.large.search import Large, LargeTerm
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.confirmation import Confirmation
 from cogging.effects.effect import Effect
@@ -40,6 +42,7 @@ class Added:
         confirmation: its test on other motion; None without.
         model: model refitted with it, with levels tuned to its gap.
         or_map: whether errors of the cogging map explain nearly as much.
+        large: what the force balance said of it, of a large effect; None else.
     """
 
     finding: Finding
@@ -48,6 +51,7 @@ class Added:
     confirmation: Confirmation | None
     model: Model
     or_map: bool = False
+    large: LargeTerm | None = None
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,7 @@ class State:
         unpaid: names of the refused that nothing speaks against but what became of the model.
         nominal_shapes: residual shapes, and events, of the nominal model.
         by_loop: whether an effect must pay by the gap of the replayed loop; None until it is asked.
+        large: search for large effects; None where what the model leaves unexplained is small.
     """
 
     task: Task
@@ -119,6 +124,12 @@ class State:
     unpaid: set[str] = field(default_factory=set)
     nominal_shapes: list[Shape] = field(default_factory=list)
     by_loop: bool | None = None
+    large: Large | None = None
+
+    @property
+    def allowed(self) -> Allowance | None:
+        """How far mass and friction may move; None: freely, to be tested afterwards."""
+        return None if self.large is None else self.large.allowed
 
 
 @dataclass
@@ -138,6 +149,7 @@ class Search:
         unused: last scan, of which nothing was added.
         confirm_evidence: evidence of the confirm logs under the last model; None without.
         vocabulary: effects that were tried, by name.
+        large: search for large effects; None where what the model leaves unexplained is small.
     """
 
     nominal: Estimate
@@ -152,3 +164,4 @@ class Search:
     unused: list[Finding]
     confirm_evidence: Evidence | None
     vocabulary: Mapping[str, Effect]
+    large: Large | None = None

@@ -1,0 +1,78 @@
+"""What was added as a large effect, by name; and what many harmonics of one pitch are together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cogging.diagnosis.entries import NamedEffect
+from cogging.diagnosis.large.search import LargeTerm
+from cogging.diagnosis.naming.effect_range import where_of
+from cogging.diagnosis.naming.names import values_of
+from cogging.diagnosis.search.state import Added, Search
+from cogging.diagnosis.thresholds import LARGE, NAME
+from cogging.effects.effect import Effect
+from cogging.model.model import Model
+from cogging.model.parameters import effect_paths
+
+
+def named_large(found: Search, place: int, term: LargeTerm) -> NamedEffect:
+    """The large effect that was added at a place, with the names that leave about as little."""
+    prefix, effect = effect_paths(found.estimate.model.effects)[-len(found.added) + place]
+    added = found.added[place]
+    return NamedEffect(
+        effect.NAME,
+        term.alternatives,
+        confidence_of(added, term),
+        values_of(found.estimate, prefix, effect),
+        where_of(effect, found.evidence),
+        added.finding.test.statistic,
+        added.finding.log_p_value,
+    )
+
+
+def confidence_of(added: Added, term: LargeTerm) -> float:
+    """The stated chance that the name of a large effect is right."""
+    chance = NAME.surest
+    if term.alternatives:
+        chance /= 1.0 + len(term.alternatives)
+    if added.confirmation is None:
+        chance *= NAME.if_unconfirmed
+    elif added.confirmation.noncentrality == 0.0:
+        chance *= NAME.if_uninformed
+    if (term.balances.rms / term.before) ** 2 > LARGE.half_explained:
+        chance *= NAME.if_shapes_left  # most of the gap is something else still
+    return round(float(chance), 3)
+
+
+def map_note(added: Sequence[Effect], model: Model) -> str | None:
+    """That waves along the travel are harmonics of one pitch: a map of the cogging; None where they are not."""
+    periods = [float(getattr(effect, "period", 0.0)) for effect in added if effect.NAME == "cogging_harmonic"]
+    if len(periods) < LARGE.map_harmonics or model.cogging is not None:
+        return None
+    sizes = [
+        float(np.hypot(getattr(effect, "sine", 0.0), getattr(effect, "cosine", 0.0)))
+        for effect in added
+        if effect.NAME == "cogging_harmonic"
+    ]
+    pitch = common_pitch(periods)
+    if pitch is None:
+        return None
+    order = np.argsort(sizes)[::-1]
+    numbers = [round(pitch / periods[i]) for i in order]
+    strong = ", ".join(f"{periods[i]:.4g}" for i in order[:2])
+    return (
+        f"strong periods {strong} m, all harmonics of one pitch: a map of the cogging is what lacks. "
+        f"[cogging] with pitch = {pitch:.6g} and harmonics = {sorted(numbers)} holds them"
+    )
+
+
+def common_pitch(periods: Sequence[float]) -> float | None:
+    """The shortest length of which all periods are whole parts, to within what a fit tells; None where none is near."""
+    longest = max(periods)
+    for whole in range(1, LARGE.pitch_max + 1):
+        parts = whole * longest / np.array(periods)
+        if np.all(np.abs(parts - np.round(parts)) < LARGE.pitch_within * np.maximum(parts, 1.0)):
+            return float(np.mean(np.round(parts) * np.array(periods)))
+    return None

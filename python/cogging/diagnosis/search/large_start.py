@@ -1,0 +1,102 @@
+"""Where a search starts once large effects were found: they are added already, each as its refit made it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cogging._core import DivergedError
+from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.discrepancy import source_of
+from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.gather import gather
+from cogging.diagnosis.evidence.log_p_value import log_survival
+from cogging.diagnosis.evidence.null import sources_of, width_floor
+from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.large.refit import movable
+from cogging.diagnosis.large.search import Large, LargeTerm, with_levels_of_its_own
+from cogging.diagnosis.search.confirmation import Confirmation, retuned
+from cogging.diagnosis.search.refit import shape_limits
+from cogging.diagnosis.search.state import Added, State, Task
+from cogging.diagnosis.thresholds import LARGE
+from cogging.estimation.gauss_newton import Estimate, fit
+from cogging.estimation.innovations import Innovations
+
+
+def started(task: Task, large: Large) -> State:
+    """The state of a search in which the large effects were added."""
+    held = movable(large.start.model, large.allowed, large.given)
+    sources = sources_of(task.logs, task.model)
+    nominal = fit(large.start.model, held, sources, iterations=0)
+    estimate = fitted(large, sources)
+    state = State(
+        task,
+        nominal,
+        gather(nominal, sources),
+        large.start.model,
+        [source_of(log, task.model) for log in task.logs],
+        False,
+        estimate,
+        gather(estimate, sources),
+        large.model,
+        large=large,
+    )
+    state.added = [added(term, place, large) for place, term in enumerate(effects_of(large))]
+    if task.confirm:
+        state.confirm_evidence = elsewhere(state, large)
+    return state
+
+
+def effects_of(large: Large) -> list[LargeTerm]:
+    """Terms that are effects."""
+    return [term for term in large.terms if term.candidate is not None]
+
+
+def fitted(large: Large, sources: Sequence[Innovations]) -> Estimate:
+    """The fit of the whitened residuals from where the balance's ended; there itself, where it makes the gap larger."""
+    model = large.model
+    paths = movable(model, large.allowed, large.given)
+    at_start = fit(model, paths, sources, iterations=0)
+    floors, ceilings = shape_limits(model, large.balances)
+    floors |= width_floor(sources) | dict(large.allowed.floors)
+    ceilings |= dict(large.allowed.ceilings)
+    try:
+        found = fit(model, paths, sources, iterations=LARGE.iterations, floors=floors, ceilings=ceilings)
+    except (DivergedError, ValueError):
+        return at_start
+    again = with_levels_of_its_own(large.balances.under(found.model), large.allowed)
+    return found if again.rms <= LARGE.growth * large.balances.rms else at_start
+
+
+def elsewhere(state: State, large: Large) -> Evidence | None:
+    """The confirm logs under the present model; None where they cannot be predicted."""
+    task, estimate = state.task, state.estimate
+    try:
+        return retuned(task.confirm, estimate.model, task.model, estimate.paths, allowed=large.allowed)
+    except (DivergedError, ValueError):
+        return None
+
+
+def added(term: LargeTerm, place: int, large: Large) -> Added:
+    """A term of the large effects as what a search adds."""
+    candidate = term.candidate
+    assert candidate is not None
+    before = effects_of(large)[place - 1].balances if place else large.start
+    explained = before.residual - term.balances.residual
+    freedom = max(term.parameters, 1)
+    trials = float(np.log(LARGE.trials))
+    test = ScoreTest(term.statistic, freedom, -np.ones(1), explained, np.full(1, np.inf))
+    chance = min(0.0, log_survival(term.statistic, freedom) + trials)
+    finding = Finding(candidate, test, np.ones(1), LARGE.trials, chance, term.statistic - 2.0 * freedom - 2.0 * trials)
+    return Added(finding, [finding], [], confirmation_of(term), term.balances.model, large=term)
+
+
+def confirmation_of(term: LargeTerm) -> Confirmation | None:
+    """What other motion says to a term with frozen amplitudes."""
+    if term.confirm is None or term.confirm_before is None:
+        return None
+    gain = term.confirm.independent_rows * ((term.confirm_before / term.confirm.rms) ** 2 - 1.0)
+    if term.confirm.rms > (1.0 - LARGE.shown) * term.confirm_before:
+        return Confirmation(0.0, 0.0, gain)
+    return Confirmation(gain, 1.0, gain)
