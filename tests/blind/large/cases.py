@@ -71,8 +71,8 @@ def draw_case(seed: int, index: int) -> Case:
         NotPhysical: no draw of ATTEMPTS is one that a machine in use would show.
     """
     rng = np.random.default_rng([seed, index, 0x1A26E])
-    order = np.random.default_rng([seed, 0x1A26E]).permutation(len(EFFECTS))
-    first = list(EFFECTS)[order[index % len(EFFECTS)]]
+    cycle = [*EFFECTS, "cogging_harmonic", "cogging_harmonic"]  # what such machines lack most often
+    first = cycle[np.random.default_rng([seed, 0x1A26E]).permutation(len(cycle))[index % len(cycle)]]
     misread = str(rng.choice(list(MISREADINGS))) if rng.random() < MISREAD else None
     count = 1 + int(rng.choice(len(COUNTS), p=COUNTS))
     if misread:
@@ -90,6 +90,8 @@ def draw_case(seed: int, index: int) -> Case:
 def gap(plan: Plan, machine: LargeMachine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What the machine without effects would not explain, without noise: command, gap, and the rows in motion.
 
+    Raises NotPhysical where none is.
+
     gap = command - (M a + B v + Fc S(v) - known cogging), from the true states.
     """
     silent = plan.silent()
@@ -101,6 +103,8 @@ def gap(plan: Plan, machine: LargeMachine) -> tuple[np.ndarray, np.ndarray, np.n
     needed = s["mass"] * acceleration + s["viscous"] * v + s["coulomb"] * _sign(machine, v) - machine.known_force(x)
     command = run.command[:-1]
     moving = np.abs(v) > 0.05 * np.sqrt(np.mean(v**2))
+    if not moving.any():
+        raise NotPhysical("the axis never moves")
     return command, command - needed, moving
 
 
