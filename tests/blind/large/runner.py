@@ -8,7 +8,7 @@ from __future__ import annotations
 import multiprocessing
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -75,6 +75,29 @@ def answers(seed: int, indexes: list[int], jobs: int, limit: float) -> Iterator[
                 continue
             process.join()
             running.remove(one)
+
+
+def within(limit: float, call: Callable[..., Any], *arguments: Any) -> Any:
+    """What a call gives, in a process of its own; None where it takes more than `limit` seconds; errors in words."""
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+
+    def send() -> None:
+        try:
+            sender.send(call(*arguments))
+        except Exception as error:
+            sender.send(f"{type(error).__name__}: {error}")
+
+    process = context.Process(target=send, daemon=True)
+    process.start()
+    sender.close()
+    try:
+        answer = receiver.recv() if receiver.poll(limit) else None
+    except EOFError:
+        answer = "the process ended without an answer"
+    process.kill()
+    process.join()
+    return answer
 
 
 def _received(receiver: Connection) -> dict[str, Any]:
