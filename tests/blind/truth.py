@@ -22,7 +22,7 @@ coulomb_asymmetry viscous_asymmetry stribeck stribeck_velocity stribeck_exponent
 delay lag second_lag saturation_up saturation_down saturation_soft dead_zone
 coupling load_ratio mode_frequency mode_damping hardening gap
 hysteresis hysteresis_length hysteresis_period gain_speed
-encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular lost_at lost_counts
+encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular lost_at lost_counts grid_step
 """
 #: Scalars of a plan, by name; each is one place of the vector that the compiled loop reads.
 SCALARS = _SCALARS.split()
@@ -34,7 +34,7 @@ SCALARS = _SCALARS.split()
     COUPLING, LOAD_RATIO, MODE_FREQUENCY, MODE_DAMPING, HARDENING, GAP,
     HYSTERESIS, HYSTERESIS_LENGTH, HYSTERESIS_PERIOD, GAIN_SPEED,
     ENCODER_SCALE, ENCODER_ORIGIN, ENCODER_PERIOD, ENCODER_SINE, ENCODER_COSINE, ENCODER_TRIANGULAR, LOST_AT,
-    LOST_COUNTS,
+    LOST_COUNTS, MAP_STEP,
 ) = range(len(SCALARS))  # fmt: skip
 
 #: Rows of a plan over the samples: reference, force (noise included), additions to gain, viscous and Coulomb, what is
@@ -51,7 +51,7 @@ LAWS = ("tanh", "algebraic", "arctangent", "bristle", "stick")
 TANH, ALGEBRAIC, ARCTANGENT, BRISTLES, STICK = range(len(LAWS))
 PID, CASCADE = 0, 1
 RIGID, FLEXIBLE, BACKLASH = 0, 1, 2
-GRID_STEP = 4e-5  # m, of the maps; cubic interpolation between
+GRID_STEP = 4e-5  # m, of the maps where none is given; cubic interpolation between
 
 
 @dataclass
@@ -64,7 +64,7 @@ class Plan:
         stamps: what the log says of them, s, (n,).
         rows: (n, len(ROWS)).
         grid_start: position of the maps' first point, m.
-        maps: (len(MAPS), points), spaced by GRID_STEP.
+        maps: (len(MAPS), points), spaced by the scalar `grid_step`, m.
         substeps: steps of Heun in one sample.
         force_noise, reading_noise: the part of the rows that is noise, (n,) each.
     """
@@ -80,11 +80,14 @@ class Plan:
     reading_noise: np.ndarray
 
     @classmethod
-    def empty(cls, instants: np.ndarray, travel: tuple[float, float], substeps: int = 10) -> Plan:
+    def empty(
+        cls, instants: np.ndarray, travel: tuple[float, float], substeps: int = 10, grid_step: float = GRID_STEP
+    ) -> Plan:
         """Make a plan at rest: no forces, infinite limits, no encoder faults."""
-        margin = 0.05 * (travel[1] - travel[0]) + 4 * GRID_STEP
-        points = int(np.ceil((travel[1] - travel[0] + 2 * margin) / GRID_STEP)) + 1
+        margin = 0.05 * (travel[1] - travel[0]) + 4 * grid_step
+        points = int(np.ceil((travel[1] - travel[0] + 2 * margin) / grid_step)) + 1
         scalars = np.zeros(len(SCALARS))
+        scalars[MAP_STEP] = grid_step
         scalars[[SATURATION_UP, SATURATION_DOWN]] = np.inf
         scalars[[DRAG_EXPONENT, STRIBECK_VELOCITY, STRIBECK_EXPONENT]] = 2.0, 0.01, 2.0
         scalars[[WIDTH, ENCODER_PERIOD, HYSTERESIS_LENGTH, BRISTLE]] = 1e-3, 1.0, 1e-3, 1e-6
@@ -135,7 +138,7 @@ class Plan:
     @property
     def positions(self) -> np.ndarray:
         """Where the maps are known, m."""
-        return self.grid_start + GRID_STEP * np.arange(self.maps.shape[1])
+        return self.grid_start + self["grid_step"] * np.arange(self.maps.shape[1])
 
     def __getitem__(self, name: str) -> float:
         return float(self.scalars[SCALARS.index(name)])
@@ -187,7 +190,7 @@ def _controller_sign(v, width):
 @njit(cache=True, error_model="numpy")
 def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
     """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
-    s = (x - grid_start) / GRID_STEP
+    s = (x - grid_start) / p[MAP_STEP]
     i = int(s)
     f = s - i
     # Catmull-Rom weights
@@ -273,8 +276,8 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
         omega = 2.0 * np.pi * p[MODE_FREQUENCY]
         stiffness = reduced * omega * omega
         damping = 2.0 * p[MODE_DAMPING] * omega * reduced
-    x_low = grid_start + 2 * GRID_STEP
-    x_high = grid_start + (maps.shape[1] - 3) * GRID_STEP
+    x_low = grid_start + 2 * p[MAP_STEP]
+    x_high = grid_start + (maps.shape[1] - 3) * p[MAP_STEP]
     active_index = 0
     for k in range(n):
         # the encoder
