@@ -104,10 +104,12 @@ def search_large(
     allowed: Allowance,
     vocabulary: Mapping[str, Effect],
     progress: Callable[[str], None],
+    *,
+    any_size: bool = False,
 ) -> Large | None:
     """Add the largest missing effect, refit, and look again, until what is left is no more large.
 
-    None where it is not large to begin with.
+    None where it is not large to begin with; or, of `any_size`, where nothing is found.
 
     Args:
         balances: logs under the given model.
@@ -120,15 +122,15 @@ def search_large(
     start = refitted(balances, allowed, given)
     confirm_start = None if confirm is None else with_levels_of_its_own(confirm.under(start.model), allowed)
     state = Large(given, start, confirm_start, start, confirm_start, allowed)
-    if not is_large(state):
+    if not (any_size or is_large(state)):
         return None
-    while len(state.terms) < LARGE.terms and is_large(state):
+    while len(state.terms) < LARGE.terms and (is_large(state) or (any_size and not state.terms)):
         progress(f"large effects, {len(state.terms) + 1}")
         following = add_one(state, vocabulary)
         if following is None:
             break
         state = following
-    return without_what_is_not_needed(state)
+    return None if any_size and not state.terms else without_what_is_not_needed(state)
 
 
 def is_large(state: Large) -> bool:

@@ -86,6 +86,10 @@ def begin(task: Task) -> State:
     if large is not None:
         return started(task, large)
     nominal, evidence = fit_null(task.logs, task.model)
+    if leaves_allowance(task.model, nominal):
+        large = large_effects(task, any_size=True)
+        if large is not None:
+            return started(task, large)
     if task.free_map:
         nominal, evidence = freed(nominal, evidence)
     sources = [source_of(log, nominal.model) for log in task.logs]
@@ -96,14 +100,24 @@ def begin(task: Task) -> State:
     return state
 
 
-def large_effects(task: Task) -> Large | None:
+def leaves_allowance(model: Model, nominal: Estimate) -> bool:
+    """Whether re-tuning takes mass or friction farther than the model states that they may be off.
+
+    Then something was taken for them, unless they have changed.
+    """
+    allowed = allowance(model)
+    return any(not allowed.inside(path, value) for path, value in zip(nominal.paths, nominal.values, strict=True))
+
+
+def large_effects(task: Task, *, any_size: bool = False) -> Large | None:
     """The search for large effects; None where what the model leaves unexplained is small, or nothing can be said."""
     try:
         balances = balances_of(task.logs, task.model)
         confirm = balances_of(task.confirm, task.model) if task.confirm else None
     except ValueError:
         return None
-    return search_large(balances, confirm, allowance(task.model), task.vocabulary, task.progress)
+    allowed = allowance(task.model)
+    return search_large(balances, confirm, allowed, task.vocabulary, task.progress, any_size=any_size)
 
 
 def evidence_elsewhere(state: State) -> Evidence | None:
