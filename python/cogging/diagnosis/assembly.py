@@ -20,6 +20,7 @@ from cogging.diagnosis.naming.large_names import map_note, named_large
 from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.naming.names import changed, merged, named
+from cogging.diagnosis.naming.sizes import largest_first
 from cogging.diagnosis.naming.verdict import unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
 from cogging.diagnosis.residual.location_words import shape_text
@@ -54,6 +55,8 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     if measured.given[0] is measured.stated:
         nominal = model  # re-tuning does not pay
     effects = _effects(found, model, beyond)
+    if found.large is not None:
+        effects = largest_first(effects, found.large.balances, final, model)
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm))
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
     return Diagnosis(

@@ -467,6 +467,7 @@ class BalanceThresholds:
     rest: float = 0.02  # of the largest speed: slower rows show what friction does at rest [assumed]
     reach: float = 0.5  # periods of the cut-off: so far the filter brings what friction does at rest [assumed]
     rows_left: float = 0.3  # of the rows in motion: fewer away from rest, and those near it count too [assumed]
+    gain_min: float = 0.05  # 1: a gain of the command is taken to be at least, where a fit tries a smaller one [exact]
     column_size: float = 1e-12  # of the residual: a column that is smaller does nothing [exact]
     no_room: float = 1e-9  # of a column's size: between the ends of what does not move [exact]
 
@@ -475,6 +476,7 @@ class BalanceThresholds:
 class SeedThresholds:
     """Terms that the force balance may lack."""
 
+    turns: float = 1.5  # over the travel, or the time: a wave has at least, for a spring looks like less [assumed]
     fine: int = 4  # 1: wavenumbers of a spectrum for each that is independent [assumed]
     harmonic_max: float = 250.0  # turns over the travel: waves are sought up to there, the 200th of a turn [assumed]
     speeds: int = 40  # 1: classes of speed, in each of which the filter lets as much through [cost]
@@ -501,6 +503,7 @@ class LargeThresholds:
     worth: float = 0.15  # of the power that is left: a large effect takes away at least [assumed]
     parameter: float = 0.03  # of the ln of the power left: each parameter must be worth [assumed]
     near: float = 0.7  # of the ln of the power taken: seeds that take so much are refitted too [assumed]
+    starts: int = 4  # 1: first terms from which the search starts, while what is left stays large [cost]
     rivals: int = 4  # 1: seeds that are refitted [cost]
     alternative: float = 0.15  # of the ln of the power left: a rival that leaves less than so much more [assumed]
     terms: int = 10  # 1: that are added at most [cost]

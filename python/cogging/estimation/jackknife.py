@@ -25,7 +25,9 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     covariance of white residuals, widened by as much as those of the other parameters are.
     What no row determines has an infinite variance.
     """
-    whole = sum(log.columns @ log.columns.T for log in logs)
+    whole = np.asarray(sum(log.columns @ log.columns.T for log in logs))
+    if not len(whole):
+        return whole, np.empty(0)
     size = np.sqrt(np.diag(whole))
     size[size == 0.0] = 1.0
     scaled = whole / np.outer(size, size)

@@ -12,7 +12,7 @@ import numpy as np
 from cogging._core import AxisParameters
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.thresholds import BALANCE
-from cogging.effects.effect import Effect
+from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.identification.force_balance import ForceBalance
 from cogging.identification.two_estimators import noise_floor
@@ -59,10 +59,31 @@ class LogBalance:
             for effect in model.effects:
                 if effect.NAME == "flexible_mode":
                     table[i] += dynamics.filtered(self._borne_by_load(model.axis.mass, effect)[None, :])[0]
-            shaping = tuple(effect for effect in model.effects if WEAKENING & set(effect.HOOKS))
-            if shaping:
-                table[i] *= self._command / max(self._acting(shaping), 1e-3 * self._command)
+            table[i] = self._as_command(table[i], model)
         return table
+
+    def _as_command(self, residual: FloatArray, model: Model) -> FloatArray:
+        """What is left, V, as the command that would make it: an effect that lets little of a command act hides more.
+
+        Behind a gain 1 + g it is the residual over that; behind a lag T, residual + T d residual / dt; behind what cuts
+        commands, the residual over the share of the command that still acts.
+        """
+        motion, dynamics = self.balance.dynamics.motion, self.balance.dynamics
+        cutting = []
+        for effect in model.effects:
+            if "command_gain" in effect.HOOKS:
+                law = laws_of(effect.resolved(model.axis, model.cogging)).gain_at
+                gain = 1.0 + np.asarray(law(position=motion.middle_position, time=dynamics.even - dynamics.even[0]))
+                residual = residual / np.maximum(np.abs(gain), BALANCE.gain_min)
+            elif "lag" in effect.HOOKS:
+                residual = residual + float(getattr(effect, "time_constant", 0.0)) * np.gradient(
+                    residual, dynamics.even
+                )
+            elif "shape_command" in effect.HOOKS:
+                cutting.append(effect)
+        if cutting:
+            residual = residual * self._command / max(self._acting(cutting), 1e-3 * self._command)
+        return residual
 
     @cached_property
     def _command(self) -> float:
@@ -70,11 +91,7 @@ class LogBalance:
         return self._acting(())
 
     def _acting(self, effects: Sequence[Effect]) -> float:
-        """Rms of what acts of the command behind effects that shape it, V.
-
-        An effect that lets none of the command act would leave nothing unexplained: what is left counts against what
-        acts.
-        """
+        """Rms of what acts of the command behind effects that shape it, V."""
         dynamics = self.balance.dynamics
         plant = quiet_plant(Model(axis=AxisParameters(mass=1.0), effects=tuple(effects)))
         motion = dynamics.motion

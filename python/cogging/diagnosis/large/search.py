@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -19,28 +18,47 @@ from cogging.effects.effect import Effect
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
 
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A term that is tried.
+
+    Attributes:
+        name: name of the effect, or of the change of a level.
+        effect: effect with its amplitudes; None for a change of a level.
+        candidate: effect and shape; None likewise.
+        path: path of the level that is no more held; None for an effect.
+        parameters: how many numbers it has.
+        left: power that it leaves before it is refitted, V^2 times rows.
+    """
+
+    name: str
+    effect: Effect | None
+    candidate: Candidate | None
+    path: str | None
+    parameters: int
+    left: float
+
+    def worth(self, before: float) -> float:
+        """ln of the power that it leaves of that before, less what its parameters must be worth."""
+        return float(np.log(self.left / before)) + LARGE.parameter * self.parameters
+
 
 @dataclass(frozen=True)
 class LargeTerm:
     """A term that was added.
 
     Attributes:
-        name: name of the effect, or of the change of a level.
-        candidate: effect and shape as they were tried; None for a change of a level.
-        path: path of the level that is no more held; None for an effect.
-        parameters: how many numbers it has.
-        left: ln of the power that it left, here and on other motion, less that before (see total_worth).
+        trial: the term as it was tried.
         alternatives: names that left about as little.
         before, confirm_before: rms of the balance without it, V.
         balances: logs under the model with it.
         confirm: confirm logs under it, levels re-tuned; None without.
     """
 
-    name: str
-    candidate: Candidate | None
-    path: str | None
-    parameters: int
-    left: float
+    trial: Trial
     alternatives: tuple[str, ...]
     before: float
     confirm_before: float | None
@@ -59,6 +77,7 @@ class Large:
 
     Attributes:
         given: effects that the model had from the start.
+        stated: how far levels may go before anything was found about them.
         start: logs under the model as it was given, levels re-tuned as far as they are allowed to.
         confirm_start: confirm logs under it, levels re-tuned likewise; None without.
         balances, confirm: the same under the last model.
@@ -68,6 +87,7 @@ class Large:
     """
 
     given: int
+    stated: Allowance
     start: Balances
     confirm_start: Balances | None
     balances: Balances
@@ -81,21 +101,16 @@ class Large:
         """With all that was added."""
         return self.balances.model
 
+    @property
+    def effects(self) -> tuple[LargeTerm, ...]:
+        """Terms that are effects."""
+        return tuple(term for term in self.terms if term.trial.effect is not None)
 
-@dataclass(frozen=True)
-class Trial:
-    """A term that is tried: an effect, or the change of a level."""
-
-    name: str
-    effect: Effect | None
-    candidate: Candidate | None
-    path: str | None
-    parameters: int
-    left: float
-
-    def worth(self, before: float) -> float:
-        """ln of the power that it leaves of that before, less what its parameters must be worth."""
-        return float(np.log(self.left / before)) + LARGE.parameter * self.parameters
+    @property
+    def left(self) -> float:
+        """ln of the power left here and on other motion, plus what the parameters must be worth."""
+        left = 2.0 * float(np.log(self.balances.rms)) + LARGE.parameter * sum(t.trial.parameters for t in self.terms)
+        return left if self.confirm is None else left + 2.0 * float(np.log(self.confirm.rms))
 
 
 def search_large(
@@ -103,13 +118,15 @@ def search_large(
     confirm: Balances | None,
     allowed: Allowance,
     vocabulary: Mapping[str, Effect],
-    progress: Callable[[str], None],
+    progress: Told,
     *,
     any_size: bool = False,
 ) -> Large | None:
     """Add the largest missing effect, refit, and look again, until what is left is no more large.
 
-    None where it is not large to begin with; or, of `any_size`, where nothing is found.
+    Where what is left stays large, the search starts once more from what came second: of two effects of one size, the
+    one that looks best alone may be neither. None where what the model leaves unexplained is not large to begin with;
+    or, of `any_size`, where nothing is found.
 
     Args:
         balances: logs under the given model.
@@ -117,77 +134,53 @@ def search_large(
         allowed: how far its levels may go.
         vocabulary: effects that are tried, by name.
         progress: function that is called with what is being done.
+        any_size: whether to look although little is unexplained.
     """
     given = len(balances.model.effects)
     start = refitted(balances, allowed, given)
-    confirm_start = None if confirm is None else with_levels_of_its_own(confirm.under(start.model), allowed)
-    state = Large(given, start, confirm_start, start, confirm_start, allowed)
-    if not (any_size or is_large(state)):
+    elsewhere = None if confirm is None else with_levels_of_its_own(confirm.under(start.model), allowed)
+    empty = Large(given, allowed, start, elsewhere, start, elsewhere, allowed)
+    if not (any_size or is_large(empty)):
         return None
-    while len(state.terms) < LARGE.terms and (is_large(state) or (any_size and not state.terms)):
+    progress("large effects, 1")
+    trials = worthwhile(empty, vocabulary)
+    best = followed(with_best(empty, trials), vocabulary, progress)
+    for trial in trials[1 : LARGE.starts]:
+        if not (best.terms and is_large(best)) or trial.name == best.terms[0].trial.name:
+            continue
+        other = followed(with_best(empty, [trial]), vocabulary, progress)
+        best = other if other.left < best.left - LARGE.alternative else best
+    return None if any_size and not best.terms else best
+
+
+def followed(state: Large, vocabulary: Mapping[str, Effect], progress: Told) -> Large:
+    """The state after further large effects were added one after the other, and what they made superfluous left out."""
+    while state.terms and len(state.terms) < LARGE.terms and is_large(state):
         progress(f"large effects, {len(state.terms) + 1}")
-        following = add_one(state, vocabulary)
-        if following is None:
+        following = with_best(state, worthwhile(state, vocabulary))
+        if len(following.terms) == len(state.terms):
+            state = following
             break
         state = following
-    return None if any_size and not state.terms else without_what_is_not_needed(state)
+    return without_what_is_not_needed(state)
 
 
 def is_large(state: Large) -> bool:
     """Whether what is left is large, or was and is not yet noise."""
-    share = LARGE.large if not state.terms else LARGE.rest
+    share = LARGE.rest if state.terms else LARGE.large
     return state.balances.rms > max(share * state.balances.command, LARGE.above_noise * state.balances.noise)
 
 
-def add_one(state: Large, vocabulary: Mapping[str, Effect]) -> Large | None:
-    """The state with the term that leaves least, of those that are refitted; None where none is worth it."""
+# Choose ---------------------------------------------------------------------------------------------------------------
+
+
+def worthwhile(state: Large, vocabulary: Mapping[str, Effect]) -> list[Trial]:
+    """Terms that take a good part of what is left, the best first."""
     levels = levels_of(state.balances, state.allowed)
     before = levels.alone()[1]
     found = [*effects_to_try(state, levels, vocabulary), *changes_to_try(state)]
-    trials = sorted(found, key=lambda one: one.worth(before))
-    worthwhile = [one for one in trials if one.worth(before) < float(np.log(1.0 - LARGE.worth))]
-    if not worthwhile:
-        return None
-    best = worthwhile[0].worth(before)
-    close = [one for one in worthwhile if one.worth(before) < LARGE.near * best][: LARGE.rivals]
-    tried = [(one, *with_trial(state, one)) for one in close]
-    ranked = sorted(tried, key=lambda one: total_worth(state, *one))
-    refused = list(state.refused)
-    for trial, after, confirm, allowed in ranked:
-        reason = objection(state, after, confirm)
-        if reason is not None:
-            refused.append((trial.name, reason))
-            continue
-        term = term_of(state, trial, after, confirm, [one for one in ranked if one[0].name != trial.name])
-        return replace(
-            state,
-            balances=after,
-            confirm=confirm,
-            allowed=allowed,
-            terms=(*state.terms, term),
-            refused=tuple(refused),
-        )
-    return None
-
-
-def term_of(
-    state: Large, trial: Trial, after: Balances, confirm: Balances | None, others: Sequence[tuple[Trial, Any, Any, Any]]
-) -> LargeTerm:
-    """The term that a trial becomes, with what else leaves about as little."""
-    left = total_worth(state, trial, after, confirm, state.allowed)
-    alike = tuple(other[0].name for other in others if total_worth(state, *other) < left + LARGE.alternative)
-    return LargeTerm(
-        trial.name,
-        trial.candidate,
-        trial.path,
-        trial.parameters,
-        left,
-        alike,
-        state.balances.rms,
-        None if state.confirm is None else state.confirm.rms,
-        after,
-        confirm,
-    )
+    least = float(np.log(1.0 - LARGE.worth))
+    return sorted((one for one in found if one.worth(before) < least), key=lambda one: one.worth(before))
 
 
 def effects_to_try(state: Large, levels: Levels, vocabulary: Mapping[str, Effect]) -> list[Trial]:
@@ -202,7 +195,8 @@ def _trial(seed: Seed) -> Trial:
         for field, value in seed.candidate.shape.items()
         if roles[field]["role"] == "shape" and isinstance(value, float)
     ]
-    return Trial(seed.name, seed.effect(), seed.candidate, None, len(shapes) + len(seed.amplitudes), seed.left)
+    parameters = len(shapes) + len(seed.amplitudes)
+    return Trial(seed.name, seed.effect(), seed.candidate, None, parameters, seed.left)
 
 
 def changes_to_try(state: Large) -> list[Trial]:
@@ -210,38 +204,58 @@ def changes_to_try(state: Large) -> list[Trial]:
     found = []
     for name in LEVELS:
         path = f"axis.{name}"
-        value = float(getattr(state.balances.model.axis, name))
+        value = float(getattr(state.model.axis, name))
         if path in state.allowed.exact or state.allowed.at_end(path, value):
             left = levels_of(state.balances, state.allowed.without((path,))).alone()[1]
             found.append(Trial(f"{name}_change", None, None, path, 1, left))
     return found
 
 
-def with_trial(state: Large, trial: Trial) -> tuple[Balances, Balances | None, Allowance]:
-    """Logs, confirm logs and allowance under the model refitted with a term."""
+# Refit and accept -----------------------------------------------------------------------------------------------------
+
+
+def with_best(state: Large, trials: Sequence[Trial]) -> Large:
+    """The state with the term that leaves least once it is refitted; with reasons where none is accepted.
+
+    The balance of a wrong model may mislead: terms near the best are refitted too.
+    """
+    if not trials:
+        return state
+    before = state.balances.rms**2 * len(state.balances.residual)
+    close = [one for one in trials if one.worth(before) <= LARGE.near * trials[0].worth(before)][: LARGE.rivals]
+    tried = sorted(((one, with_trial(state, one)) for one in close), key=lambda pair: pair[1].left)
+    refused = list(state.refused)
+    for trial, after in tried:
+        reason = objection(state, after)
+        if reason is not None:
+            refused.append((trial.name, reason))
+            continue
+        rivals = {other.name for other, its in tried if its.left < after.left + LARGE.alternative}
+        term = replace(after.terms[-1], alternatives=tuple(sorted(rivals - {trial.name})))
+        return replace(after, terms=(*state.terms, term), refused=tuple(refused))
+    return replace(state, refused=tuple(refused))
+
+
+def with_trial(state: Large, trial: Trial) -> Large:
+    """The state with a term, refitted."""
     allowed = state.allowed if trial.path is None else state.allowed.without((trial.path,))
     model = state.model
     if trial.effect is not None:
         model = model.replace(effects=(*model.effects, trial.effect))
     after = refitted(state.balances.under(model), allowed, state.given)
     confirm = None if state.confirm is None else with_levels_of_its_own(state.confirm.under(after.model), allowed)
-    return after, confirm, allowed
+    before = None if state.confirm is None else state.confirm.rms
+    term = LargeTerm(trial, (), state.balances.rms, before, after, confirm)
+    return replace(state, balances=after, confirm=confirm, allowed=allowed, terms=(*state.terms, term))
 
 
-def total_worth(state: Large, trial: Trial, after: Balances, confirm: Balances | None, allowed: Allowance) -> float:
-    """ln of the power left here and on other motion, less that before; plus what its parameters must be worth."""
-    worth = 2.0 * float(np.log(after.rms / state.balances.rms)) + LARGE.parameter * trial.parameters
-    if confirm is not None and state.confirm is not None:
-        worth += 2.0 * float(np.log(confirm.rms / state.confirm.rms))
-    return worth
-
-
-def objection(state: Large, after: Balances, confirm: Balances | None) -> str | None:
+def objection(state: Large, after: Large) -> str | None:
     """Why a term is refused; None where nothing speaks against it."""
-    if 2.0 * float(np.log(after.rms / state.balances.rms)) > float(np.log(1.0 - LARGE.worth)):
-        return f"refitted, it leaves {after.rms:.3g} of {state.balances.rms:.3g} V"
-    if confirm is not None and state.confirm is not None and confirm.rms > LARGE.growth * state.confirm.rms:
-        return f"the gap on the other motion grows from {state.confirm.rms:.4g} to {confirm.rms:.4g} V with it"
+    mine, its = after.balances.rms, state.balances.rms
+    if mine**2 > (1.0 - LARGE.worth) * its**2:
+        return f"refitted, it leaves {mine:.3g} of {its:.3g} V"
+    if after.confirm is not None and state.confirm is not None and after.confirm.rms > LARGE.growth * state.confirm.rms:
+        return f"the gap on the other motion grows from {state.confirm.rms:.4g} to {after.confirm.rms:.4g} V with it"
     return None
 
 
@@ -251,9 +265,7 @@ def with_levels_of_its_own(balances: Balances, allowed: Allowance) -> Balances:
     steps, _ = levels.alone()
     known = parameters_of(balances.model, together=True)
     values = {
-        path: float(
-            np.clip(known[path].value + step, allowed.floors.get(path, -np.inf), allowed.ceilings.get(path, np.inf))
-        )
+        path: allowed.nearest(path, known[path].value + float(step))
         for path, step in zip(levels.paths, steps, strict=True)
     }
     return balances.under(with_values(balances.model, values))
@@ -263,18 +275,15 @@ def without_what_is_not_needed(state: Large) -> Large:
     """The state without terms that a later one made superfluous."""
     for place in reversed(range(len(state.terms) - 1)):
         term = state.terms[place]
-        if term.candidate is None:
+        if term.trial.effect is None:
             continue
         effects = list(state.model.effects)
-        del effects[state.given + sum(one.candidate is not None for one in state.terms[:place])]
+        del effects[state.given + sum(one.trial.effect is not None for one in state.terms[:place])]
         less = refitted(state.balances.under(state.model.replace(effects=tuple(effects))), state.allowed, state.given)
-        if 2.0 * float(np.log(less.rms / state.balances.rms)) < LARGE.parameter * term.parameters:
-            confirm = (
-                None
-                if state.confirm is None
-                else with_levels_of_its_own(state.confirm.under(less.model), state.allowed)
-            )
+        if 2.0 * float(np.log(less.rms / state.balances.rms)) < LARGE.parameter * term.trial.parameters:
+            other = None if state.confirm is None else state.confirm.under(less.model)
+            confirm = None if other is None else with_levels_of_its_own(other, state.allowed)
             terms = (*state.terms[:place], *state.terms[place + 1 :])
-            told = (*state.refused, (term.name, "what was added after it explains it"))
+            told = (*state.refused, (term.trial.name, "what was added after it explains it"))
             state = replace(state, balances=less, confirm=confirm, terms=terms, refused=told)
     return state

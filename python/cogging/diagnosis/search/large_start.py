@@ -8,7 +8,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding
-from cogging.diagnosis.discrepancy import source_of
+from cogging.diagnosis.discrepancy import discrepancies, has_balance, source_of
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
@@ -22,6 +22,7 @@ from cogging.diagnosis.search.state import Added, State, Task
 from cogging.diagnosis.thresholds import LARGE
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
+from cogging.model.model import Model
 
 
 def started(task: Task, large: Large) -> State:
@@ -42,15 +43,10 @@ def started(task: Task, large: Large) -> State:
         large.model,
         large=large,
     )
-    state.added = [added(term, place, large) for place, term in enumerate(effects_of(large))]
+    state.added = [added(term, place, large) for place, term in enumerate(large.effects)]
     if task.confirm:
         state.confirm_evidence = elsewhere(state, large)
     return state
-
-
-def effects_of(large: Large) -> list[LargeTerm]:
-    """Terms that are effects."""
-    return [term for term in large.terms if term.candidate is not None]
 
 
 def fitted(large: Large, sources: Sequence[Innovations]) -> Estimate:
@@ -80,11 +76,11 @@ def elsewhere(state: State, large: Large) -> Evidence | None:
 
 def added(term: LargeTerm, place: int, large: Large) -> Added:
     """A term of the large effects as what a search adds."""
-    candidate = term.candidate
+    candidate = term.trial.candidate
     assert candidate is not None
-    before = effects_of(large)[place - 1].balances if place else large.start
+    before = large.effects[place - 1].balances if place else large.start
     explained = before.residual - term.balances.residual
-    freedom = max(term.parameters, 1)
+    freedom = max(term.trial.parameters, 1)
     trials = float(np.log(LARGE.trials))
     test = ScoreTest(term.statistic, freedom, -np.ones(1), explained, np.full(1, np.inf))
     chance = min(0.0, log_survival(term.statistic, freedom) + trials)
@@ -100,3 +96,28 @@ def confirmation_of(term: LargeTerm) -> Confirmation | None:
     if term.confirm.rms > (1.0 - LARGE.shown) * term.confirm_before:
         return Confirmation(0.0, 0.0, gain)
     return Confirmation(gain, 1.0, gain)
+
+
+def tuned_beside_large(state: State, model: Model) -> tuple[Model | None, str]:
+    """The model with its levels tuned; None, and why, where what was added beside large effects does not pay.
+
+    How far the shape of a large effect is from its law is large too, against noise alone: what is added beside it must
+    take a good part of what is left, here and on other motion.
+    """
+    large, task = state.large, state.task
+    assert large is not None
+    replay = task.replay and state.by_loop is not False
+    try:
+        if has_balance(model) and not replay:
+            model = with_levels_of_its_own(large.balances.under(model), large.allowed).model
+        pairs = [(task.logs, "gap")] + ([(task.confirm, "gap on the other motion")] if task.confirm else [])
+        for logs, what in pairs:
+            before, after = discrepancies(logs, [state.tuned, model], replay=replay, balance=True, stated=task.model)
+            if after.rms**2 > (1.0 - LARGE.worth) * before.rms**2:
+                return (
+                    None,
+                    f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it: too little beside the rest",
+                )
+    except (DivergedError, ValueError) as error:
+        return None, f"the model with it cannot be held against the logs: {error}"
+    return model, ""

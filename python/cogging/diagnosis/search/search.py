@@ -28,7 +28,7 @@ from cogging.diagnosis.search.choice import (
     worths,
 )
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
-from cogging.diagnosis.search.large_start import started
+from cogging.diagnosis.search.large_start import started, tuned_beside_large
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
@@ -228,6 +228,11 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
 def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | None:
     """The fitted model with its levels tuned; None, and the effect refused, where the gap on other motion grows."""
     task = state.task
+    if state.large is not None:
+        beside, why = tuned_beside_large(state, fitted.model)
+        if beside is None:
+            refuse(state, choice.finding, why)
+        return beside
     paths = state.nominal.paths
     tuned = with_levels(fitted.model, paths, state.level_sources, state.allowed)
     turned = choice.check is not None and choice.check.turn != 0.0

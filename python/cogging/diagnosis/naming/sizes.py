@@ -1,0 +1,44 @@
+"""How much of the gap each named effect makes: what would be missing without it, the largest first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cogging._core import DivergedError
+from cogging.diagnosis.entries import NamedEffect
+from cogging.diagnosis.large.balance import Balances
+from cogging.model.model import Model
+
+
+def largest_first(effects: Sequence[NamedEffect], balances: Balances, final: Model, stated: Model) -> list[NamedEffect]:
+    """The effects in the order of what the force balance lacks without each.
+
+    Args:
+        effects: effects that were named.
+        balances: logs, under any model.
+        final: model with all of them; its first effects are those of `stated`.
+        stated: model as it was read.
+    """
+    whole = balances.under(final)
+    return sorted(effects, key=lambda effect: -_size(effect, whole, stated))
+
+
+def _size(effect: NamedEffect, whole: Balances, stated: Model) -> float:
+    """Rms of what the balance lacks without an effect, V; 0 where the model cannot do without it."""
+    try:
+        less = whole.under(without(effect.name, whole.model, stated))
+        return float(np.sqrt(np.mean((less.residual - whole.residual) ** 2)))
+    except (DivergedError, ValueError):
+        return 0.0
+
+
+def without(name: str, model: Model, stated: Model) -> Model:
+    """The model without what was added under a name, or with the level that it has changed as it was stated."""
+    level = name.removesuffix("_change")
+    if level != name:
+        return model.replace(axis=model.axis.replace(**{level: getattr(stated.axis, level)}))
+    given = len(stated.effects)
+    added = tuple(effect for effect in model.effects[given:] if name != effect.NAME)
+    return model.replace(effects=(*model.effects[:given], *added))
