@@ -30,7 +30,7 @@ from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.state import Added, Search
-from cogging.diagnosis.thresholds import GAP, LEVEL_CHANGE, LOCATION, VERDICT
+from cogging.diagnosis.thresholds import GAP, LARGE, LEVEL_CHANGE, LOCATION, VERDICT
 from cogging.effects.effect import Effect
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
@@ -60,7 +60,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm))
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
     return Diagnosis(
-        verdict=verdict(effects, residual_shape),
+        verdict=verdict(effects, residual_shape, explained=found.large is not None and measured.mostly_explained),
         effects=tuple(effects),
         unlisted=residual_shape,
         gap=_gap(measured, logs.given, final),
@@ -131,6 +131,11 @@ class Measured:
     confirm: list[Discrepancy] | None
     notes: tuple[str, ...]
     stated: Discrepancy
+
+    @property
+    def mostly_explained(self) -> bool:
+        """Whether most of the gap's power is gone with all that was found."""
+        return self.given[-1].rms ** 2 < LARGE.unexplained * self.given[0].rms ** 2
 
 
 def measure(

@@ -514,6 +514,7 @@ class LargeThresholds:
     iterations: int = 8  # 1: of the fit of whitened residuals that follows [cost]
     trials: float = 1000.0  # 1: shapes that were looked at, of all effects [assumed]
     half_explained: float = 0.5  # of the power: a term that leaves more is not what the gap is most of [assumed]
+    unexplained: float = 0.1  # of the power of a large gap: with less left, what is left does not name it [assumed]
     map_harmonics: int = 3  # 1: waves that are one map of the cogging, at least [assumed]
     pitch_max: int = 200  # 1: turns of the longest period in a pitch, at most [assumed]
     pitch_within: float = 0.004  # 1: relative; so near to a whole part of the pitch its periods are [assumed]

@@ -48,10 +48,10 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
     waves = [law for law in vocabulary.values() if is_wave(law)]
     others = [law for law in vocabulary.values() if not is_wave(law) and "state" not in law.HOOKS]
     found = [*_waves(balances, levels, waves)]
-    periods = [seed.candidate.period for seed in found if seed.candidate.period is not None]
     for law in others:
+        # No period but the known ones: several plain waves look like one that changes along the travel.
         if law.NAME != "empirical_force":
-            found += judged(balances, levels, list(candidates(balances, law, periods)))
+            found += judged(balances, levels, list(candidates(balances, law)))
     if "flexible_mode" in vocabulary:
         found += _resonances(balances, levels, vocabulary["flexible_mode"])
     for name in {seed.name for seed in found}:

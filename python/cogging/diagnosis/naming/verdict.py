@@ -102,8 +102,13 @@ def standing(shape: Shape, other: Shape | None, checked: bool) -> bool | None:
     return False if once and mine < (VERDICT.lonely if checked else VERDICT.left_over) else None
 
 
-def verdict(effects: Sequence[NamedEffect], residual_shape: dict[str, Any] | None) -> str:
-    """In one word: the contract's verdicts that need a search."""
+def verdict(effects: Sequence[NamedEffect], residual_shape: dict[str, Any] | None, *, explained: bool = False) -> str:
+    """In one word: the contract's verdicts that need a search.
+
+    Where most of a large gap is `explained`, what is left beside it does not name the whole.
+    """
+    if explained and effects:
+        residual_shape = None
     if not effects:
         return "unlisted" if residual_shape else "no_gap"
     if residual_shape is not None and (
