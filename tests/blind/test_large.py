@@ -304,6 +304,7 @@ def test_a_misreading_is_said_with_its_kind_or_without_or_not(cases):
         return score.judge(answer(cases, 0, verdict=verdict, mismatch=mismatch)).said
 
     assert said({"kind": "sign", "column": "command"}) == "kind"
+    assert said("sign of the position") == "kind"
     assert said({"kind": "scale", "column": "time"}) == "verdict"
     assert said(None, "unlisted") == ""
 

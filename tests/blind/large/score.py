@@ -45,7 +45,9 @@ def judge(answer: Answer) -> Outcome:
     said = None
     if reading is not None:
         told = str(answer.mismatch).lower()
-        kind = reading.kind in told and any(column in told for column in reading.columns)
+        # an axis with the other sign of its command is one with the other sign of its position
+        columns = ("command", "position") if reading.kind == "sign" else reading.columns
+        kind = reading.kind in told and any(column in told for column in columns)
         said = ("kind" if kind else "verdict") if answer.verdict == "data_mismatch" else ""
     return Outcome(
         first=bool(named and named[0] & largest) if truth.names and reading is None else None,
