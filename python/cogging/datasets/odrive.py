@@ -90,7 +90,7 @@ def read(
         name: of FILES.
         folder: see `files`.
         smoothed: the current as it is recorded. It is late by SMOOTHING, and harmonics of the cogging that the motor
-            passes in less time seem smaller: 28 a turn by a third to two thirds.
+            passes in less time seem smaller: 28 a turn by a fifth to two thirds.
         rewind: with the way back to the start, which stands before the turn in `slow2_nocomp_1`, `slow2_nocomp_2` and
             `slow2_slower_comp_0`.
 
