@@ -308,6 +308,10 @@ def test_a_misreading_is_said_with_its_kind_or_without_or_not(cases):
     assert said("sign of the position") == "kind"
     assert said({"kind": "scale", "column": "time"}) == "verdict"
     assert said(None, "unlisted") == ""
+    refused = answer(cases, 0, verdict="error", error="InputError: command: give --scale; its sign is reversed")
+    assert score.judge(refused).said == "kind"
+    refused.error = "ZeroDivisionError: float division by zero"
+    assert score.judge(refused).said == ""
 
 
 def test_the_table_counts(cases):
