@@ -79,6 +79,7 @@ def test_the_mass_stays_that_of_the_motor(result):
     assert [effect.name for effect in result.effects if effect.confidence >= 0.9] == ["cogging_harmonic"]
 
 
+@pytest.mark.study
 def test_the_recorded_current_shows_the_largest_harmonic_too(recorded):
     found = harmonics(recorded)
     assert next(iter(found)) == 7
