@@ -139,9 +139,10 @@ def scanned(name):
 def balance(log, harmonics=HARMONICS):
     """Least squares of the current on acceleration, speed, friction and cogging: columns (n, p), current (n,)."""
     t, x = log.time, log.position
-    near = [slice(max(k - 3, 0), k + 4) for k in range(len(t))]
-    shape = np.array([np.polyfit(t[s] - t[k], x[s], 2) for k, s in enumerate(near)])
-    v, a = shape[:, 1], 2 * shape[:, 0]
+    near = np.clip(np.arange(len(t))[:, None] + np.arange(-3, 4), 0, len(t) - 1)
+    powers = ((t[near] - t[:, None]) / 0.01)[..., None] ** np.arange(3)
+    square, sums = powers.transpose(0, 2, 1) @ powers, (powers * x[near][..., None]).sum(axis=1)
+    _, v, a = np.linalg.solve(square, sums[..., None])[..., 0].T / np.array([[1.0], [0.01], [0.5e-4]])
     waves = [wave(h * x) for h in harmonics for wave in (np.sin, np.cos)]
     kept = (np.abs(v) > 0.02) & (t < t[-1] - 0.1)
     return np.column_stack([a, v, np.tanh(v / 0.03), *waves])[kept], log.command[kept]
