@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 import cogging
 from tests.blind.large import score
+from tests.blind.large.__main__ import main
 from tests.blind.large.cases import SHARES, draw_case, gap, power_ratio
 from tests.blind.large.effects import EFFECTS, SMOOTH_LAWS
 from tests.blind.large.machines import DEVIATIONS, FACTOR, STATEMENTS, draw_machine
@@ -304,8 +305,13 @@ def test_a_misreading_is_said_with_its_kind_or_without_or_not(cases):
         return score.judge(answer(cases, 0, verdict=verdict, mismatch=mismatch)).said
 
     assert said({"kind": "sign", "column": "command"}) == "kind"
+    assert said("sign of the position") == "kind"
     assert said({"kind": "scale", "column": "time"}) == "verdict"
     assert said(None, "unlisted") == ""
+    refused = answer(cases, 0, verdict="error", error="InputError: command: give --scale; its sign is reversed")
+    assert score.judge(refused).said == "kind"
+    refused.error = "ZeroDivisionError: float division by zero"
+    assert score.judge(refused).said == ""
 
 
 def test_the_table_counts(cases):
@@ -333,3 +339,18 @@ def test_each_case_has_its_time_and_its_process(monkeypatch, what, verdict):
     assert one.seconds < 30
     assert one.gap == ({"before": 2.0, "after": 1.0} if what == "answers" else {})
     assert ("no such machine" in one.error) == (what == "fails")
+
+
+def test_the_command_tells_every_case_and_the_figures(monkeypatch, capsys):
+    def diagnose(*_, **__):
+        gap = type("Gap", (), {"given": 3.0, "before": 2.0, "after": 2.5})()
+        return type("Result", (), {"verdict": "no_gap", "effects": (), "gap": gap})()
+
+    monkeypatch.setattr(cogging, "diagnose", diagnose)
+    assert main(["--seed", str(SEED), "--only", "14", "1", "--jobs", "2"]) == 0
+    told = capsys.readouterr().out
+    assert "disturbance_tone" in told
+    assert "command x -1" in told
+    assert told.count("GROWS after > before") == 2
+    assert f"== in the large, seed {SEED}, 2 cases" in told
+    assert "a gap grows                                      2 of   2   100 %" in told

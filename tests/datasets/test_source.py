@@ -6,16 +6,18 @@ import sys
 import pytest
 
 from cogging import InputError
-from cogging.datasets import emps, laas, tro2021
+from cogging.datasets import emps, laas, odrive, tro2021
 from tests.fixtures.measured import FOLDER, needs
 
-SETS = [emps, laas, tro2021]
+SETS = [emps, laas, odrive, tro2021]
 CALLS = [
     *[(emps, call) for call in (emps.files, emps.read, emps.pulses)],
     *[(laas, call) for call in (laas.files, lambda folder=None: laas.read("acc_current", folder))],
+    *[(odrive, call) for call in (odrive.files, lambda folder=None: odrive.read("slow2_comp_0", folder))],
+    (odrive, lambda folder=None: odrive.scan("alone", folder)),
     *[(tro2021, call) for call in (tro2021.files, tro2021.steady_speeds)],
 ]
-LICENCES = {"emps": "no licence stated: cite", "laas": "BSD-3-Clause", "tro2021": "MIT"}
+LICENCES = {"emps": "no licence stated: cite", "laas": "BSD-3-Clause", "odrive": "MIT", "tro2021": "MIT"}
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +57,7 @@ def test_without_data_one_line_says_where_to_get_them(data, call, how, tmp_path,
     assert ("pip install nonlinear-benchmarks" in line) == (data is emps and folder is None)
 
 
-@pytest.mark.parametrize("data", [emps, laas])
+@pytest.mark.parametrize("data", [emps, laas, odrive])
 @pytest.mark.parametrize("name", ["", "DATA", "stopped_data.txt", "../acc_current", None, 3])
 def test_a_log_that_is_not_of_the_set(data, name, tmp_path):
     with pytest.raises(ValueError, match=rf"^name: must be one of {', '.join(data.FILES)}, got "):

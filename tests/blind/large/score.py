@@ -20,6 +20,7 @@ class Outcome:
         wrong: names with confidence that are not hidden.
         grows: which gaps grew.
         said: a misreading was said as what it is: "kind" with its kind, "verdict" without; "" not; None where none is.
+            A log that is refused with a message that says it counts too.
         found, hidden: how many of the true effects were named.
         accused: a log that is read rightly was said to be misread.
     """
@@ -44,9 +45,13 @@ def judge(answer: Answer) -> Outcome:
     reading = truth.misreading
     said = None
     if reading is not None:
-        told = str(answer.mismatch).lower()
-        kind = reading.kind in told and any(column in told for column in reading.columns)
+        told = f"{answer.mismatch} {answer.error}".lower()
+        # an axis with the other sign of its command is one with the other sign of its position
+        columns = ("command", "position") if reading.kind == "sign" else reading.columns
+        kind = reading.kind in told and any(column in told for column in columns)
         said = ("kind" if kind else "verdict") if answer.verdict == "data_mismatch" else ""
+        if answer.verdict == "error" and kind:  # refused at once, with the scale that would mend it
+            said = "kind"
     return Outcome(
         first=bool(named and named[0] & largest) if truth.names and reading is None else None,
         wrong=tuple(name for name in sure if name not in truth.names),
@@ -82,7 +87,7 @@ def figures(answers: list[Answer]) -> str:
         ("  with column and kind", sum(s == "kind" for s in said), len(said)),
         ("misreading said of a log that is read rightly", sum(o.accused for o in outcomes), len(drawn) - len(said)),
         ("no answer", sum(a.verdict == "no answer" for a in drawn), len(drawn)),
-        ("errors", sum(a.verdict == "error" for a in drawn), len(drawn)),
+        ("errors", sum(a.verdict == "error" and not o.said for a, o in zip(drawn, outcomes, strict=True)), len(drawn)),
     ]
     lines = [f"{what:<46}{k:>4} of {n:>3}" + (f"{100 * k / n:>6.0f} %" if n else "") for what, k, n in rows]
     if seconds:

@@ -1,0 +1,172 @@
+"""ODrive: a direct-drive hobby motor of 12 slots and 7 pole pairs whose cogging makes nearly all of the current.
+
+Source: G. Chen, github.com/gchenfc/ODrive, branch master, folder `analysis`, 2020. Licence: MIT.
+
+The motor is rotary and its force constant is not known: position in rad stands for m and the current for the command,
+so that a mass is J/Kt, A/(rad/s^2). The drive was polled: rows come every 1.5 to 6 ms. Three of the slow runs begin
+with a fast way back to the start. What the drive tells as its current is smoothed: `read` undoes it.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.datasets.source import Source
+from cogging.files import InputError
+from cogging.logs.log import Log
+from cogging.shown import one_line
+
+SOURCE = Source(
+    "odrive",
+    "github.com/gchenfc/ODrive",
+    "MIT",
+    (".", "analysis/cogging_torque", "analysis/cogging_torque/coggingmap_0"),
+)
+COUNTS = 8192  # of a turn
+TURN = 2 * np.pi  # rad
+#: Slow turns under a controller that is not told, once around: 10 s, and `slower` 33 s; `comp` with the makers'
+#: compensation of the cogging, `nocomp` without.
+FILES = (
+    "slow2_nocomp_0",
+    "slow2_nocomp_1",
+    "slow2_nocomp_2",
+    "slow2_comp_0",
+    "slow2_slower_nocomp_0",
+    "slow2_slower_comp_0",
+)
+#: Current that holds the motor at one count after the other, by what the file is called: one way, the other way, and
+#: one way without the motor beside it, which makes most of what there is 7 times a turn.
+SCANS = MappingProxyType({"forward": "final_a_16", "backward": "final_rev_16", "alone": "final_iso_16"})
+#: s, of the first-order lag through which the drive tells its current: the makers set `I_measured_report_filter_k` to
+#: 0.001, by 8,000 samples of the current a second.
+SMOOTHING = 0.125
+REWIND_SPEED = 6.0  # rad/s: no slow run jumps from tooth to tooth so fast, and the way back is at 30
+REWIND_REST = 0.3  # s, for the motor to come to rest after it
+
+
+class Scan(NamedTuple):
+    """Holding current at rest.
+
+    Attributes:
+        position: rad, (n,).
+        current: A, (n,).
+    """
+
+    position: FloatArray
+    current: FloatArray
+
+
+def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
+    """Find the slow runs and the scans.
+
+    Args:
+        folder: where they lie (see cogging.datasets): side by side, or as in a clone of the repository.
+
+    Returns:
+        Their paths by the names of FILES and SCANS.
+
+    Raises:
+        InputError: a file is not there; says source and licence.
+    """
+    return {name: _find(name, folder) for name in (*FILES, *SCANS)}
+
+
+def read(
+    name: str, folder: str | os.PathLike[str] | None = None, *, smoothed: bool = False, rewind: bool = False
+) -> Log:
+    """Read one of the slow runs.
+
+    The current i that the drive tells lags behind the one that acts, u: T di/dt = u - i with T = SMOOTHING. Between two
+    rows dt apart u is (i_1 - e i_0) / (1 - e), e = exp(-dt / T), and stands in the first of them; the last row, after
+    which nothing is known, is left out.
+
+    Args:
+        name: of FILES.
+        folder: see `files`.
+        smoothed: the current as it is recorded. It is late by SMOOTHING, and harmonics of the cogging that the motor
+            passes in less time seem smaller: 28 a turn by a fifth to two thirds.
+        rewind: with the way back to the start, which stands before the turn in `slow2_nocomp_1`, `slow2_nocomp_2` and
+            `slow2_slower_comp_0`.
+
+    Returns:
+        Time s, position rad and command A.
+
+    Raises:
+        ValueError: `name` is not of FILES.
+        InputError: the file is not there, or is no such run.
+    """
+    if name not in FILES:
+        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}")
+    path = _find(name, folder)
+    table = _array(path)
+    if table.ndim != 2 or table.shape[0] != 3 or table.shape[1] < 3:
+        raise InputError(f"{path}: must be three rows of values: time, position, current, got {table.shape}")
+    time, counts, current = table
+    if np.any(np.diff(time) <= 0.0):
+        raise InputError(f"{path}: time: must increase from value to value, does not")
+    position = TURN / COUNTS * counts
+    if not smoothed:
+        kept = np.exp(-np.diff(time) / SMOOTHING)
+        time, position, current = time[:-1], position[:-1], (current[1:] - kept * current[:-1]) / (1.0 - kept)
+    start = 0 if rewind else _after_rewind(time, position)
+    return Log(time=time[start:], position=position[start:], command=current[start:])
+
+
+def scan(name: str, folder: str | os.PathLike[str] | None = None) -> Scan:
+    """Read the holding current by position.
+
+    Args:
+        name: of SCANS.
+        folder: see `files`.
+
+    Returns:
+        The places that were visited, every 16th count of a turn.
+
+    Raises:
+        ValueError: `name` is not of SCANS.
+        InputError: the file is not there, or is no such scan.
+    """
+    if name not in SCANS:
+        raise ValueError(f"name: must be one of {', '.join(SCANS)}, got {name!r}")
+    path = _find(name, folder)
+    held = _array(path)
+    if held.shape != (COUNTS,):
+        raise InputError(f"{path}: must be {COUNTS} values, a count each, got {held.shape}")
+    visited = np.flatnonzero(held)
+    return Scan(np.asarray(TURN / COUNTS * visited, dtype=np.float64), held[visited])
+
+
+def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:
+    """The file of a run or a scan, side by side with the others or by the name that it has in the repository."""
+    if name in SCANS:
+        return SOURCE.find(f"cogging_measure_{SCANS[name]}.npy", folder)
+    group, run, number = name.rsplit("_", 2)
+    for path in SOURCE.candidates(f"{group}/{run}_{number}.npy", folder):
+        if path.is_file():
+            return path
+    return SOURCE.find(f"{name}.npy", folder)
+
+
+def _array(path: Path) -> FloatArray:
+    """The finite numbers of a file; no object is unpickled."""
+    try:
+        with path.open("rb") as file:
+            values = np.asarray(np.lib.format.read_array(file, allow_pickle=False), dtype=np.float64)
+    except (OSError, ValueError, TypeError, MemoryError) as error:
+        raise InputError(one_line(f"{path}: must be a numpy array of numbers: {error}")) from None
+    if not np.isfinite(values).all():
+        raise InputError(f"{path}: must hold finite numbers, holds others")
+    return values
+
+
+def _after_rewind(time: FloatArray, position: FloatArray) -> int:
+    """The first row after a way back, at rest; 0 where there is none."""
+    speed = np.abs(np.diff(position)) / np.diff(time)
+    fast = np.flatnonzero(speed > REWIND_SPEED)
+    return int(np.searchsorted(time, time[fast[-1]] + REWIND_REST)) if len(fast) else 0

@@ -1,0 +1,181 @@
+"""The runs of a motor that cogs more than all else: files as theirs with drawn numbers, and theirs."""
+
+import numpy as np
+import pytest
+
+from cogging import InputError
+from cogging.datasets import odrive
+from tests.fixtures.measured import FOLDER, needs
+
+CLONE = "analysis/cogging_torque"
+
+
+def place(name, below):
+    """Where a file stands: flat, in a folder of the set's name, or as in a clone."""
+    if name in odrive.SCANS:
+        file = f"cogging_measure_{odrive.SCANS[name]}.npy"
+        return {"flat": file, "named": f"odrive/{file}", "clone": f"{CLONE}/{file}"}[below]
+    group, run, number = name.rsplit("_", 2)
+    theirs = f"{CLONE}/{group}/{run}_{number}.npy"
+    return {"flat": f"{name}.npy", "named": f"odrive/{name}.npy", "clone": theirs}[below]
+
+
+def write(path, values):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    np.save(path, values)
+
+
+def polled(rng, rows=400):
+    """Time, counts and the current that acts between the rows of a slow run that jumps from tooth to tooth."""
+    time = np.cumsum(rng.uniform(1.5e-3, 6e-3, rows))
+    counts = 8192 / (2 * np.pi) * (0.5 * time + 0.05 * np.sin(20 * time))
+    return time, counts, rng.normal(0.3, 0.8, rows)
+
+
+def told(time, current, before=0.0):
+    """What the drive tells at the rows of a current that is held between them: exactly, by its equation."""
+    smooth = [before]
+    for step, acting in zip(np.diff(time), current[:-1], strict=True):
+        smooth.append(acting + (smooth[-1] - acting) * np.exp(-step / odrive.SMOOTHING))
+    return np.array(smooth)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("below", ["flat", "named", "clone"])
+def test_the_current_that_acts_comes_out_of_the_one_that_is_told(tmp_path, seed, below):
+    rng = np.random.default_rng(seed)
+    name = str(rng.choice(odrive.FILES))
+    time, counts, current = polled(rng)
+    smooth = told(time, current, rng.normal())
+    write(tmp_path / place(name, below), np.array([time, counts, smooth]))
+    log = odrive.read(name, tmp_path)
+    np.testing.assert_array_equal(log.time, time[:-1])
+    np.testing.assert_allclose(log.position, counts[:-1] * 2 * np.pi / 8192, rtol=1e-14)
+    np.testing.assert_allclose(log.command, current[:-1], atol=1e-9)
+    recorded = odrive.read(name, tmp_path, smoothed=True)
+    np.testing.assert_array_equal(recorded.time, time)
+    np.testing.assert_array_equal(recorded.command, smooth)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_way_back_is_left_out_until_the_motor_rests(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    time, counts, current = polled(rng, 800)
+    back = int(rng.integers(60, 120))
+    counts[:back] += np.linspace(8192 * rng.uniform(0.9, 1.0), 0.0, back)
+    write(tmp_path / "slow2_nocomp_1.npy", np.array([time, counts, current]))
+    log = odrive.read("slow2_nocomp_1", tmp_path, smoothed=True)
+    whole = odrive.read("slow2_nocomp_1", tmp_path, smoothed=True, rewind=True)
+    assert len(whole.time) == 800
+    assert time[back - 1] + 0.29 < log.time[0] < time[back - 1] + 0.32
+    np.testing.assert_array_equal(log.command, whole.command[-len(log.time) :])
+    assert log.time[-1] == whole.time[-1]
+
+
+@pytest.mark.parametrize("below", ["flat", "named", "clone"])
+@pytest.mark.parametrize("name", odrive.SCANS)
+def test_a_scan_holds_the_places_that_were_visited(tmp_path, name, below):
+    rng = np.random.default_rng(len(name))
+    first = 15 if name == "backward" else 0
+    held = np.zeros(8192)
+    held[first::16] = rng.normal(0.2, 0.5, 512)
+    write(tmp_path / place(name, below), held)
+    scan = odrive.scan(name, tmp_path)
+    np.testing.assert_array_equal(scan.current, held[first::16])
+    np.testing.assert_allclose(np.diff(scan.position), 2 * np.pi / 512)
+    assert scan.position[0] == pytest.approx(first * 2 * np.pi / 8192)
+
+
+def test_a_scan_that_is_none_of_the_set(tmp_path):
+    with pytest.raises(ValueError, match=r"^name: must be one of forward, backward, alone, got 'a'"):
+        odrive.scan("a", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("values", "what"),
+    [
+        (np.zeros((2, 9)), r"must be three rows of values: time, position, current, got \(2, 9\)"),
+        (np.zeros(9), r"must be three rows of values: time, position, current, got \(9,\)"),
+        (np.zeros((3, 2)), r"must be three rows of values: time, position, current, got \(3, 2\)"),
+        (np.zeros((3, 9)), "time: must increase"),
+        (np.full((3, 9), np.nan), "must hold finite numbers"),
+        (np.array([["a"] * 9] * 3), "must be a numpy array of numbers"),
+        (np.array([[None] * 9] * 3), "must be a numpy array of numbers"),
+        (b"", "must be a numpy array of numbers"),
+        (b"\x93NUMPY\x01\x00", "must be a numpy array of numbers"),
+        (b"PK\x03\x04 no zip", "must be a numpy array of numbers"),
+    ],
+)
+def test_a_broken_run_is_named(tmp_path, values, what):
+    path = tmp_path / "slow2_comp_0.npy"
+    if isinstance(values, bytes):
+        path.write_bytes(values)
+    else:
+        np.save(path, values)
+    with pytest.raises(InputError, match=what) as caught:
+        odrive.read("slow2_comp_0", tmp_path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_broken_scan_is_named(tmp_path):
+    np.save(tmp_path / "cogging_measure_final_iso_16.npy", np.zeros(512))
+    with pytest.raises(InputError, match=r"iso_16\.npy: must be 8192 values, a count each, got \(512,\)"):
+        odrive.scan("alone", tmp_path)
+
+
+# theirs
+
+HARMONICS = (1, 2, 7, 12, 14, 21, 24, 28, 35, 36, 42, 48, 56, 60, 72, 84)
+
+
+def scanned(name):
+    """Amplitude by harmonic of a scan, A."""
+    scan = odrive.scan(name, FOLDER)
+    waves = 2 / len(scan.current) * np.exp(-1j * np.outer(HARMONICS, scan.position)) @ scan.current
+    return dict(zip(HARMONICS, np.abs(waves), strict=True))
+
+
+def balance(log, harmonics=HARMONICS):
+    """Least squares of the current on acceleration, speed, friction and cogging: columns (n, p), current (n,)."""
+    t, x = log.time, log.position
+    near = np.clip(np.arange(len(t))[:, None] + np.arange(-3, 4), 0, len(t) - 1)
+    powers = ((t[near] - t[:, None]) / 0.01)[..., None] ** np.arange(3)
+    square, sums = powers.transpose(0, 2, 1) @ powers, (powers * x[near][..., None]).sum(axis=1)
+    _, v, a = np.linalg.solve(square, sums[..., None])[..., 0].T / np.array([[1.0], [0.01], [0.5e-4]])
+    waves = [wave(h * x) for h in harmonics for wave in (np.sin, np.cos)]
+    kept = (np.abs(v) > 0.02) & (t < t[-1] - 0.1)
+    return np.column_stack([a, v, np.tanh(v / 0.03), *waves])[kept], log.command[kept]
+
+
+def solved(log):
+    columns, current = balance(log)
+    terms = np.linalg.lstsq(columns, current, rcond=None)[0]
+    return terms, dict(zip(HARMONICS, np.hypot(terms[3::2], terms[4::2]), strict=True))
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("name", ["slow2_nocomp_0", "slow2_slower_nocomp_0"])
+def test_two_speeds_show_the_cogging_of_the_scan_once_the_smoothing_is_undone(name):
+    needs("odrive")
+    held = scanned("forward")
+    _, found = solved(odrive.read(name, FOLDER))
+    for harmonic in (7, 28, 14, 36, 12):
+        assert found[harmonic] == pytest.approx(held[harmonic], rel=0.15), harmonic
+    assert sorted(found, key=found.get)[-2:] == [28, 7]
+    _, late = solved(odrive.read(name, FOLDER, smoothed=True))
+    assert late[28] < 0.85 * held[28]
+    assert late[36] < 0.85 * held[36]
+
+
+@pytest.mark.data
+def test_what_one_run_shows_stands_in_the_other():
+    needs("odrive")
+    terms, _ = solved(odrive.read("slow2_nocomp_0", FOLDER))
+    rigid, current = balance(odrive.read("slow2_nocomp_0", FOLDER), ())
+    plain = np.linalg.lstsq(rigid, current, rcond=None)[0]
+    columns, other = balance(odrive.read("slow2_nocomp_1", FOLDER))
+    before = np.sqrt(np.mean((other - columns[:, :3] @ plain) ** 2))
+    after = np.sqrt(np.mean((other - columns @ terms) ** 2))
+    assert before > 0.9 * np.sqrt(np.mean((other - other.mean()) ** 2))
+    assert after < before / 6
