@@ -18,6 +18,7 @@ from cogging.effects.effect import Effect
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
 
+MASS = "axis.mass"
 Told = Callable[[str], None]
 
 
@@ -29,7 +30,7 @@ class Trial:
         name: name of the effect, or of the change of a level.
         effect: effect with its amplitudes; None for a change of a level.
         candidate: effect and shape; None likewise.
-        path: path of the level that is no more held; None for an effect.
+        path: path of a level that is no more held, alone or beside the effect; None where none is let go.
         parameters: how many numbers it has.
         left: power that it leaves before it is refitted, V^2 times rows.
     """
@@ -179,6 +180,7 @@ def worthwhile(state: Large, vocabulary: Mapping[str, Effect]) -> list[Trial]:
     levels = levels_of(state.balances, state.allowed)
     before = levels.alone()[1]
     found = [*effects_to_try(state, levels, vocabulary), *changes_to_try(state)]
+    found += with_mass_to_try(state, found, vocabulary)
     least = float(np.log(1.0 - LARGE.worth))
     return sorted((one for one in found if one.worth(before) < least), key=lambda one: one.worth(before))
 
@@ -188,15 +190,29 @@ def effects_to_try(state: Large, levels: Levels, vocabulary: Mapping[str, Effect
     return [_trial(seed) for seed in seeds(state.balances, levels, vocabulary)]
 
 
-def _trial(seed: Seed) -> Trial:
+def with_mass_to_try(state: Large, alone: Sequence[Trial], vocabulary: Mapping[str, Effect]) -> list[Trial]:
+    """Effects that take far more together with a change of mass than either does alone.
+
+    Where a loop is soft, a force moves the axis instead of being held: less of it shows, the farther off the mass is.
+    """
+    left = {one.name: one.left for one in alone}
+    if "mass_change" not in left:
+        return []
+    free = levels_of(state.balances, state.allowed.without((MASS,)))
+    found = [_trial(seed, MASS) for seed in seeds(state.balances, free, vocabulary)]
+    limit = 1.0 - LARGE.worth
+    return [one for one in found if one.left < limit * min(left["mass_change"], left.get(one.name, np.inf))]
+
+
+def _trial(seed: Seed, path: str | None = None) -> Trial:
     roles = seed.candidate.law.ROLES
     shapes = [
         field
         for field, value in seed.candidate.shape.items()
         if roles[field]["role"] == "shape" and isinstance(value, float)
     ]
-    parameters = len(shapes) + len(seed.amplitudes)
-    return Trial(seed.name, seed.effect(), seed.candidate, None, parameters, seed.left)
+    parameters = len(shapes) + len(seed.amplitudes) + (path is not None)
+    return Trial(seed.name, seed.effect(), seed.candidate, path, parameters, seed.left)
 
 
 def changes_to_try(state: Large) -> list[Trial]:
