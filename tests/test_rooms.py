@@ -21,8 +21,8 @@ BASE |= {"progress", "shown", "threads", "values"}
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["thresholds", "evidence", "candidates", "residual", "discrepancy", "entries", "report", "location"]
-DIAGNOSIS += ["locate", "result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
+DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries", "report"]
+DIAGNOSIS += ["location", "locate", "result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 

@@ -11,8 +11,7 @@ import cogging
 from cogging.datasets import odrive
 from tests.fixtures.measured import FOLDER, needs, odrive_motor
 
-TO_COME = "the diagnosis in the large is being built: today an encoder error is named and the gap hardly shrinks"
-pytestmark = [pytest.mark.data, pytest.mark.xfail(reason=TO_COME, strict=True)]
+pytestmark = pytest.mark.data
 
 
 def diagnosed(name, other, *, smoothed):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cogging import EFFECTS
+from cogging.diagnosis.candidates.movable import conditional_paths
 from cogging.diagnosis.patched import with_intervals
-from cogging.diagnosis.search.refit import conditional_paths
 from cogging.estimation.gauss_newton import Estimate
 from tests.fixtures.moving_axis import machine
 

@@ -113,7 +113,7 @@ def _balanced(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]
         even = [source.balance.dynamics.even for source in balances.sources]
         series = tuple(np.interp(log.time, at, row) for log, at, row in zip(logs, even, rows, strict=True))
         masks = tuple(
-            np.interp(log.time, at, source.mask.astype(float)) > 0.5
+            np.round(np.interp(log.time, at, source.mask.astype(float))) > 0
             for log, at, source in zip(logs, even, balances.sources, strict=True)
         )
         rms = float(np.sqrt(np.mean(balances.joined(rows) ** 2)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cogging.diagnosis.search.refit import conditional_paths
+from cogging.diagnosis.candidates.movable import conditional_paths
 from cogging.estimation.gauss_newton import Estimate
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model

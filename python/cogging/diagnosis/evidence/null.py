@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cogging._core import DivergedError, whiten
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.noise_filter import robust_rms
@@ -132,6 +133,12 @@ def starts_fit(model: Model, calm: Sequence[Innovations], quick: Sequence[Innova
 def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:
     """A width of friction far below the slowest rows that count is an axis that sticks: that form stands beside."""
     return {"axis.coulomb_width": NULL.width_of_rest * min(source.rest for source in sources)}
+
+
+def limits_of(sources: Sequence[Innovations], allowed: Allowance | None) -> tuple[dict[str, float], dict[str, float]]:
+    """Floors and ceilings of a fit by path: of the width of friction, and of levels as far as they are `allowed`."""
+    floors = width_floor(sources)
+    return (floors, {}) if allowed is None else (floors | dict(allowed.floors), dict(allowed.ceilings))
 
 
 def _speed(log: Log) -> float:

@@ -214,9 +214,9 @@ def _balance_of(log: Log, model: Model) -> LogBalance:
 def _away_from_rest(balance: ForceBalance) -> ForceBalance:
     """The balance without the rows into which the filter brings what friction did at rest; with, where few are left."""
     dynamics = balance.dynamics
-    reach = max(1, round(BALANCE.reach / (dynamics.cutoff * dynamics.sample_time)))
-    slow = np.abs(dynamics.motion.middle_velocity) <= BALANCE.rest * balance.scales.velocity
-    near = np.convolve(slow.astype(float), np.ones(2 * reach + 1), mode="same") > 0.5
+    reach = max(1, round(BALANCE.filter_reach / (dynamics.cutoff * dynamics.sample_time)))
+    slow = np.abs(dynamics.motion.middle_velocity) <= BALANCE.slow_rows * balance.scales.velocity
+    near = np.round(np.convolve(slow.astype(float), np.ones(2 * reach + 1), mode="same")) > 0
     mask = balance.mask & ~near
     return replace(balance, mask=mask) if mask.sum() > BALANCE.rows_left * balance.mask.sum() else balance
 
@@ -230,4 +230,4 @@ def _thinned(balance: ForceBalance) -> ForceBalance:
     rows = len(dynamics.even) // every * every
     command = dynamics.command[:rows].reshape(-1, every).mean(axis=1)
     log = Log(dynamics.even[:rows:every], dynamics.motion.position[:rows:every], command)
-    return ForceBalance.of(log, cutoff=dynamics.cutoff, rest=BALANCE.rest * balance.scales.velocity)
+    return ForceBalance.of(log, cutoff=dynamics.cutoff, rest=BALANCE.slow_rows * balance.scales.velocity)

@@ -8,10 +8,10 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.movable import effect_parameters, shape_limits
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.large.balance import Balances
-from cogging.diagnosis.search.refit import effect_parameters, shape_limits
 from cogging.diagnosis.thresholds import LARGE
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, role_of, with_values
@@ -58,7 +58,7 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
             jac=slopes,
             bounds=(low, high),
             x_scale="jac",
-            max_nfev=LARGE.evaluations,
+            max_nfev=LARGE.refit_evaluations,
             ftol=LARGE.tolerance,
         )
         better = balances.under(with_values(model, dict(zip(paths, found.x, strict=True))))

@@ -168,7 +168,7 @@ def followed(state: Large, vocabulary: Mapping[str, Effect], progress: Told) -> 
 
 def is_large(state: Large) -> bool:
     """Whether what is left is large, or was and is not yet noise."""
-    share = LARGE.rest if state.terms else LARGE.large
+    share = LARGE.large_still if state.terms else LARGE.large
     return state.balances.rms > max(share * state.balances.command, LARGE.above_noise * state.balances.noise)
 
 
@@ -181,7 +181,7 @@ def worthwhile(state: Large, vocabulary: Mapping[str, Effect]) -> list[Trial]:
     before = levels.alone()[1]
     found = [*effects_to_try(state, levels, vocabulary), *changes_to_try(state)]
     found += with_mass_to_try(state, found, vocabulary)
-    least = float(np.log(1.0 - LARGE.worth))
+    least = float(np.log(1.0 - LARGE.power_taken))
     return sorted((one for one in found if one.worth(before) < least), key=lambda one: one.worth(before))
 
 
@@ -200,7 +200,7 @@ def with_mass_to_try(state: Large, alone: Sequence[Trial], vocabulary: Mapping[s
         return []
     free = levels_of(state.balances, state.allowed.without((MASS,)))
     found = [_trial(seed, MASS) for seed in seeds(state.balances, free, vocabulary)]
-    limit = 1.0 - LARGE.worth
+    limit = 1.0 - LARGE.power_taken
     return [one for one in found if one.left < limit * min(left["mass_change"], left.get(one.name, np.inf))]
 
 
@@ -268,7 +268,7 @@ def with_trial(state: Large, trial: Trial) -> Large:
 def objection(state: Large, after: Large) -> str | None:
     """Why a term is refused; None where nothing speaks against it."""
     mine, its = after.balances.rms, state.balances.rms
-    if mine**2 > (1.0 - LARGE.worth) * its**2:
+    if mine**2 > (1.0 - LARGE.power_taken) * its**2:
         return f"refitted, it leaves {mine:.3g} of {its:.3g} V"
     if after.confirm is not None and state.confirm is not None and after.confirm.rms > LARGE.growth * state.confirm.rms:
         return f"the gap on the other motion grows from {state.confirm.rms:.4g} to {after.confirm.rms:.4g} V with it"

@@ -63,8 +63,8 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
 def judged(balances: Balances, levels: Levels, tried: list[Candidate]) -> list[Seed]:
     """Each candidate at its best size; those left out that cannot be simulated or would be no such machine."""
     found: list[Seed] = []
-    for first in range(0, len(tried), SEED.together):
-        part = tried[first : first + SEED.together]
+    for first in range(0, len(tried), SEED.tried_together):
+        part = tried[first : first + SEED.tried_together]
         try:
             tables = _tables(balances, part)
         except (DivergedError, ValueError):
@@ -193,7 +193,7 @@ def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[See
     bottom = max(2.0 / balances.scales.time, 0.5)
     if not bottom < top:
         return
-    grid = [(f, d) for d in SEED.damping_ratios for f in np.geomspace(bottom, top, SEED.resonances)]
+    grid = [(f, d) for d in SEED.damping_ratios for f in np.geomspace(bottom, top, SEED.mode_frequencies)]
     seeds = [seed for f, d in grid if (seed := _resonance(balances, levels, law, float(f), d)) is not None]
 
     def left(logarithms: FloatArray) -> float:
@@ -204,7 +204,7 @@ def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[See
     for seed in sorted(seeds, key=lambda one: one.left)[: SEED.sharpened]:
         root = (1.0 - seed.candidate.shape["mass_ratio"]) ** 0.5
         start = np.log([seed.candidate.shape["frequency"] * root, seed.candidate.shape["damping_ratio"] * root])
-        ends = {"maxfev": SEED.evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
+        ends = {"maxfev": SEED.mode_evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
         better = minimize(left, start, method="Nelder-Mead", options=ends)
         frequency, damping = np.exp(better.x)
         yield _resonance(balances, levels, law, float(frequency), float(damping)) or seed

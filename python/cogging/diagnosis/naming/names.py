@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.candidates.movable import conditional_paths, effect_parameters
 from cogging.diagnosis.candidates.signatures import known_periods
 from cogging.diagnosis.candidates.waves import is_wave
 from cogging.diagnosis.entries import NamedEffect, Value
 from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.choice import alike
-from cogging.diagnosis.search.refit import conditional_paths, effect_parameters
 from cogging.diagnosis.search.state import Added, Search
 from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION, LEVEL_CHANGE, NAME, SEARCH
 from cogging.estimation.gauss_newton import Estimate

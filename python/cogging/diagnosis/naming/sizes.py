@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +23,17 @@ def largest_first(effects: Sequence[NamedEffect], balances: Balances, final: Mod
         stated: model as it was read.
     """
     whole = balances.under(final)
-    return sorted(effects, key=lambda effect: -_size(effect, whole, stated))
+    ordered = [_largest_term_first(effect) for effect in effects]
+    return sorted(ordered, key=lambda effect: -_size(effect, whole, stated))
+
+
+def _largest_term_first(effect: NamedEffect) -> NamedEffect:
+    """The effect with its terms, where it has several waves, in the order of their amplitudes."""
+    terms = [effect.parameters, *effect.further]
+    if not effect.further or not all({"sine", "cosine"} <= set(term) for term in terms):
+        return effect
+    terms.sort(key=lambda term: -float(np.linalg.norm([np.ravel(term[part].value) for part in ("sine", "cosine")])))
+    return replace(effect, parameters=terms[0], further=tuple(terms[1:]))
 
 
 def _size(effect: NamedEffect, whole: Balances, stated: Model) -> float:

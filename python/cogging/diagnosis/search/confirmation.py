@@ -17,7 +17,7 @@ from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
-from cogging.diagnosis.evidence.null import nuisances, sources_of, width_floor
+from cogging.diagnosis.evidence.null import limits_of, nuisances, sources_of
 from cogging.diagnosis.thresholds import CONFIRMATION
 from cogging.estimation.gauss_newton import fit
 from cogging.logs.log import Log
@@ -97,8 +97,7 @@ def retuned(
     paths = [p for p in tuned if not p.startswith("effects.")]
     paths += [p for p in nuisances(model) if p.startswith("effects.") and p.rpartition(".")[0] in own]
     sources = sources_of(logs, model, quick=quick)
-    floors = width_floor(sources) | ({} if allowed is None else dict(allowed.floors))
-    ceilings = None if allowed is None else allowed.ceilings
+    floors, ceilings = limits_of(sources, allowed)
     iterations = CONFIRMATION.retuning_iterations
     evidence = gather(fit(model, paths, sources, iterations=iterations, floors=floors, ceilings=ceilings), sources)
     return replace(evidence, turns=not same_zero(evidence, model))

@@ -8,6 +8,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.candidates.movable import shape_limits
 from cogging.diagnosis.discrepancy import discrepancies, has_balance, source_of
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
@@ -17,7 +18,6 @@ from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.large.refit import movable
 from cogging.diagnosis.large.search import Large, LargeTerm, with_levels_of_its_own
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
-from cogging.diagnosis.search.refit import shape_limits
 from cogging.diagnosis.search.state import Added, State, Task
 from cogging.diagnosis.thresholds import LARGE
 from cogging.estimation.gauss_newton import Estimate, fit
@@ -58,7 +58,7 @@ def fitted(large: Large, sources: Sequence[Innovations]) -> Estimate:
     floors |= width_floor(sources) | dict(large.allowed.floors)
     ceilings |= dict(large.allowed.ceilings)
     try:
-        found = fit(model, paths, sources, iterations=LARGE.iterations, floors=floors, ceilings=ceilings)
+        found = fit(model, paths, sources, iterations=LARGE.whitened_iterations, floors=floors, ceilings=ceilings)
     except (DivergedError, ValueError):
         return at_start
     again = with_levels_of_its_own(large.balances.under(found.model), large.allowed)
@@ -113,7 +113,7 @@ def tuned_beside_large(state: State, model: Model) -> tuple[Model | None, str]:
         pairs = [(task.logs, "gap")] + ([(task.confirm, "gap on the other motion")] if task.confirm else [])
         for logs, what in pairs:
             before, after = discrepancies(logs, [state.tuned, model], replay=replay, balance=True, stated=task.model)
-            if after.rms**2 > (1.0 - LARGE.worth) * before.rms**2:
+            if after.rms**2 > (1.0 - LARGE.power_taken) * before.rms**2:
                 return (
                     None,
                     f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it: too little beside the rest",

@@ -8,7 +8,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.evidence.allowance import Allowance
-from cogging.diagnosis.evidence.null import width_floor
+from cogging.diagnosis.evidence.null import limits_of
 from cogging.diagnosis.thresholds import REFIT
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.innovations import Innovations
@@ -29,8 +29,7 @@ def with_levels(
     """
     paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
-    floors = width_floor(sources) | ({} if allowed is None else dict(allowed.floors))
-    ceilings = {} if allowed is None else dict(allowed.ceilings)
+    floors, ceilings = limits_of(sources, allowed)
     masks = [source.mask > 0 for source in sources]
     if not paths or not any(rows.any() for rows in masks):
         return model
