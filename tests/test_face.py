@@ -203,4 +203,4 @@ def test_a_model_comes_back_from_its_document(random, effects, controller, perio
 def test_progress_is_told_each_step():
     told = []
     cogging.identify(LOG, MODEL, free=["axis.mass"], progress=told.append)
-    assert told == ["inverse dynamics", "output error", "logs one by one"]
+    assert told == ["inverse dynamics", "output error", "logs one by one", "other answers"]

@@ -11,12 +11,16 @@ from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.statistics import student
-from cogging.identification.determinability import Determinability
+from cogging.identification.determinability import UNDETERMINED, Determinability, size_of
 from cogging.identification.force_balance import BalanceEstimate, ForceBalance
 from cogging.identification.logged_run import LoggedRun
+from cogging.identification.other_answers import OtherAnswer
 from cogging.identification.result import Identification, LogFit, ParameterEstimate
+from cogging.identification.trust import TrustLimits, is_missing, is_strong, moved_beyond, warnings_of, widened_interval
+from cogging.identification.unmodelled import WITH_FORCES, Unmodelled
+from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, parameters_of, with_values
+from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,8 @@ class Findings:
         spread: standard deviation of the values of logs fitted one by one, and the rms of their own, by path.
         balances: of the logs.
         floors: what quantiser and noise leave of each, V.
+        left: what the fit of the force balance leaves of each.
+        others: what it would have answered otherwise; the first with further forces beside the model.
     """
 
     told: Determinability
@@ -62,14 +68,19 @@ class Findings:
     spread: Mapping[str, tuple[float, float]]
     balances: tuple[ForceBalance, ...]
     floors: tuple[float, ...]
+    left: tuple[Unmodelled, ...] = ()
+    others: tuple[OtherAnswer, ...] = ()
 
 
 def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identification:
     """The result: the output error's values where the force balance does not see all, else the balance's."""
-    told = found.told
-    reported = _reported(prior, found)
+    told, limits = found.told, TrustLimits()
+    reported, whole = _reported(prior, found), not has_states(prior)  # whether the balance holds all of the model
+    strong = whole and any(is_strong(left, limits) for left in found.left)
     known = parameters_of(prior)
-    entries = [_entry(known[path], note, reported, found) for path, note in zip(told.paths, told.notes, strict=True)]
+    missing = whole and any(is_missing(left, limits) for left in found.left)
+    asked = _Asked(prior, reported, found, missing, strong, limits)
+    entries = [asked.entry(known[path], note) for path, note in zip(told.paths, told.notes, strict=True)]
     fitted = {entry.path: entry.value for entry in entries if entry.determined}
     model = with_values(prior, fitted)
     models = (prior, model, with_values(found.estimate.model, fitted))
@@ -77,20 +88,22 @@ def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identifi
     covariance = _covariance(entries, reported)
     size = np.sqrt(np.diag(covariance))
     size[size == 0.0] = 1.0
+    of_logs = zip(runs, found.balances, found.floors, found.left, strict=True)
+    logs = tuple(_log_fit(*of_log, models, found.estimate.instruments, whole) for of_log in of_logs)
+    refused = [entry.path for entry in entries if told.determined(entry.path) and not entry.determined and strong]
     return Identification(
         model=model.replace(intervals=intervals),
         parameters=tuple(entries),
         correlation=covariance / np.outer(size, size),
         covariance=covariance,
         determinability=told.notes,
-        logs=tuple(
-            _log_fit(run, models, balance, floor, found.estimate.instruments)
-            for run, balance, floor in zip(runs, found.balances, found.floors, strict=True)
-        ),
+        logs=logs,
         audits=tuple(run.audit for run in runs),
         cutoff=found.balances[0].dynamics.cutoff,
         estimator="inverse_dynamics" if reported is found.balance else "output_error",
         controller=tuple(run.line for run in runs if run.line),
+        explained=_of_all(logs),
+        warnings=(*(run.sparse for run in runs if run.sparse), *warnings_of(logs, entries, refused, limits)),
     )
 
 
@@ -98,42 +111,92 @@ def _reported(prior: Model, found: Findings) -> Values:
     """Whose values count."""
     told, inside = found.told, found.balance.paths
     hidden = any(told.determined(path) and path not in inside for path in told.paths)
-    return found.output if found.output is not None and (hidden or _has_states(prior)) else found.balance
+    return found.output if found.output is not None and (hidden or has_states(prior)) else found.balance
 
 
 def _covariance(entries: Sequence[ParameterEstimate], reported: Values) -> FloatArray:
-    """Of what is determined, 0 elsewhere, (p, p)."""
+    """Of what is determined, 0 elsewhere, (p, p), as much wider as the intervals are."""
     covariance = np.zeros((len(entries), len(entries)))
     known = [i for i, entry in enumerate(entries) if entry.determined]
     inner = [reported.paths.index(entries[i].path) for i in known]
-    covariance[np.ix_(known, known)] = reported.covariance[np.ix_(inner, inner)]
+    halves = np.array([0.5 * (entries[i].ci95[1] - entries[i].ci95[0]) for i in known])
+    usual = np.array([max(reported.half_width(entries[i].path), 1e-300) for i in known])
+    wider = np.maximum(halves / usual, 1.0)
+    covariance[np.ix_(known, known)] = reported.covariance[np.ix_(inner, inner)] * np.outer(wider, wider)
     return covariance
 
 
-def _entry(prior: Parameter, note: str, reported: Values, found: Findings) -> ParameterEstimate:
-    path, balance, output = prior.path, found.balance, found.output
-    spread, determined = found.spread.get(path), found.told.determined(path)
-    value, interval = prior.value, (-np.inf, np.inf)
-    inverse = balance.value(path) if determined and path in balance.paths else None
-    by_output = output.value(path) if output is not None and path in output.paths else None
-    determined = determined and path in reported.paths and bool(np.isfinite(reported.sigma(path)))
-    if determined:
-        value, half = reported.value(path), reported.half_width(path)
-        interval = (max(value - half, 0.0) if prior.positive else value - half, value + half)
-    return ParameterEstimate(
-        path=path,
-        unit=prior.unit,
-        prior=prior.value,
-        value=value,
-        ci95=interval,
-        determined=determined,
-        inverse_dynamics=inverse,
-        output_error=by_output,
-        difference=_difference(path, balance, output),
-        spread=None if spread is None else spread[0],
-        single_sigma=None if spread is None else spread[1],
-        note=note,
-    )
+@dataclass(frozen=True)
+class _Asked:
+    """What each parameter is asked of.
+
+    Attributes:
+        prior: the model as given.
+        reported: the values that count.
+        found: by all estimators.
+        missing: whether something is.
+        strong: whether it is so much that the intervals must allow for it.
+        limits: from where something is said.
+    """
+
+    prior: Model
+    reported: Values
+    found: Findings
+    missing: bool
+    strong: bool
+    limits: TrustLimits
+
+    def entry(self, prior: Parameter, note: str) -> ParameterEstimate:
+        """One parameter of the result."""
+        path, balance, output = prior.path, self.found.balance, self.found.output
+        spread, seen = self.found.spread.get(path), self.found.told.determined(path)
+        inverse = balance.value(path) if seen and path in balance.paths else None
+        by_output = output.value(path) if output is not None and path in output.paths else None
+        determined = seen and path in self.reported.paths and bool(np.isfinite(self.reported.sigma(path)))
+        value, interval, elsewhere = prior.value, (-np.inf, np.inf), dict[str, float]()
+        if determined:
+            fitted = self.reported.value(path)
+            wide = self._interval(path)
+            determined = not self._is_lost(prior, wide)
+            if determined:
+                others = [other for other in self.found.others if self.missing or other.way != WITH_FORCES]
+                half = 0.5 * (wide[1] - wide[0])
+                elsewhere = moved_beyond(path, fitted, half, others, self.limits.moved)
+                value, interval = fitted, (max(wide[0], 0.0) if prior.positive else wide[0], wide[1])
+            else:
+                range_of_it = f"[{wide[0]:.4g}, {wide[1]:.4g}]"
+                note = f"{note.split(':')[0]}: not determined, what the model lacks leaves it open over {range_of_it}"
+        return ParameterEstimate(
+            path=path,
+            unit=prior.unit,
+            prior=prior.value,
+            value=value,
+            ci95=interval,
+            determined=determined,
+            inverse_dynamics=inverse,
+            output_error=by_output,
+            difference=_difference(path, balance, output),
+            spread=None if spread is None else spread[0],
+            single_sigma=None if spread is None else spread[1],
+            note=note,
+            elsewhere=elsewhere,
+        )
+
+    def _interval(self, path: str) -> tuple[float, float]:
+        """The 95 % interval; where much is missing, that which holds the answer with further forces too."""
+        value, half = self.reported.value(path), self.reported.half_width(path)
+        if not self.strong:
+            return value - half, value + half
+        beside = self.found.others[0] if self.found.others else None
+        return widened_interval(value, half, beside, path) or (-np.inf, np.inf)
+
+    def _is_lost(self, prior: Parameter, interval: tuple[float, float]) -> bool:
+        """Whether what is missing leaves an interval as wide as that of a parameter that no log determines."""
+        if not self.strong:
+            return False
+        scales = Scales.largest(balance.scales for balance in self.found.balances)
+        sigma = 0.5 * (interval[1] - interval[0]) / SIGMAS_95
+        return sigma > UNDETERMINED * size_of(self.found.estimate.model, prior, scales)
 
 
 def _difference(path: str, balance: Values, output: Values | None) -> float | None:
@@ -145,27 +208,51 @@ def _difference(path: str, balance: Values, output: Values | None) -> float | No
 
 
 def _log_fit(
-    run: LoggedRun, models: tuple[Model, Model, Model], balance: ForceBalance, floor: float, instruments: bool
+    run: LoggedRun,
+    balance: ForceBalance,
+    floor: float,
+    left: Unmodelled,
+    models: tuple[Model, Model, Model],
+    instruments: bool,
+    whole: bool,
 ) -> LogFit:
     """What one log says of the prior, of the model with what it determines, and of that with all moved."""
     prior, model, free = models
-    try:
-        errors = run.relative_errors(model)
-    except DivergedError:
-        errors = {}
+    before, after = (_relative_errors(run, one) for one in (prior, model))
+    rms = balance.residual_rms(model)
+    by_replay = "command" in after and not whole
     return LogFit(
         name=run.name,
         rows=int(balance.mask.sum()),
         residual_before=balance.residual_rms(prior),
-        residual_after=balance.residual_rms(model),
+        residual_after=rms,
         residual_free=balance.residual_rms(free),
         floor=floor,
-        replay=errors,
+        noise=left.noise if whole else None,
+        command=left.command,
+        explained=1.0 - (after["command"] if by_replay else rms / max(left.command, 1e-300)) ** 2,
+        replay_before=before,
+        replay=after,
         instruments=instruments,
     )
 
 
-def _has_states(model: Model) -> bool:
+def _relative_errors(run: LoggedRun, model: Model) -> dict[str, float]:
+    """Those of the replay; none of a model that cannot be run."""
+    try:
+        return run.relative_errors(model)
+    except (DivergedError, ValueError):
+        return {}
+
+
+def _of_all(logs: Sequence[LogFit]) -> float:
+    """The share of the command's power that is explained, over the rows of all logs."""
+    power = [log.rows * log.command**2 for log in logs]
+    left = [(1.0 - log.explained) * one for log, one in zip(logs, power, strict=True)]
+    return 1.0 - sum(left) / max(sum(power), 1e-300)
+
+
+def has_states(model: Model) -> bool:
     """Whether an effect with states of its own is at work, which the force balance does not see."""
     for effect in model.effects:
         if "state" in effect.HOOKS and effect.to_dict() != VOCABULARY[effect.NAME].to_dict():

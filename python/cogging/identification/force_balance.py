@@ -40,6 +40,7 @@ class ForceBalance:
         mask: rows in motion, away from the ends and from gaps, (n,).
         block: number of the block of each row, (n,).
         scales: sizes of the log.
+        rest: slower rows do not count, m/s.
     """
 
     log: Log
@@ -47,11 +48,15 @@ class ForceBalance:
     mask: Mask
     block: npt.NDArray[np.int64]
     scales: Scales
+    rest: float
 
     @classmethod
-    def of(cls, log: Log, *, cutoff: float, rest: float | None = None) -> ForceBalance:
-        """Filter a log's motion; rows slower than `rest` (m/s; None: 2 % of the largest speed) do not count."""
-        dynamics = InverseDynamics(log, cutoff=cutoff)
+    def of(cls, log: Log, *, cutoff: float, rest: float | None = None, hold: float | None = None) -> ForceBalance:
+        """Filter a log's motion; rows slower than `rest` (m/s; None: 2 % of the largest speed) do not count.
+
+        `hold`: see InverseDynamics.
+        """
+        dynamics = InverseDynamics(log, cutoff=cutoff, hold=hold)
         motion, even = dynamics.motion, dynamics.even
         edge = max(START, 0.5 / cutoff)
         mask = (even >= even[0] + edge) & (even <= even[-1] - edge)
@@ -72,9 +77,10 @@ class ForceBalance:
             time=float(log.time[-1] - log.time[0]),
             sample_time=dynamics.sample_time,
         )
-        mask &= np.abs(motion.middle_velocity) > (REST * scales.velocity if rest is None else rest)
+        rest = REST * scales.velocity if rest is None else rest
+        mask &= np.abs(motion.middle_velocity) > rest
         block = np.floor((even - even[0]) / max(0.2, 4.0 / cutoff)).astype(np.int64)
-        return cls(log, dynamics, mask, block, scales)
+        return cls(log, dynamics, mask, block, scales, rest)
 
     def columns(
         self, model: Model, parameters: Sequence[Parameter], scales: Scales, dynamics: InverseDynamics | None = None
@@ -89,18 +95,22 @@ class ForceBalance:
         table = (self.dynamics if dynamics is None else dynamics).of(models)
         return table[0], (table[1::2] - table[2::2]) / np.array([step.span for step in steps])[:, None]
 
-    def instruments(
-        self, model: Model, parameters: Sequence[Parameter], scales: Scales, run: Simulator | None
-    ) -> FloatArray | None:
-        """The derivatives (p, n) along a simulated run, V; None where there is none, or it diverges."""
+    def along(self, model: Model, run: Simulator | None) -> InverseDynamics | None:
+        """The force balance along a simulated run; None where there is none, or the model cannot be run."""
         if run is None:
             return None
         try:
-            along = run(model)
-        except DivergedError:
+            simulated = run(model)
+        except (DivergedError, ValueError):  # such as friction too steep for any step, of a mass that all but went
             return None
-        dynamics = InverseDynamics(along, cutoff=self.dynamics.cutoff)
-        return self.columns(model, parameters, scales, dynamics)[1]
+        return InverseDynamics(simulated, cutoff=self.dynamics.cutoff, hold=self.dynamics.hold)
+
+    def instruments(
+        self, model: Model, parameters: Sequence[Parameter], scales: Scales, run: Simulator | None
+    ) -> FloatArray | None:
+        """The derivatives (p, n) along a simulated run, V; None where there is none, or the model cannot be run."""
+        dynamics = self.along(model, run)
+        return None if dynamics is None else self.columns(model, parameters, scales, dynamics)[1]
 
     def residual_rms(self, model: Model) -> float:
         """Rms of the balance over the rows that count, V."""

@@ -47,7 +47,11 @@ def identify(
 
     A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) stays at its
     prior with an infinite interval. The others are fitted with it moving within its own size: their intervals allow
-    for it.
+    for it. Where the model lacks what makes more than a twentieth of the command, the intervals hold the answers with
+    and without forces of place, speed, direction and time beside it; one that is then too wide is refused likewise.
+
+    `warnings` says what speaks against the fit: a residual of many times the noise, estimators that contradict each
+    other, a fit worse than the model as given, another answer at other cut-offs or with fewer rows.
 
     Args:
         logs: one or several, or their files.

@@ -41,19 +41,22 @@ class InverseDynamics:
 
     The rows are those of an even grid with the log's median step: readings are interpolated, of commands the mean that
     acts over each step is taken. Long pauses are passed over in few rows, whatever their length (see running_time).
-    Effects that falsify the reading are taken out of it. Motor and load of an effect with
-    states (backlash, flexible_mode) are taken as one body, and presliding as sliding: right only in steady motion.
+    A held command moves the axis in parabolas, which rows tell as a command that is smaller by (omega h)^2 / 12: the
+    command enters as the rows show it. Effects that falsify the reading are taken out of it. Motor and load of an
+    effect with states (backlash, flexible_mode) are taken as one body, and presliding as sliding: right only in steady
+    motion.
 
     Args:
         log: measured, or simulated in its place.
         cutoff: of the filter, Hz; Butterworth's magnitude of fourth order, without phase.
+        hold: s, for which a command was held, where the rows are further apart; None: from row to row.
 
     Raises:
         ValueError: the log's rows fill hardly any of its time.
     """
 
-    def __init__(self, log: Log, *, cutoff: float) -> None:
-        self.cutoff = cutoff
+    def __init__(self, log: Log, *, cutoff: float, hold: float | None = None) -> None:
+        self.cutoff, self.hold = cutoff, hold
         steps, running = np.diff(log.time), running_time(log.time)
         self.sample_time = float(np.median(steps))
         rows = int(np.floor((running[-1] - running[0]) / self.sample_time + 1e-6)) + 1
@@ -66,6 +69,7 @@ class InverseDynamics:
         self.pauses = running is not log.time  # whether some were cut
         self.even = np.interp(even, running, log.time) if self.pauses else even
         self.motion = self._smooth(self.readings)
+        self.lost = self._lost_between_rows(self.command)
         self.predictor = Predictor(self.even, self.motion.position, self.command)
 
     def of(self, models: Sequence[Model]) -> FloatArray:
@@ -82,20 +86,34 @@ class InverseDynamics:
             plants = [quiet_plant(models[i]) for i in members]
             force = self.predictor.net_force(plants, motion.middle_position, motion.middle_velocity)
             mass = np.array([models[i].axis.mass for i in members])
-            table[members] = force - mass[:, None] * motion.acceleration
+            table[members] = force - mass[:, None] * motion.acceleration - self.lost
         return self.filtered(table)
 
-    def filtered(self, rows: FloatArray) -> FloatArray:
-        """The low-pass filter on rows (p, n)."""
+    def filtered(self, rows: FloatArray, every: int = 1) -> FloatArray:
+        """The low-pass filter on rows (p, n), or on such of every second (third, ...) time."""
         from scipy.fft import next_fast_len
 
         n = rows.shape[1]
         padded = np.pad(rows, ((0, 0), (0, next_fast_len(n, real=True) - n)), mode="edge")
         mirrored = np.concatenate([padded, padded[:, ::-1]], axis=1)
         length = mirrored.shape[1]
-        frequency = np.fft.rfftfreq(length, self.sample_time)
+        frequency = np.fft.rfftfreq(length, every * self.sample_time)
         spectrum = np.fft.rfft(mirrored) / (1.0 + (frequency / self.cutoff) ** 8)
         return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
+
+    def _lost_between_rows(self, command: FloatArray) -> FloatArray:
+        """What of a held command the acceleration does not show that is taken from a band-limited motion, V, (n,).
+
+        Held over steps h, u / M gives x = u / M (h^2 / 2) (z + 1) / (z - 1)^2 in the rows. The mean acceleration of the
+        band-limited motion through these is (omega h / 2) cot(omega h / 2) u / M, z = exp(i omega h). Of every second
+        row (third, ...) with the means of the commands the same is seen, h that for which each was held.
+        """
+        mirrored = np.concatenate([command, command[::-1]])
+        steps = 1.0 if self.hold is None else min(self.hold / self.sample_time, 1.0)
+        half = np.pi * steps * np.fft.rfftfreq(len(mirrored))  # omega h / 2
+        shown = np.ones(len(half))
+        shown[1:] = half[1:] / np.tan(half[1:])
+        return np.asarray(np.fft.irfft((1.0 - shown) * np.fft.rfft(mirrored), len(mirrored))[: len(command)])
 
     def _behind(self, falsifying: Sequence[Any]) -> Motion:
         """The motion behind the readings."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import DivergedError
+from cogging._core import DivergedError, friction_slope_max
 from cogging.arrays import FloatArray
 from cogging.estimation.replay import Replay
 from cogging.identification.force_balance import Simulator
@@ -21,6 +21,9 @@ from cogging.model.model import Model
 
 ROUGH = 1e-3  # of the rms command: a stated controller that is further off is fitted ...
 FOLLOWED = 0.05  # of the reference's standard deviation: closer, the reference is a noise-free likeness of the motion
+LIGHTEST = 0.02  # of the mass that was stated: a loop with the logged gains would be far from stable
+STEEPEST = 20.0  # time constants a sample of friction near rest: a steeper one moves the axis no differently
+SPARSE = 1.5  # of the controller's steps, of which a row tells but one: the command changed in between
 GAIN = 0.8  # ... if that leaves less than this share of the difference
 
 
@@ -29,11 +32,26 @@ class LoggedReplay(Replay):
 
     def __init__(self, log: Log, model: Model, *, added_command: FloatArray | None) -> None:
         super().__init__(log, model, added_command=added_command)
-        self.controller = model.controller
+        self.controller, self.mass = model.controller, model.axis.mass
+        self.sample_time = float(log.time[-1] - log.time[0]) / (len(log) - 1)
 
     def run(self, model: Model) -> dict[str, FloatArray]:
-        """The simulated columns of one model, whatever its controller."""
-        return super().run(model.replace(controller=self.controller))
+        """The simulated columns of one model, whatever its controller.
+
+        Raises:
+            DivergedError: its mass is so small that the loop could not be stable.
+        """
+        axis = model.axis
+        if axis.mass < LIGHTEST * self.mass:
+            raise DivergedError(
+                f"axis.mass: must be at least {LIGHTEST * self.mass:g} to be replayed, got {axis.mass:g}"
+            )
+        if axis.coulomb_width > 0.0:
+            # A fit of a model that lacks something may end at next to no width: it would be followed in 1e5 steps.
+            rate = friction_slope_max(1.0) * axis.coulomb / axis.mass  # m/s^2: over the width, 1/s
+            least = rate * self.sample_time / STEEPEST
+            axis = axis.replace(coulomb_width=max(axis.coulomb_width, least))
+        return super().run(model.replace(axis=axis, controller=self.controller))
 
     def log_of(self, model: Model) -> Log:
         """The simulated log of one model, at the times of the measured one.
@@ -58,6 +76,8 @@ class LoggedRun:
         replay: the closed loop on its reference, or None where controller or reference are unknown or do not fit.
         line: what is to be said of a stated controller, or "".
         repairs: what is to be said of single values that leave and return, or "".
+        sparse: what is to be said of rows that are too few for the controller, or "".
+        hold: s, of each command where the controller gave several a row; None: from row to row.
     """
 
     name: str
@@ -66,6 +86,8 @@ class LoggedRun:
     replay: LoggedReplay | None
     line: str
     repairs: str = ""
+    sparse: str = ""
+    hold: float | None = None
 
     @classmethod
     def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
@@ -92,6 +114,7 @@ class LoggedRun:
         if usable is not None and found.controller is not None:
             commands[list(found.controller.doubted_commands)] = True
         log, said = repaired(log, spikes(log.position), commands)
+        log, hold, sparse = _between_rows(log, model)
         replay = None
         if usable is not None and found.controller is not None:
             start = found.controller.start
@@ -101,7 +124,16 @@ class LoggedRun:
                 replay = LoggedReplay(log, usable, added_command=added)
             except ValueError as error:
                 line = line or f"the loop is not replayed: {error}"
-        return cls(name, log, found, replay, line and f"{name}: {line}", said and f"{name}: {said}")
+        return cls(
+            name,
+            log,
+            found,
+            replay,
+            line and f"{name}: {line}",
+            said and f"{name}: {said}",
+            sparse and f"{name}: {sparse}",
+            hold,
+        )
 
     def simulator(self) -> Simulator | None:
         """What gives the instruments: the replay, else the reference if the axis followed it, else nothing."""
@@ -135,6 +167,20 @@ class LoggedRun:
             "velocity": ratio(measured, simulated),
             "command": ratio(self.log.command, run.command),
         }
+
+
+def _between_rows(log: Log, model: Model) -> tuple[Log, float | None, str]:
+    """The log with the mean of each step's command where the stated controller gave several, its hold, what is said.
+
+    Of a command that is known in the rows alone, the mean to the next row is nearer what acted than the row's own.
+    """
+    step = float(np.median(np.diff(log.time)))
+    if model.controller is None or step * model.controller.sample_rate < SPARSE:
+        return log, None, ""
+    between = np.append(0.5 * (log.command[:-1] + log.command[1:]), log.command[-1])
+    said = f"a row every {step:.3g} s, and {step * model.controller.sample_rate:.3g} commands of the controller in each"
+    said = f"{said}: between rows the command is taken to be straight"
+    return Log.of({**log.columns(), "command": between}), 1.0 / model.controller.sample_rate, said
 
 
 def _usable(model: Model, check: ControllerCheck | None) -> tuple[Model | None, str]:

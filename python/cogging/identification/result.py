@@ -32,6 +32,8 @@ class ParameterEstimate:
         spread: standard deviation of the values of logs fitted one by one; None where fewer than two determine it.
         single_sigma: rms of the standard deviations that those fits themselves tell; None likewise.
         note: in words, how well or why not.
+        elsewhere: values beyond the interval that other ways of fitting give, by the way in words: other cut-offs,
+            fewer rows, forces that the model has not.
     """
 
     path: str
@@ -46,6 +48,7 @@ class ParameterEstimate:
     spread: float | None
     single_sigma: float | None
     note: str
+    elsewhere: Mapping[str, float]
 
     def to_dict(self) -> dict[str, Any]:
         """All but the path for JSON; an infinite interval is null."""
@@ -61,6 +64,7 @@ class ParameterEstimate:
             "spread_between_logs": self.spread,
             "sigma_of_single_logs": self.single_sigma,
             "note": self.note,
+            "elsewhere": dict(self.elsewhere),
         }
 
 
@@ -74,6 +78,12 @@ class LogFit:
         residual_before, residual_after: rms of the force balance below the cut-off, V, of the rows in motion.
         residual_free: the same if parameters that are not determined moved too.
         floor: what quantiser and stated encoder noise alone would leave, V.
+        noise: what no force of place, speed, direction, acceleration and time explains of the balance, V; None where
+            the balance does not hold the whole model.
+        command: rms of the command below the cut-off, V, of the rows in motion.
+        explained: share of the command's power that the model explains, 1 - (residual_after / command)^2; below 0
+            where it makes things worse. Where the balance does not hold the whole model, the replay's.
+        replay_before: as `replay`, of the model as it was given.
         replay: relative errors of the closed-loop replay, norm of the difference over norm, of position, velocity and
             command; empty without a controller.
         instruments: whether a simulated run served as instruments; else plain least squares.
@@ -85,6 +95,10 @@ class LogFit:
     residual_after: float
     residual_free: float
     floor: float
+    noise: float | None
+    command: float
+    explained: float
+    replay_before: Mapping[str, float]
     replay: Mapping[str, float]
     instruments: bool
 
@@ -97,6 +111,10 @@ class LogFit:
             "residual_after": self.residual_after,
             "residual_free": self.residual_free,
             "floor": self.floor,
+            "noise": self.noise,
+            "command": self.command,
+            "explained": self.explained,
+            "replay_relative_error_before": dict(self.replay_before),
             "replay_relative_error": dict(self.replay),
             "instruments": self.instruments,
         }
@@ -118,6 +136,8 @@ class Identification(ByValue):
         estimator: whose values are reported: "inverse_dynamics" or "output_error".
         controller: what is to be said of a stated controller, one line a log.
         notes: what else is to be said of the logs, such as rows that stand in several of them.
+        explained: share of the command's power that the model explains, of all logs together.
+        warnings: what speaks against the fit, a sentence each; empty where nothing does.
 
     Example:
         >>> found = cogging.identify(log, model, free=["axis.mass"])
@@ -136,6 +156,8 @@ class Identification(ByValue):
     estimator: str
     controller: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    explained: float = 1.0
+    warnings: tuple[str, ...] = ()
 
     def _brief(self) -> str:
         sure, logs = sum(p.determined for p in self.parameters), len(self.logs)
@@ -154,8 +176,9 @@ class Identification(ByValue):
         raise KeyError(path)
 
     def text(self) -> str:
-        """The fit for the screen: audit of each log, what they can determine, the parameters, what is left."""
-        lines = []
+        """The fit for the screen: warnings, audit of each log, what they can determine, parameters, what is left."""
+        lines = [f"warning: {warning}" for warning in self.warnings]
+        lines += [""] if lines else []
         for log, audit in zip(self.logs, self.audits, strict=True):
             lines += [log.name, *(f"  {line}" for line in audit.text().splitlines())]
         lines += ["", "What the logs can determine (1 sigma):"]
@@ -163,7 +186,7 @@ class Identification(ByValue):
         lines += ["", f"Fit ({self.estimator.replace('_', ' ')}, below {self.cutoff:g} Hz):", *self._table()]
         if pairs := self._correlated():
             lines.append(f"  correlated: {', '.join(pairs)}")
-        lines.append("")
+        lines += [f"  share of the command explained: {percent(self.explained)}", ""]
         for log in self.logs:
             after = f"{log.residual_after:.4g} V after"
             if log.residual_after > 1.05 * log.residual_free:
@@ -172,6 +195,8 @@ class Identification(ByValue):
                 f"{log.name}: force balance {log.residual_before:.4g} V before, {after}, "
                 f"quantiser and encoder noise alone {log.floor:.2g} V ({log.rows} rows in motion)"
             )
+            noise = "" if log.noise is None else f"; all noise some {log.noise:.2g} V"
+            lines.append(f"  explains {percent(log.explained)} of a command of {log.command:.4g} V{noise}")
             if log.replay:
                 errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
                 lines.append(f"  closed-loop replay, relative error: {errors}")
@@ -180,6 +205,8 @@ class Identification(ByValue):
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""
         return {
+            "warnings": list(self.warnings),
+            "explained": self.explained,
             "estimator": self.estimator,
             "cutoff": self.cutoff,
             "parameters": {p.path: p.to_dict() for p in self.parameters},
@@ -211,3 +238,9 @@ class Identification(ByValue):
             for i, j in worst
             if table[i, j] > CORRELATED
         ]
+
+
+def percent(share: float) -> str:
+    """A share in words, with more digits the nearer it is to all."""
+    digits = int(np.clip(-np.floor(np.log10(max(abs(1.0 - share), 1e-6))) - 1, 0, 3))
+    return f"{100.0 * share:.{digits}f} %"

@@ -7,15 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from cogging._core import AxisParameters, DivergedError
+from cogging.arrays import FloatArray
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
 from cogging.identification.determinability import Determinability, determinability, size_of
-from cogging.identification.findings import Findings, Values, report
+from cogging.identification.findings import Findings, Values, has_states, report
 from cogging.identification.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.identification.logged_run import LoggedRun
+from cogging.identification.other_answers import OtherAnswer, other_answers
 from cogging.identification.result import Identification
+from cogging.identification.trust import TrustLimits, is_strong
+from cogging.identification.unmodelled import WITH_FORCES, Unmodelled, freed
 from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -26,7 +30,8 @@ READING_SHARE = 0.5  # of the residual's rms, below which what quantiser and enc
 STARTS = 3  # further starts where the law is not linear in a parameter
 SHAPELESS = 2.0  # 1-sigma of a shape, relative to its size, above which it is left alone altogether
 SPREAD = 0.1  # of their sizes, by which they are apart
-STAGES = ("inverse dynamics", "output error", "logs one by one")
+ITERATIONS, FEW_ITERATIONS = 15, 4  # of the output error; of a model that lacks much
+STAGES = ("inverse dynamics", "output error", "logs one by one", "other answers")
 
 
 class TwoEstimators:
@@ -49,7 +54,7 @@ class TwoEstimators:
         with steps(progress, "identify", len(STAGES)) as begin:
             begin(STAGES[0])
             for cutoff in self.cutoffs:
-                balances = [ForceBalance.of(run.log, cutoff=cutoff, rest=self.rest) for run in self.runs]
+                balances = [ForceBalance.of(run.log, cutoff=cutoff, rest=self.rest, hold=run.hold) for run in self.runs]
                 self._require_rows(balances)
                 scales = Scales.largest(balance.scales for balance in balances)
                 told = self._determine(self.model, balances, scales)
@@ -58,14 +63,37 @@ class TwoEstimators:
                 shares = [f / max(rms, 1e-300) for f, rms in zip(floors, estimate.residual_rms, strict=True)]
                 if max(shares) < READING_SHARE:
                     break
+            pairs = zip(balances, self.simulate, strict=True)
+            left = [Unmodelled.of(balance, estimate.model, run) for balance, run in pairs]
             begin(STAGES[1])
-            output = self._output_error(estimate.model, told)
+            output = self._output_error(estimate.model, told, left)
             begin(STAGES[2])
             spread = self._one_by_one(estimate.model, told, balances, scales)
             inside = tuple(self._moving(told))
             balance = Values(inside, estimate.values, estimate.covariance, estimate.freedom)
-            found = Findings(told, estimate, balance, output, spread, tuple(balances), tuple(floors))
+            begin(STAGES[3])
+            others = self._other_answers(estimate, told, balances, scales, left)
+            found = Findings(
+                told, estimate, balance, output, spread, tuple(balances), tuple(floors), tuple(left), tuple(others)
+            )
             return report(self.model, self.runs, found)
+
+    def _other_answers(
+        self,
+        estimate: BalanceEstimate,
+        told: Determinability,
+        balances: Sequence[ForceBalance],
+        scales: Scales,
+        left: Sequence[Unmodelled],
+    ) -> list[OtherAnswer]:
+        """What the force balance would have answered otherwise, first with further forces beside the model."""
+        paths = self._moving(told)
+        if not paths:
+            return []
+        known, loose = parameters_of(estimate.model), self._loose(told, paths, scales)
+        moved, half_widths = freed(estimate.model, [known[path] for path in paths], balances, left, scales, loose)
+        beside = OtherAnswer.of(WITH_FORCES, paths, estimate.values + moved, half_widths)
+        return [beside, *other_answers(estimate, paths, self.runs, balances, scales, loose, self.rest)]
 
     def _require_rows(self, balances: Sequence[ForceBalance]) -> None:
         needed = 4 * len(self.paths) + 50
@@ -97,7 +125,7 @@ class TwoEstimators:
     ) -> BalanceEstimate:
         """The fit of the force balance, from the best of a few starts where the law is not linear."""
         paths = self._moving(told)
-        loose = np.array([np.inf if told.determined(p) else size_of(self.model, self.prior[p], scales) for p in paths])
+        loose = self._loose(told, paths, scales)
         bent = [path for path in paths if told.determined(path) and not self._linear(path)]
         bent = [path for path in bent if path != "axis.coulomb_width"]
         starts, random = [start], np.random.default_rng(0)
@@ -114,6 +142,10 @@ class TwoEstimators:
         fits = [fit_force_balance(s, paths, balances, scales, self.simulate, loose=loose) for s in starts]
         return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
 
+    def _loose(self, told: Determinability, paths: Sequence[str], scales: Scales) -> FloatArray:
+        """1-sigma about the start that is assumed of each parameter, (p,): its size where it is not determined."""
+        return np.array([np.inf if told.determined(p) else size_of(self.model, self.prior[p], scales) for p in paths])
+
     def _moving(self, told: Determinability) -> list[str]:
         """What the fit of the force balance moves: more than it determines, so that the rest is not bent by a prior."""
         return [
@@ -125,15 +157,24 @@ class TwoEstimators:
     def _linear(self, path: str) -> bool:
         return role_of(self.model, path) == "amplitude"
 
-    def _output_error(self, start: Model, told: Determinability) -> Values | None:
-        """The whitened output error of what the logs determine, from the better of two starts."""
+    def _output_error(self, start: Model, told: Determinability, left: Sequence[Unmodelled]) -> Values | None:
+        """The whitened output error of what the logs determine, from the better of two starts.
+
+        A few iterations from the first where it is but a check, of a model that lacks much: no start would end sooner.
+        """
         paths = [path for path in self.paths if told.determined(path)]
         if not paths:
             return None
         fits: list[Estimate] = []
-        for model in (start, with_values(start, {path: self.prior[path].value for path in paths})):
+        starts = [start, with_values(start, {path: self.prior[path].value for path in paths})]
+        check = not has_states(self.model) and all(told.seen_by_balance(path) for path in paths)
+        if check and any(is_strong(one, TrustLimits()) for one in left):
+            starts, iterations = starts[:1], FEW_ITERATIONS
+        else:
+            iterations = ITERATIONS
+        for model in starts:
             try:
-                fits.append(fit(model, paths, self._sources(start)))
+                fits.append(fit(model, paths, self._sources(start), iterations=iterations))
             except (DivergedError, ValueError):
                 continue
         if not fits:

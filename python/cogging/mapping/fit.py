@@ -9,6 +9,8 @@ import numpy.typing as npt
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.calls import takes
+from cogging.mapping.direction import MOST_TERMS as MOST_DIRECTION_TERMS
+from cogging.mapping.direction import find_direction_lines
 from cogging.mapping.fitted import TREND_TRAVEL, FittedMap, nuisance_columns
 from cogging.mapping.request import MapRequest
 from cogging.mapping.result import CrossValidation, MapFit
@@ -36,11 +38,15 @@ def fit_map(
 ) -> MapFit:
     """Fit the cogging model to a scan: the force that holds the axis there, over position.
 
-    force = F_cogging(x) + offset + trend (x - centre) + coulomb direction, with (Lu et al. 2008, eq. 3 to 5)
+    force = F_cogging(x) + offset + trend (x - centre) + direction (coulomb + g(x)), with (Lu et al. 2008, eq. 3 to 5)
     F_cogging(x) = sum_i (f_Si(x) sin(2 pi i x / pitch) + f_Ci(x) cos(2 pi i x / pitch)), f constant or B-splines on
     knots one pitch apart from `origin` over the travel. Least squares on points averaged over small cells, with a weak
     prior: neighbouring control points differ by 0 +- the standard deviation of the scan's force. So a control point
     that the scan does not reach continues its neighbour; it is listed in `unexcited`.
+
+    Friction is told from the offset where the scan goes there and back over one pitch or more. g(x), periodic too, is
+    what else changes its sign with the direction: friction that ripples, hysteresis. It is looked for in what the map
+    leaves, told in `direction_amplitudes` and is no part of the map.
 
     Harmonics are found in the least-squares spectrum (HarmonicSpectrum.find). Periodic and orders 1 to 4 are compared
     by 8-fold cross-validation on blocks of an eighth of a pitch (of at most a 64th of the travel), both directions
@@ -64,7 +70,8 @@ def fit_map(
 
     Raises:
         ValueError: names the field, the rule and the value: fewer than 10 points, NaN, lengths that differ, a travel
-            below one pitch, points too far apart, a harmonic that they do not resolve, more coefficients than points.
+            below one pitch (less the last spacing of a closed turn), points too far apart, a harmonic that they do not
+            resolve, more coefficients than points.
 
     Example:
         >>> x = np.linspace(0.0, 0.4, 2001)
@@ -78,17 +85,21 @@ def fit_map(
     request.check_against(scan)
     notes = list(scan.notes)
     spectrum = HarmonicSpectrum(scan.position, pitch, scan.highest)
-    nuisance = nuisance_columns(scan, trend=scan.travel >= TREND_TRAVEL * pitch)
+    trend = scan.spans(TREND_TRAVEL * pitch)
+    nuisance = nuisance_columns(scan, pitch, [], trend)
     if spectrum.few:
         short = f"the travel of {scan.travel / pitch:.3g} pitches is too short to tell slow noise from cogging"
         notes.append(f"{short}: standard errors may be too small")
     found = spectrum.find(scan.force, nuisance, false_alarm) if harmonics is None else []
     terms = _terms(request, found, notes)
-    fits, scores = _compare(request, scan, terms, nuisance, notes)
-    chosen = _simplest(scores)
-    fit = fits.get(chosen) or fit_splines(None, scan.position, scan.force, nuisance)
-    fitted = FittedMap.of(spectrum, scan, terms, chosen, nuisance, fit)
-    return fitted.result(scores, [*notes, *fitted.notes(false_alarm)], false_alarm)
+    chosen, fit, scores, said = _choose(request, scan, terms, nuisance)
+    lines = find_direction_lines(spectrum, scan, fit.residual, false_alarm)
+    odd = sorted([line.harmonic for line in lines if line.harmonic is not None][:MOST_DIRECTION_TERMS])
+    if odd:
+        nuisance = nuisance_columns(scan, pitch, odd, trend)
+        chosen, fit, scores, said = _choose(request, scan, terms, nuisance)
+    fitted = FittedMap.of(spectrum, scan, terms, odd, chosen, fit)
+    return fitted.result(scores, [*notes, *said, *fitted.notes(false_alarm)], false_alarm)
 
 
 def _terms(request: MapRequest, lines: list[Line], notes: list[str]) -> list[int]:
@@ -101,6 +112,16 @@ def _terms(request: MapRequest, lines: list[Line], notes: list[str]) -> list[int
     if len(found) > MOST_TERMS:
         notes.append(f"{len(found)} harmonics found, the first {MOST_TERMS} of them kept")
     return sorted(found[:MOST_TERMS])
+
+
+def _choose(
+    request: MapRequest, scan: Scan, terms: list[int], nuisance: FloatArray
+) -> tuple[int, SplineFit, list[CrossValidation], list[str]]:
+    """The order, its fit, how the orders compare, and what to note of that."""
+    notes: list[str] = []
+    fits, scores = _compare(request, scan, terms, nuisance, notes)
+    chosen = _simplest(scores)
+    return chosen, fits.get(chosen) or fit_splines(None, scan.position, scan.force, nuisance), scores, notes
 
 
 def _compare(

@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
+from cogging.mapping.direction import DirectionContent, direction_columns, find_direction_lines
 from cogging.mapping.noise import Noise, amplitudes
 from cogging.mapping.result import CrossValidation, MapFit
 from cogging.mapping.scan import Scan
@@ -27,6 +28,7 @@ class FittedMap:
         spectrum: of the scan.
         scan: what was fitted.
         terms: the harmonics.
+        odd: harmonics of what changes sign with the direction of motion.
         order: of the splines; 0 = periodic.
         nuisance: columns beside the map, (n, q).
         fit: coefficients; noise: of them.
@@ -36,6 +38,7 @@ class FittedMap:
     spectrum: HarmonicSpectrum
     scan: Scan
     terms: list[int]
+    odd: list[int]
     order: int
     nuisance: FloatArray
     fit: SplineFit
@@ -44,22 +47,28 @@ class FittedMap:
 
     @classmethod
     def of(
-        cls, spectrum: HarmonicSpectrum, scan: Scan, terms: list[int], order: int, nuisance: FloatArray, fit: SplineFit
+        cls, spectrum: HarmonicSpectrum, scan: Scan, terms: list[int], odd: list[int], order: int, fit: SplineFit
     ) -> FittedMap:
         """Keep the trend where the scan shows one, else fit once more without it."""
-        noise = Noise.of(spectrum, scan, fit, terms, order)
+        noise = Noise.of(spectrum, scan, fit, terms, order, odd)
         trend, error = float(fit.coefficients[-1] / scan.travel), float(noise.standard_errors[-1] / scan.travel)
-        if scan.travel >= TREND_TRAVEL * spectrum.pitch and abs(trend) > SIGNIFICANT * error:
-            return cls(spectrum, scan, terms, order, nuisance, fit, noise, (trend, error))
-        nuisance = nuisance_columns(scan, trend=False)
+        if scan.spans(TREND_TRAVEL * spectrum.pitch) and abs(trend) > SIGNIFICANT * error:
+            nuisance = nuisance_columns(scan, spectrum.pitch, odd, trend=True)
+            return cls(spectrum, scan, terms, odd, order, nuisance, fit, noise, (trend, error))
+        nuisance = nuisance_columns(scan, spectrum.pitch, odd, trend=False)
         fit = fit_splines(fit.basis, scan.position, scan.force, nuisance)
-        noise = Noise.of(spectrum, scan, fit, terms, order)
-        return cls(spectrum, scan, terms, order, nuisance, fit, noise, (0.0, 0.0))
+        noise = Noise.of(spectrum, scan, fit, terms, order, odd)
+        return cls(spectrum, scan, terms, odd, order, nuisance, fit, noise, (0.0, 0.0))
 
     @property
     def coefficients(self) -> int:
         """Of the map alone."""
         return 0 if self.fit.basis is None else self.fit.basis.coefficients
+
+    @property
+    def direction(self) -> DirectionContent:
+        """What changes sign with the direction of motion."""
+        return DirectionContent.of(self.spectrum, self.scan, self.fit, self.noise, self.odd)
 
     @property
     def coulomb(self) -> tuple[float, float] | tuple[None, None]:
@@ -80,6 +89,11 @@ class FittedMap:
             lines = self.spectrum.find(self.fit.residual, self.nuisance, false_alarm, taken)
             notes += _unmodelled(lines, self.terms, self.spectrum.pitch)
         coulomb, error_of_it = self.coulomb
+        notes += self.direction.notes(coulomb)
+        for line in find_direction_lines(self.spectrum, self.scan, self.fit.residual, false_alarm)[:1]:
+            if line.harmonic is None:
+                period = f"period {1.0 / line.frequency:.3g} m, which is none of the pitch"
+                notes.append(f"{line.amplitude:.2g} V change sign with the direction of motion with {period}")
         if coulomb is not None and error_of_it is not None and coulomb < -SIGNIFICANT * error_of_it:
             notes.append(f"the force is lower in the direction of motion ({coulomb:.3g} V): is force_sign right?")
         if unexcited := _unexcited(self.fit):
@@ -95,6 +109,7 @@ class FittedMap:
         values, errors = (a[:p] if p else np.zeros(2) for a in (fit.coefficients, noise.standard_errors))
         sine_error, cosine_error = rows_of(basis, errors)
         coulomb, coulomb_error = self.coulomb
+        direction = self.direction
         explained = scan.force - self.nuisance @ fit.coefficients[p:]
         return MapFit(
             cogging=cogging_of(basis, values),
@@ -106,6 +121,9 @@ class FittedMap:
             offset_standard_error=float(noise.standard_errors[p]),
             coulomb=coulomb,
             coulomb_standard_error=coulomb_error,
+            direction_amplitudes=direction.amplitudes,
+            direction_rms=direction.rms,
+            direction_lag=direction.lag,
             trend=self.trend[0],
             trend_standard_error=self.trend[1],
             residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
@@ -123,11 +141,18 @@ class FittedMap:
         )
 
 
-def nuisance_columns(scan: Scan, trend: bool) -> FloatArray:
-    """Columns of the offset, of friction where it can be told from it, of a trend over the travel; (n, 1 to 3)."""
+def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> FloatArray:
+    """Columns of the offset, of friction where it can be told from it, of a trend over the travel; (n, 1 or more).
+
+    Args:
+        scan: the points.
+        pitch: m.
+        odd: harmonics of the friction, or of what else changes sign with the direction of motion.
+        trend: whether there is a column of it, the last.
+    """
     x = (scan.position - 0.5 * (scan.position.min() + scan.position.max())) / scan.travel
-    columns = [np.ones_like(x), *([scan.direction] if scan.both_ways else []), *([x] if trend else [])]
-    return np.stack(columns, axis=1)
+    ways = [scan.direction, *direction_columns(scan, pitch, odd).T] if scan.both_ways else []
+    return np.stack([np.ones_like(x), *ways, *([x] if trend else [])], axis=1)
 
 
 def _unmodelled(lines: list[Line], terms: list[int], pitch: float) -> list[str]:

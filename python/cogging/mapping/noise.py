@@ -15,24 +15,37 @@ from cogging.mapping.spline_fit import SplineFit, predict
 
 @dataclass(frozen=True)
 class Noise:
-    """The noise of a fit: level (V^2) of every line, its degrees of freedom, covariance and standard errors (V)."""
+    """The noise of a fit.
+
+    Attributes:
+        level: V^2, of every line.
+        turned: V^2, likewise of direction times residual: what differs between the directions.
+        degrees: degrees of freedom of the levels.
+        covariance: V^2, of the coefficients, (p + q, p + q).
+        standard_errors: V, of the coefficients, (p + q,).
+    """
 
     level: FloatArray
+    turned: FloatArray
     degrees: float
     covariance: FloatArray
     standard_errors: FloatArray
 
     @classmethod
-    def of(cls, spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, terms: list[int], order: int) -> Noise:
-        """The noise that a fit of some harmonics leaves."""
+    def of(
+        cls, spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, terms: list[int], order: int, odd: list[int]
+    ) -> Noise:
+        """The noise that a fit of some harmonics leaves; `odd` are those that change sign with the direction."""
         taken = spectrum.taken_by(terms, modulated=order > 0)
         level, degrees = spectrum.level(spectrum.power(fit.residual), taken, fit.variance)
         # What differs between the directions is noise to the Coulomb level, though a map of position hardly sees it.
-        turned, _ = spectrum.level(spectrum.power(fit.residual * scan.direction), ~spectrum.present, fit.variance)
-        slowest = level[spectrum.present][0]
-        nuisance = [slowest, turned[spectrum.present][0] if scan.both_ways else slowest, slowest]
+        gone = spectrum.taken_by(odd, modulated=False)
+        turned, _ = spectrum.level(spectrum.power(fit.residual * scan.direction), gone, fit.variance)
+        slowest, middle = level[spectrum.present][0], level.shape[1] // 2
+        of_directions = [turned[spectrum.present][0], *np.repeat(turned[odd, middle], 2)] if scan.both_ways else []
+        nuisance = [slowest, *of_directions, slowest]
         points = 0 if fit.basis is None else fit.basis.spline.control_points
-        columns = np.tile(np.repeat(level[terms, level.shape[1] // 2], 2), points)
+        columns = np.tile(np.repeat(level[terms, middle], 2), points)
         columns = np.concatenate([columns, nuisance])[: len(fit.coefficients)]
         least = fit.variance
         if spectrum.few:  # no level of its own for slow noise: what the correlation of neighbours says of it
@@ -40,7 +53,7 @@ class Noise:
             correlation = float(fit.residual[1:] @ fit.residual[:-1]) / squares
             least *= max(1.0, (1.0 + correlation) / (1.0 - correlation))
         covariance = fit.covariance(np.maximum(columns, least))
-        return cls(level, degrees, covariance, np.sqrt(np.diag(covariance)))
+        return cls(level, turned, degrees, covariance, np.sqrt(np.diag(covariance)))
 
     def threshold(self, spectrum: HarmonicSpectrum, false_alarm: float) -> FloatArray:
         """The amplitude (V) at which each line of the spectrum that is present has that false alarm."""

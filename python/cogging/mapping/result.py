@@ -59,7 +59,9 @@ class CrossValidation:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MapFit(ByValue):
-    """A cogging model fitted to a scan, force = F_cogging(x) + offset + trend (x - centre) + coulomb direction.
+    """A cogging model fitted to a scan.
+
+    force = F_cogging(x) + offset + trend (x - centre) + direction (coulomb + g(x)).
 
     Attributes:
         cogging: F_cogging(x), V; zero where no harmonic was found.
@@ -70,6 +72,11 @@ class MapFit(ByValue):
         offset: V, at the centre of the travel; offset_standard_error likewise.
         coulomb, coulomb_standard_error: V, half of the difference of the two directions; None where the scan goes one
             way only.
+        direction_amplitudes: of g(x), which changes its sign with the direction of motion, one entry a harmonic; empty
+            where there is none, or the scan goes one way only.
+        direction_rms: V, of g(x) over the scan's points.
+        direction_lag: m, by which a map that follows the motion would give the same: F_cogging(x - lag direction); None
+            where no single lag does.
         trend, trend_standard_error: V/m; both 0 where the trend is within 3 standard errors of none and therefore left
             out.
         residual_rms: V, of the averaged points.
@@ -94,6 +101,9 @@ class MapFit(ByValue):
     offset_standard_error: float
     coulomb: float | None
     coulomb_standard_error: float | None
+    direction_amplitudes: tuple[HarmonicAmplitude, ...]
+    direction_rms: float
+    direction_lag: float | None
     trend: float
     trend_standard_error: float
     residual_rms: float
@@ -122,16 +132,15 @@ class MapFit(ByValue):
             f"cogging map: {len(self.position)} points over {np.ptp(self.position):.4g} m, pitch {pitch:.4g} m, {kind}",
             "harmonic  amplitude (V)   +- (V)  phase (rad)  false alarm",
         ]
-        for a in self.amplitudes:
-            lines.append(
-                f"{a.harmonic:8d}  {a.amplitude:13.5g}  {a.standard_error:7.1g}  {a.phase:11.3f}  {a.false_alarm:11.1g}"
-            )
+        lines += _table(self.amplitudes)
         values = [("offset", self.offset, self.offset_standard_error, "V")]
         if self.coulomb is not None and self.coulomb_standard_error is not None:
             values.insert(0, ("coulomb", self.coulomb, self.coulomb_standard_error, "V"))
         if self.trend_standard_error > 0.0:
             values.append(("trend", self.trend, self.trend_standard_error, "V/m"))
         lines += [f"{name:8s}  {value:13.5g}  {error:7.1g}  {unit}" for name, value, error, unit in values]
+        if self.direction_amplitudes:
+            lines += ["changes sign with the direction of motion:", *_table(self.direction_amplitudes)]
         lines.append(f"residual  {self.residual_rms:13.5g}  V rms; noise {self.noise:.3g} V rms")
         for c in self.cross_validation:
             name, mark = (f"order {c.order}" if c.order else "periodic"), "  <- chosen" * (c.order == self.order)
@@ -181,3 +190,10 @@ class MapFit(ByValue):
         if same_file(path, figure):
             raise InputError(f"{path}: must not be where its figure is written, got {figure}")
         write_files({os.fspath(path): [text.encode()], figure: [picture.getvalue()]})
+
+
+def _table(entries: tuple[HarmonicAmplitude, ...]) -> list[str]:
+    return [
+        f"{a.harmonic:8d}  {a.amplitude:13.5g}  {a.standard_error:7.1g}  {a.phase:11.3f}  {a.false_alarm:11.1g}"
+        for a in entries
+    ]

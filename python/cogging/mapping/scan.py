@@ -14,6 +14,8 @@ from cogging.logs.log import SMALLEST
 FEWEST_POINTS = 10
 TURN = 0.01  # of the travel: going back by less is noise of the encoder or a rest, no reversal
 POINTS_PER_PERIOD = 2.5  # a harmonic sampled more thinly is not told from others
+OPEN_END = 1.5  # spacings that a whole pitch may be short of one: n - 1 of the n intervals of a turn close it
+WAY_BACK = 0.9  # of a pitch: a shorter way back shows too little of the map to tell friction from the rest
 CELLS_PER_PERIOD = 20  # of the highest harmonic: an average over one cell takes at most 0.4 % off its amplitude
 
 
@@ -25,6 +27,7 @@ class Scan:
         position: m, (n,).
         force: V, (n,): F_cogging + friction, whatever the sensor's sign was.
         direction: (n,), +1 where the position rose, -1 where it fell.
+        spacing: m, of neighbouring points, whatever their pass.
         both_ways: whether friction can be told from the offset.
         resolvable: the highest harmonic that the points tell from others.
         highest: the highest harmonic that is looked for.
@@ -34,6 +37,7 @@ class Scan:
     position: FloatArray
     force: FloatArray
     direction: FloatArray
+    spacing: float
     both_ways: bool
     resolvable: int
     highest: int
@@ -44,11 +48,17 @@ class Scan:
         """m."""
         return float(np.ptp(self.position))
 
+    def spans(self, length: float) -> bool:
+        """Whether the points cover a length (m): those of a closed turn end one spacing before they begin."""
+        return _spans(self.travel, length, self.spacing)
+
 
 def read_scan(
     position: npt.ArrayLike, force: npt.ArrayLike, *, pitch: float, force_sign: int, highest_harmonic: int
 ) -> Scan:
     """Check a scan, find which way it went and average its rows where they stand close.
+
+    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn.
 
     Directions come from the reversals: places from which the position goes back by more than 1 % of the travel. Rows
     within that distance after a reversal are left out, since friction is still on its way from one sign to the other.
@@ -66,17 +76,18 @@ def read_scan(
     if isinstance(force_sign, bool) or force_sign not in (1, -1):
         raise ValueError(f"force_sign: must be 1 or -1, got {force_sign!r}")
     travel = float(np.ptp(x))
-    if travel < pitch:
+    spacing = _spacing(x) if travel > 0.0 else 0.0
+    if not _spans(travel, pitch, min(spacing, pitch / FEWEST_POINTS)):
         raise ValueError(f"position: must travel at least one pitch ({pitch:g} m), got {travel:g} m")
-    resolvable = int(pitch / (POINTS_PER_PERIOD * _spacing(x)) - 0.5)
+    resolvable = int(pitch / (POINTS_PER_PERIOD * spacing) - 0.5)
     if resolvable < 1:
-        raise ValueError(
-            f"position: must have a point every {pitch / 3.75:.3g} m or less, got one every {_spacing(x):.3g} m"
-        )
+        rule = f"must have a point every {pitch / 3.75:.3g} m or less"
+        raise ValueError(f"position: {rule}, got one every {spacing:.3g} m")
     highest = min(highest_harmonic, resolvable)
     y = force_sign * y
-    passes, direction, turning = _passes(x)
-    both_ways, kept, notes = _kept(x, direction, turning & (passes > 0), pitch)
+    passes, direction, turns = _passes(x)
+    turned = (np.abs(x - turns) < TURN * travel) & (passes > 0)
+    both_ways, kept, notes = _kept(x, direction, turns, turned, pitch)
     cell = pitch / (CELLS_PER_PERIOD * highest)
     keys = np.stack([passes[kept], np.floor((x[kept] - x.min()) / cell).astype(np.int64)])
     _, members, counts = np.unique(keys, axis=1, return_inverse=True, return_counts=True)
@@ -86,13 +97,24 @@ def read_scan(
     position, force, way = (np.bincount(members, v[kept]) / counts for v in (x, y, direction))
     if position.size < FEWEST_POINTS:
         raise ValueError(f"position: must hold at least {FEWEST_POINTS} points that differ, got {position.size}")
-    return Scan(position, force, np.sign(way), both_ways, resolvable, highest, tuple(notes))
+    return Scan(position, force, np.sign(way), spacing, both_ways, resolvable, highest, tuple(notes))
 
 
-def _kept(x: FloatArray, direction: FloatArray, turned: Mask, pitch: float) -> tuple[bool, Mask, list[str]]:
-    """Whether a scan goes both ways, which rows are kept, and what to note; `turned` are those after a reversal."""
-    there, back = (x[(direction == d) & ~turned] for d in (1.0, -1.0))
-    if all(part.size and np.ptp(part) >= pitch for part in (there, back)):
+def _kept(
+    x: FloatArray, direction: FloatArray, turns: FloatArray, turned: Mask, pitch: float
+) -> tuple[bool, Mask, list[str]]:
+    """Whether a scan goes both ways, which rows are kept, and what to note.
+
+    Args:
+        x: positions, (n,).
+        direction: of each row's pass, (n,).
+        turns: where each row's pass began, (n,).
+        turned: rows just after a reversal, (n,).
+        pitch: m.
+    """
+    ways = [direction == way for way in (1.0, -1.0)]
+    # From where it turned: a way back over one pitch is a whole one, though its first rows are left out.
+    if all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways):
         notes = [f"{int(turned.sum())} rows just after a reversal left out"] if turned.any() else []
         return True, ~turned, notes
     main = 1.0 if np.sum(direction == 1.0) >= np.sum(direction == -1.0) else -1.0
@@ -121,14 +143,18 @@ def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     return array
 
 
+def _spans(travel: float, length: float, spacing: float) -> bool:
+    return travel >= length - OPEN_END * spacing
+
+
 def _spacing(position: FloatArray) -> float:
     """The distance of neighbouring points below which half of the travel lies: jitter and rests do not shorten it."""
     gaps = np.sort(np.diff(np.unique(position)))
     return float(gaps[np.searchsorted(np.cumsum(gaps), 0.5 * gaps.sum())])
 
 
-def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, Mask]:
-    """For each row the number of its pass, the pass's direction and whether the row is still near where it turned.
+def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
+    """For each row the number of its pass, the pass's direction and where the motion turned into it.
 
     The row at which the motion turns belongs to the pass that arrives there.
     """
@@ -145,4 +171,4 @@ def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, Ma
     lengths = np.diff([*starts, len(x)])
     passes = np.repeat(np.arange(len(starts)), lengths)
     turns = position[np.maximum(np.array(starts) - 1, 0)]
-    return passes, np.array(directions)[passes], np.abs(position - turns[passes]) < limit
+    return passes, np.array(directions)[passes], turns[passes]

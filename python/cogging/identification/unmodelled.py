@@ -1,0 +1,204 @@
+"""What a force balance leaves, parted into noise and what a force of place, speed, direction or time would explain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging.arrays import FloatArray, IntArray
+from cogging.estimation.statistics import student
+from cogging.identification.force_balance import ForceBalance, Simulator
+from cogging.identification.inverse_dynamics import InverseDynamics
+from cogging.model.model import Model
+from cogging.model.parameters import Parameter, Scales
+
+WITH_FORCES = "with any force of place, speed, direction and time beside the model"
+ROWS_PER_PERIOD = 8.0  # of the cut-off: rows that are looked at ...
+MOST_ROWS = 20_000  # ... of a log, from its middle
+PLACES, TIMES = 12, 6  # of the forces that change along the travel and in time
+SPEEDS = (0.02, 0.07, 0.25)  # of the largest speed, over which a friction may fall
+LINES = 300  # waves along the travel that are tried, half a wave apart
+WAVES = 6  # that are taken, at most
+SURE = 1e-3  # probability of a wave in noise alone
+ALLOWED = 3.0  # times what is left and is no noise: how large each such force may be
+
+
+@dataclass(frozen=True)
+class Unmodelled:
+    """What one log's force balance leaves.
+
+    Attributes:
+        residual: rms over the rows in motion, V.
+        command: rms of the filtered command over the same rows, V.
+        noise: rms that no force of place, speed, direction, acceleration or time explains, V.
+        inflation: density of that noise at low frequencies over what white rows would have.
+        freedom: rows that are independent, less the forces that were tried.
+        forces: of place, speed, direction and time, (q, m), of rms 1.
+        rows: of the log that are looked at, (m,).
+    """
+
+    residual: float
+    command: float
+    noise: float
+    inflation: float
+    freedom: float
+    forces: FloatArray
+    rows: IntArray
+
+    @property
+    def explained(self) -> float:
+        """Share of the command's power that the model explains; below 0 where it makes things worse."""
+        return 1.0 - (self.residual / max(self.command, 1e-300)) ** 2
+
+    @property
+    def structured(self) -> float:
+        """Rms of what is left and is no noise, V."""
+        return float(np.sqrt(max(self.residual**2 - self.noise**2, 0.0)))
+
+    @classmethod
+    def of(cls, balance: ForceBalance, model: Model, run: Simulator | None) -> Unmodelled:
+        """Part what a model leaves of a log.
+
+        Args:
+            balance: of the log.
+            model: fitted.
+            run: gives a noise-free likeness of the motion, or None: the measured motion serves.
+        """
+        dynamics = balance.dynamics
+        residual = dynamics.of([model])[0]
+        command = dynamics.filtered(dynamics.command[None, :])[0]
+        every = max(1, int(1.0 / (ROWS_PER_PERIOD * dynamics.cutoff * dynamics.sample_time)))
+        coarse = np.arange(0, len(residual), every)
+        spare = max(0, len(coarse) - MOST_ROWS) // 2
+        coarse = coarse[spare : spare + MOST_ROWS]
+        counted = balance.mask[coarse]
+        rows = coarse[counted]
+        left = residual[rows]
+
+        def seen(table: list[FloatArray]) -> FloatArray:
+            filtered = dynamics.filtered(np.array(table).reshape(-1, len(coarse)), every)
+            return _of_size_one(filtered[:, counted])
+
+        forces = seen(_smooth_forces(balance, coarse))
+        inertial = seen(_inertial_forces(balance, balance.along(model, run) or dynamics, coarse))
+        position = dynamics.motion.middle_position
+        numbers = _waves(position, rows, left, np.vstack([forces, inertial]))
+        forces = np.vstack([forces, seen([wave(k * position[coarse]) for k in numbers for wave in (np.sin, np.cos)])])
+        quiet, rank = _without(left, np.vstack([forces, inertial]))
+        independent, inflation = _memory(quiet)
+        freedom = max(independent - rank, 0.1 * independent, 1.0)
+        noise = float(np.sqrt(np.mean(quiet**2) * independent / freedom))
+        rms = float(np.sqrt(np.mean(residual[balance.mask] ** 2)))
+        of_command = float(np.sqrt(np.mean(command[balance.mask] ** 2)))
+        return cls(rms, of_command, min(noise, rms), inflation, freedom, forces, rows)
+
+
+def freed(
+    model: Model,
+    parameters: Sequence[Parameter],
+    balances: Sequence[ForceBalance],
+    left: Sequence[Unmodelled],
+    scales: Scales,
+    loose: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """How far parameters move, (p,), where unmodelled forces may be there too, and halves of their intervals, (p,).
+
+    Least squares with the forces of `left` beside the model's own columns, each with a prior of 0 +- ALLOWED times the
+    structured residual; the move is that against least squares without them. Kennedy and O'Hagan 2001.
+    """
+    p = len(parameters)
+    prior = np.diag(1.0 / loose**2)
+    plain, right = prior.copy(), np.zeros(p)
+    bordered, beside = prior.copy(), np.zeros(p)
+    for balance, one in zip(balances, left, strict=True):
+        residual, columns = balance.columns(model, parameters, scales)
+        columns, rest = columns[:, one.rows], residual[one.rows]
+        weight = 1.0 / max(one.noise**2 * one.inflation, 1e-300)
+        plain += weight * columns @ columns.T
+        right += weight * columns @ rest
+        own = weight * one.forces @ one.forces.T
+        own += np.eye(len(own)) / max(ALLOWED * one.structured, 1e-3 * one.noise, 1e-150) ** 2
+        cross = weight * columns @ one.forces.T
+        solved = np.linalg.solve(own, np.column_stack([cross.T, weight * one.forces @ rest]))
+        bordered += weight * columns @ columns.T - cross @ solved[:, :p]
+        beside += weight * columns @ rest - cross @ solved[:, p]
+    size = np.sqrt(np.diag(plain))
+    inverse = np.linalg.pinv(bordered / np.outer(size, size), rcond=1e-13, hermitian=True)
+    moved = -inverse @ (beside / size) / size
+    moved += np.linalg.pinv(plain / np.outer(size, size), rcond=1e-13, hermitian=True) @ (right / size) / size
+    freedom = sum(one.freedom for one in left)
+    return moved, student(freedom) * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
+
+
+def _smooth_forces(balance: ForceBalance, coarse: IntArray) -> list[FloatArray]:
+    """Forces (m,) of place, of direction and speed, and of time, that no model needs to have."""
+    motion = balance.dynamics.motion
+    position, velocity = motion.middle_position[coarse], motion.middle_velocity[coarse]
+    direction, speed = np.sign(velocity), np.abs(velocity) / balance.scales.velocity
+    places = _hats(position, PLACES)
+    forces = [*places, *(direction * place for place in places)]
+    forces += [direction, speed, direction * speed, direction * speed**2, speed**2]
+    forces += [direction * np.exp(-speed / fall) for fall in SPEEDS]
+    forces += [np.exp(-speed / fall) for fall in SPEEDS]
+    return [*forces, *_hats(balance.dynamics.even[coarse], TIMES)]
+
+
+def _inertial_forces(balance: ForceBalance, likeness: InverseDynamics, coarse: IntArray) -> list[FloatArray]:
+    """Forces (m,) as of a wrong mass, of a command that comes late, of a mass that differs with direction."""
+    acceleration = likeness.motion.acceleration
+    direction = np.sign(balance.dynamics.motion.middle_velocity[coarse])
+    return [acceleration[coarse], np.gradient(acceleration)[coarse], acceleration[coarse] * direction]
+
+
+def _hats(coordinate: FloatArray, number: int) -> list[FloatArray]:
+    """Triangles over a coordinate that sum to 1, (m,) each."""
+    nodes = np.linspace(coordinate.min(), coordinate.max(), number)
+    return [np.asarray(np.interp(coordinate, nodes, row)) for row in np.eye(number)]
+
+
+def _waves(position: FloatArray, rows: IntArray, left: FloatArray, forces: FloatArray) -> list[float]:
+    """Wave numbers (rad/m) of the few waves along the travel that stand out of a residual, strongest first."""
+    numbers = np.pi * np.arange(1, LINES + 1) / max(float(np.ptp(position)), 1e-300)
+    there = np.exp(1j * np.outer(numbers, position[rows]))
+    taken: list[int] = []
+    for _ in range(WAVES):
+        quiet, _ = _without(left, forces)
+        independent, _ = _memory(quiet)
+        share = 2.0 * np.abs(there @ quiet) ** 2 / (len(quiet) * max(float(quiet @ quiet), 1e-300))
+        share[taken] = 0.0
+        best = int(np.argmax(share))
+        if share[best] * independent < 2.0 * np.log(LINES / SURE):
+            break
+        taken.append(best)
+        forces = np.vstack([forces, there[best].real, there[best].imag])
+    return [float(numbers[i]) for i in taken]
+
+
+def _of_size_one(forces: FloatArray) -> FloatArray:
+    """Forces (q, m) of rms 1, without those that are 0."""
+    size = np.sqrt(np.mean(forces**2, axis=1)) if forces.size else np.zeros(len(forces))
+    kept = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)
+    return np.asarray(forces[kept] / size[kept, None])
+
+
+def _without(left: FloatArray, forces: FloatArray) -> tuple[FloatArray, float]:
+    """A residual (m,) freed of forces (q, m), and how many of these are independent."""
+    gram = forces @ forces.T / len(left)
+    values, vectors = np.linalg.eigh(gram)
+    good = values > 1e-6 * values.max(initial=1e-300)
+    basis = (vectors[:, good] / np.sqrt(values[good])).T @ forces
+    return left - (basis @ left / len(left)) @ basis, float(good.sum())
+
+
+def _memory(noise: FloatArray) -> tuple[float, float]:
+    """How many rows of a noise are independent, and its density at low frequencies against that of white rows."""
+    n = len(noise)
+    spectrum = np.abs(np.fft.rfft(noise, 2 * n)) ** 2
+    correlation = np.fft.irfft(spectrum)[: max(n // 4, 2)]
+    correlation = correlation[1:] / max(correlation[0], 1e-300)
+    first = np.flatnonzero(correlation <= 0.0)
+    near = correlation[: int(first[0])] if len(first) else correlation
+    independent = n / (1.0 + 2.0 * float(np.sum(np.maximum(near**2 - 1.0 / n, 0.0))))
+    return independent, 1.0 + 2.0 * float(near.sum())
