@@ -22,7 +22,7 @@ ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation"
 ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["evidence", "candidates", "residual", "discrepancy", "entries", "report", "location", "locate"]
-DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
+DIAGNOSIS += ["result", "search", "patched", "experiment", "naming", "limits", "assembly", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 

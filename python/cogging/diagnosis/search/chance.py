@@ -1,0 +1,87 @@
+"""The chance that a search accepts an effect that is there, by the rules of choice and confirmation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+from scipy.stats import chi2
+
+from cogging.arrays import FloatArray
+from cogging.diagnosis.search.choice import DETECTED, JOINT
+from cogging.diagnosis.search.confirmation import INFORMATIVE
+from cogging.diagnosis.search.search import HINTED
+
+NORMAL = ndtri((np.arange(31) + 0.5) / 31)  # equally likely values of a normal variable
+OTHERS = (np.arange(3) + 0.5) / 3  # equally likely chances of the other degrees of freedom
+GRID = np.geomspace(1.0, 1e5, 200)  # of T
+LAMBDAS = np.geomspace(2.0, 2e3, 48)  # at which the chance is computed
+#: As in Confirmation: deviations by which a ratio may be less or more than 1, its least deviation and its least value.
+LESS, MORE, AT_LEAST, HALF = 3.0, 10.0, 0.15, 0.5
+
+
+@dataclass(frozen=True)
+class Powers:
+    """Least T that is worth a name: on these logs, and on the other motion."""
+
+    own: float
+    other: float
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """How well the logs see an effect of one shape.
+
+    Attributes:
+        trials: number of independent shapes that a scan tries.
+        freedom: degrees of freedom p of its T.
+        bounded: T at each of GRID, allowed for levels of noise that are known from few lines (Evidence.bounded).
+        other: noncentrality that the other motion has for each of these logs'; None without other motion.
+        least: T below which it is too small to be told from rounding.
+        needed: log p-value that it needs where the other motion cannot show it.
+        once: whether it need not happen again on the other motion.
+    """
+
+    trials: float
+    freedom: int
+    bounded: FloatArray
+    other: float | None
+    least: float
+    needed: float
+    once: bool
+
+
+def chances(one: Visibility, worth: Powers) -> FloatArray:
+    """The chance that an effect is accepted, at each noncentrality of LAMBDAS, (48,).
+
+    T = (sqrt(lambda) + z)^2 + w, z normal, w chi-square with p - 1 degrees of freedom. The amplitudes that were found
+    are frozen; of the noncentrality T lambda_other / lambda that they promise, the other motion shows the ratio
+    (lambda + sqrt(lambda) z) / T, with the deviation that noise gives it.
+    """
+    root, z = np.sqrt(LAMBDAS)[:, None, None], NORMAL[None, :, None]
+    w = chi2.ppf(OTHERS, one.freedom - 1)[None, None, :] if one.freedom > 1 else np.zeros((1, 1, 1))
+    statistic = (root + z) ** 2 + w
+    shown = np.interp(statistic, GRID, one.bounded)
+    levels = np.minimum(chi2.logsf(one.bounded, one.freedom) + np.log(one.trials), 0.0)
+    level = np.interp(statistic, GRID, levels)
+    strong = (level <= DETECTED) & (shown >= worth.own) & (statistic >= one.least)
+    if one.other is None:
+        return np.asarray(strong.mean(axis=(1, 2)))
+    promised = np.maximum(statistic * one.other, 1e-12)
+    mean, deviation = (root**2 + root * z) / statistic, 1.0 / np.sqrt(promised)
+    allowed = np.hypot(deviation, AT_LEAST)
+    low = np.maximum(HALF, 1.0 - LESS * allowed)
+    together = np.sqrt(np.maximum(_needed_there(level), worth.other) / promised)
+    hinted = (level > DETECTED) & (level <= HINTED) & (statistic >= one.least)
+    low = np.where(strong, low, np.where(hinted, np.maximum(low, together), np.inf))
+    confirmed = np.maximum(ndtr((mean - low) / deviation) - ndtr((mean - 1.0 - MORE * allowed) / deviation), 0.0)
+    alone = strong & (level <= one.needed)
+    answer = np.where(promised >= INFORMATIVE, confirmed + (1.0 - confirmed) * (alone & one.once), alone)
+    return np.asarray(answer.mean(axis=(1, 2)))
+
+
+def _needed_there(level: FloatArray) -> FloatArray:
+    """T, of one degree of freedom and one sign, that the other motion must show beside a log p-value on these."""
+    wanted = np.minimum(JOINT - level, np.log(0.5))
+    return np.asarray(ndtri(np.exp(wanted)) ** 2)
