@@ -68,7 +68,7 @@ def within(fields: Any, limit: Any) -> bool:
     """Whether the shape of what was drawn lies in the range for which the limit is told."""
     for field, span in limit.shape.items():
         if field in fields and field != "damping":
-            low, high = span if isinstance(span, list) else (0.5 * span, 2.0 * span)
+            low, high = span if isinstance(span, list) else (0.9 * span, 1.1 * span)
             if not low <= fields[field][0] <= high:
                 return False
     return True

@@ -9,7 +9,7 @@ import pytest
 import cogging
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import Candidate
-from cogging.diagnosis.candidates.sizes import is_sought
+from cogging.diagnosis.candidates.sizes import directions, is_sought, likely_shapes, size_of
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.evidence.score_test import ScoreTest
@@ -86,6 +86,27 @@ def test_where_nothing_was_measured_nothing_can_be_seen():
     assert set(told["unseen"].values()) == {"nothing was measured"}
 
 
+def test_a_size_is_one_number_of_the_effect(views):
+    """A wave's is that of sine and cosine together, a list's its largest; less of a limit or a stiffness does more."""
+    for name, law in VOCABULARY.items():
+        size = size_of(law)
+        if name not in LISTED:
+            continue
+        assert size.field in law.ROLES
+        shapes, trials = likely_shapes(views[0].evidence, law)
+        assert trials >= 1.0
+        for one in shapes if not size.made_by_shape else []:
+            turned = directions(one)
+            assert turned.shape[1] == len(one.amplitudes)
+            pairs = turned.reshape(len(turned), len({field for field, _ in one.amplitudes}), -1)
+            assert np.allclose(np.sqrt((pairs**2).sum(axis=1)).max(axis=1), 1.0), name
+    told = limit(views[0], VOCABULARY["command_saturation"])
+    assert told.smaller_shows
+    assert 0.5 < told.value / views[0].evidence.sources[0].log.command.max() < 1.1
+    assert told.to_dict()["smaller_shows"] is True
+    assert not limit(views[0], VOCABULARY["command_dead_zone"]).smaller_shows
+
+
 # What no motion shows -------------------------------------------------------------------------------------------------
 
 
@@ -152,26 +173,27 @@ def test_a_limit_goes_with_the_noise_and_the_root_of_the_rows(name, views):
 
 
 @pytest.mark.parametrize(
-    ("freedom", "trials", "other"), [(1, 1.0, 0.5), (2, 300.0, 0.2), (1, 12.0, 2.0), (6, 1.0, 1.0)]
+    ("freedom", "trials", "other", "spread"),
+    [(1, 1.0, 0.5, 0.0), (2, 300.0, 0.2, 0.0), (1, 12.0, 2.0, 0.6), (6, 1.0, 1.0, 0.3)],
 )
-def test_the_chance_is_that_of_the_rules(freedom, trials, other):
+def test_the_chance_is_that_of_the_rules(freedom, trials, other, spread):
     """Effects drawn with their noise, and put to the functions by which a search accepts."""
     random, draws = np.random.default_rng(freedom), 1500
     law = VOCABULARY["viscous_asymmetry"]
-    told = chances(Visibility(trials, freedom, GRID, other, 0.0, UNSHOWN, False), Powers(12.0, 12.0))
+    told = chances(Visibility(trials, freedom, spread, GRID, other, 0.0, UNSHOWN, False), Powers(12.0, 12.0))
     for power in (10.0, 25.0, 40.0, 80.0):
         accepted = 0
         for _ in range(draws):
             amplitude = np.zeros(freedom)
             amplitude[0] = np.sqrt(power)
             estimate = amplitude + random.standard_normal(freedom)
-            statistic = float(estimate @ estimate)
+            promised = other * float(estimate @ estimate)
+            statistic = float(estimate @ estimate) * np.exp(spread * random.standard_normal())
             level = min(0.0, log_survival(statistic, freedom) + np.log(trials))
             test = ScoreTest(statistic, freedom, -estimate, np.zeros(1), np.ones(freedom))
             finding = Finding(Candidate(law, {}, (), ()), test, estimate, trials, level, statistic)
-            noncentrality = other * statistic
-            shown = other * float(estimate @ amplitude) + np.sqrt(noncentrality) * random.standard_normal()
-            check = Confirmation(noncentrality, shown / noncentrality, 2.0 * shown - noncentrality)
+            shown = other * float(estimate @ amplitude) + np.sqrt(promised) * random.standard_normal()
+            check = Confirmation(promised, shown / promised, 2.0 * shown - promised)
             hinted = level <= -3.0
             accepted += hinted and is_seen(finding, check, 1200.0, 1200.0) and refusal(finding, check) is None
         chance = float(np.interp(power, LAMBDAS, told))
@@ -179,7 +201,7 @@ def test_the_chance_is_that_of_the_rules(freedom, trials, other):
 
 
 def test_without_other_motion_the_chance_is_that_of_the_tail():
-    told = chances(Visibility(1.0, 1, GRID, None, 0.0, UNSHOWN, False), Powers(0.0, 0.0))
+    told = chances(Visibility(1.0, 1, 0.0, GRID, None, 0.0, UNSHOWN, False), Powers(0.0, 0.0))
     assert np.all(np.diff(told) >= 0.0)
     half = float(np.interp(0.5, told, LAMBDAS))
     assert -log_survival(half, 1) == pytest.approx(9.5, rel=0.03)

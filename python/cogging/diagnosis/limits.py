@@ -117,7 +117,9 @@ def solved(grown: Sequence[Growth], worth: Powers, none: Limit, strengths: Float
     Where even the largest would not be shown at all shapes, those that are seen least are left out, up to half.
     """
     logs = np.log(LAMBDAS)
-    each = [np.interp(g.at(strengths, not none.smaller_shows), logs, chances(g.visibility, worth)) for g in grown]
+    known = {id(one.visibility): one.visibility for one in grown}
+    shown = {key: chances(visibility, worth) for key, visibility in known.items()}
+    each = [np.interp(g.at(strengths, not none.smaller_shows), logs, shown[id(g.visibility)]) for g in grown]
     shapes = list({id(one.shape): one.shape for one in grown}.values())
     by_shape = [
         np.mean([chance for one, chance in zip(grown, each, strict=True) if one.shape is shape], axis=0)

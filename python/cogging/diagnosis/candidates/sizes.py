@@ -23,7 +23,8 @@ from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 
 MIDDLE = (0.25, 0.75)  # of a range that is searched, between which an effect is expected to have its shape
-WAVES = 12  # periods, or frequencies, of a wave
+WAVES = 8  # periods, or frequencies, of a wave
+SHAPES = 12  # of an effect, at most
 PHASES = 4  # of a wave, over half a turn: the sign makes no difference
 DRAWS = 12  # of amplitudes that are a list along the travel
 SHARE = 0.2  # of the mass behind a contact, for which a play is told
@@ -107,6 +108,8 @@ def likely_shapes(evidence: Evidence, law: Effect) -> tuple[list[Candidate], flo
         else:
             kept = _middle(values, bool(role["logarithmic"]))
             grid = [one for one in grid if one.period is not None or one.shape[field] in kept]
+    if not (size and size.made_by_shape):
+        grid = grid[:: -(-len(grid) // SHAPES) or 1]
     return grid, max(trials, 1.0)
 
 

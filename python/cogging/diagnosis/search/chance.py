@@ -5,18 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr, ndtri
-from scipy.stats import chi2
+from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.search.choice import DETECTED, JOINT
 from cogging.diagnosis.search.confirmation import INFORMATIVE
 from cogging.diagnosis.search.search import HINTED
 
-NORMAL = ndtri((np.arange(31) + 0.5) / 31)  # equally likely values of a normal variable
-OTHERS = (np.arange(3) + 0.5) / 3  # equally likely chances of the other degrees of freedom
-GRID = np.geomspace(1.0, 1e5, 200)  # of T
-LAMBDAS = np.geomspace(2.0, 2e3, 48)  # at which the chance is computed
+NORMAL = ndtri((np.arange(21) + 0.5) / 21)  # equally likely values of a normal variable
+NOISE = ndtri((np.arange(5) + 0.5) / 5)  # the same, of the level of the noise
+OTHERS = np.array([0.2, 0.7])  # equally likely chances of the other degrees of freedom
+GRID = np.geomspace(1.0, 1e5, 120)  # of T
+LAMBDAS = np.geomspace(2.0, 2e3, 28)  # at which the chance is computed
+TINY = 1e-300  # a chance that is as good as none
+FIRM = 0.05  # spread, below which it is as good as none
 #: As in Confirmation: deviations by which a ratio may be less or more than 1, its least deviation and its least value.
 LESS, MORE, AT_LEAST, HALF = 3.0, 10.0, 0.15, 0.5
 
@@ -36,6 +38,7 @@ class Visibility:
     Attributes:
         trials: number of independent shapes that a scan tries.
         freedom: degrees of freedom p of its T.
+        spread: deviation of ln T from one log to the next, as far as the level of the noise is told from few lines.
         bounded: T at each of GRID, allowed for levels of noise that are known from few lines (Evidence.bounded).
         other: noncentrality that the other motion has for each of these logs'; None without other motion.
         least: T below which it is too small to be told from rounding.
@@ -45,6 +48,7 @@ class Visibility:
 
     trials: float
     freedom: int
+    spread: float
     bounded: FloatArray
     other: float | None
     least: float
@@ -53,21 +57,21 @@ class Visibility:
 
 
 def chances(one: Visibility, worth: Powers) -> FloatArray:
-    """The chance that an effect is accepted, at each noncentrality of LAMBDAS, (48,).
+    """The chance that an effect is accepted, at each noncentrality of LAMBDAS, (28,).
 
-    T = (sqrt(lambda) + z)^2 + w, z normal, w chi-square with p - 1 degrees of freedom. The amplitudes that were found
-    are frozen; of the noncentrality T lambda_other / lambda that they promise, the other motion shows the ratio
-    (lambda + sqrt(lambda) z) / T, with the deviation that noise gives it.
+    T = ((sqrt(lambda) + z)^2 + w) exp(spread e): z and e normal, w chi-square with p - 1 degrees of freedom. The
+    amplitudes that were found are frozen; of the noncentrality that they promise, lambda_other / lambda of T, the other
+    motion shows the ratio (lambda + sqrt(lambda) z) / T, with the deviation that noise gives it.
     """
-    root, z = np.sqrt(LAMBDAS)[:, None, None], NORMAL[None, :, None]
-    w = chi2.ppf(OTHERS, one.freedom - 1)[None, None, :] if one.freedom > 1 else np.zeros((1, 1, 1))
+    root, z = np.sqrt(LAMBDAS)[:, None, None, None], NORMAL[:, None, None]
+    w = (chdtri(one.freedom - 1, OTHERS) if one.freedom > 1 else np.zeros(1))[:, None]
     statistic = (root + z) ** 2 + w
-    shown = np.interp(statistic, GRID, one.bounded)
-    levels = np.minimum(chi2.logsf(one.bounded, one.freedom) + np.log(one.trials), 0.0)
-    level = np.interp(statistic, GRID, levels)
+    louder = statistic * np.exp(one.spread * (NOISE if one.spread > FIRM else np.zeros(1)))
+    levels = np.minimum(np.log(np.maximum(chdtrc(one.freedom, one.bounded), TINY)) + np.log(one.trials), 0.0)
+    shown, level = np.interp(louder, GRID, one.bounded), np.interp(louder, GRID, levels)
     strong = (level <= DETECTED) & (shown >= worth.own) & (statistic >= one.least)
     if one.other is None:
-        return np.asarray(strong.mean(axis=(1, 2)))
+        return np.asarray(strong.mean(axis=(1, 2, 3)))
     promised = np.maximum(statistic * one.other, 1e-12)
     mean, deviation = (root**2 + root * z) / statistic, 1.0 / np.sqrt(promised)
     allowed = np.hypot(deviation, AT_LEAST)
@@ -78,7 +82,7 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
     confirmed = np.maximum(ndtr((mean - low) / deviation) - ndtr((mean - 1.0 - MORE * allowed) / deviation), 0.0)
     alone = strong & (level <= one.needed)
     answer = np.where(promised >= INFORMATIVE, confirmed + (1.0 - confirmed) * (alone & one.once), alone)
-    return np.asarray(answer.mean(axis=(1, 2)))
+    return np.asarray(answer.mean(axis=(1, 2, 3)))
 
 
 def _needed_there(level: FloatArray) -> FloatArray:
