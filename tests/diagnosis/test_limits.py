@@ -180,7 +180,7 @@ def test_the_chance_is_that_of_the_rules(freedom, trials, other, spread):
     """Effects drawn with their noise, and put to the functions by which a search accepts."""
     random, draws = np.random.default_rng(freedom), 1500
     law = VOCABULARY["viscous_asymmetry"]
-    told = chances(Visibility(trials, freedom, spread, GRID, other, 0.0, UNSHOWN, False), Powers(12.0, 12.0))
+    told = chances(Visibility(trials, freedom, spread, spread, GRID, other, 0.0, UNSHOWN, False), Powers(12.0, 12.0))
     for power in (10.0, 25.0, 40.0, 80.0):
         accepted = 0
         for _ in range(draws):
@@ -193,6 +193,7 @@ def test_the_chance_is_that_of_the_rules(freedom, trials, other, spread):
             test = ScoreTest(statistic, freedom, -estimate, np.zeros(1), np.ones(freedom))
             finding = Finding(Candidate(law, {}, (), ()), test, estimate, trials, level, statistic)
             shown = other * float(estimate @ amplitude) + np.sqrt(promised) * random.standard_normal()
+            shown, promised = np.array([shown, promised]) * np.exp(spread * random.standard_normal())
             check = Confirmation(promised, shown / promised, 2.0 * shown - promised)
             hinted = level <= -3.0
             accepted += hinted and is_seen(finding, check, 1200.0, 1200.0) and refusal(finding, check) is None
@@ -201,7 +202,7 @@ def test_the_chance_is_that_of_the_rules(freedom, trials, other, spread):
 
 
 def test_without_other_motion_the_chance_is_that_of_the_tail():
-    told = chances(Visibility(1.0, 1, 0.0, GRID, None, 0.0, UNSHOWN, False), Powers(0.0, 0.0))
+    told = chances(Visibility(1.0, 1, 0.0, 0.0, GRID, None, 0.0, UNSHOWN, False), Powers(0.0, 0.0))
     assert np.all(np.diff(told) >= 0.0)
     half = float(np.interp(0.5, told, LAMBDAS))
     assert -log_survival(half, 1) == pytest.approx(9.5, rel=0.03)

@@ -52,7 +52,7 @@ def limits(found: Search, model: Model, confirmed: bool) -> dict[str, Limit]:
     worth = Powers(WORTH * low_power(evidence), power)
     _ = evidence.scales, evidence.overdispersion, evidence.freedom  # made here once, not by every thread
     if other is not None:
-        _ = other.scales, other.overdispersion
+        _ = other.scales, other.overdispersion, other.freedom
 
     def one(law: Effect) -> Limit:
         return limit(View(evidence, _basis_without(found, law), other, confirmed, worth), law)
@@ -97,7 +97,7 @@ def limit(view: View, law: Effect) -> Limit:
         return replace(none, why="it cannot be simulated along these logs")
     least, bound = range_of(view.evidence, law, size)
     if not 0.0 < bound < np.inf or all(one.log_lambdas[-1] <= UNSEEN for one in grown):
-        return replace(none, why="it does nothing in this motion that re-tuning would not do too")
+        return replace(none, why="it does nothing in this motion that a search would tell from what is re-tuned")
     sign = 1.0 if size.grows else -1.0
     strengths = sign * np.log(bound) - np.arange(0.0, RANGE, STEP)[::-1]
     strengths = strengths[strengths >= (sign * np.log(least) if 0.0 < least < np.inf else -np.inf)]
@@ -135,7 +135,8 @@ def solved(grown: Sequence[Growth], worth: Powers, none: Limit, strengths: Float
     told = told_shape(shapes[0].law, [shapes[i] for i in order], size)
     curve = replace(none, shape=told, sizes=tuple(sizes.tolist()), chances=tuple(chance.tolist()))
     if chance[-1] < CHANCE:
-        text = f"{'below' if none.smaller_shows else 'beyond'} {sizes[-1]:.3g} {none.unit}".rstrip()
+        unit = "" if none.unit == "1" else f" {none.unit}"
+        text = f"{'below' if none.smaller_shows else 'beyond'} {sizes[-1]:.3g}{unit}"
         return replace(curve, why=f"it would have to be {text}")
     return replace(curve, value=float(sizes[int(np.searchsorted(chance, CHANCE))]))
 

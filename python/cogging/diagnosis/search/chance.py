@@ -13,7 +13,8 @@ from cogging.diagnosis.search.confirmation import INFORMATIVE
 from cogging.diagnosis.search.search import HINTED
 
 NORMAL = ndtri((np.arange(21) + 0.5) / 21)  # equally likely values of a normal variable
-NOISE = ndtri((np.arange(5) + 0.5) / 5)  # the same, of the level of the noise
+NOISE = ndtri((np.arange(4) + 0.5) / 4)  # the same, of the level of the noise
+NOISE = NOISE / np.sqrt(np.mean(NOISE**2))
 OTHERS = np.array([0.2, 0.7])  # equally likely chances of the other degrees of freedom
 GRID = np.geomspace(1.0, 1e5, 120)  # of T
 LAMBDAS = np.geomspace(2.0, 2e3, 28)  # at which the chance is computed
@@ -39,6 +40,7 @@ class Visibility:
         trials: number of independent shapes that a scan tries.
         freedom: degrees of freedom p of its T.
         spread: deviation of ln T from one log to the next, as far as the level of the noise is told from few lines.
+        spread_there: the same of the other motion.
         bounded: T at each of GRID, allowed for levels of noise that are known from few lines (Evidence.bounded).
         other: noncentrality that the other motion has for each of these logs'; None without other motion.
         least: T below which it is too small to be told from rounding.
@@ -49,6 +51,7 @@ class Visibility:
     trials: float
     freedom: int
     spread: float
+    spread_there: float
     bounded: FloatArray
     other: float | None
     least: float
@@ -61,20 +64,21 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
 
     T = ((sqrt(lambda) + z)^2 + w) exp(spread e): z and e normal, w chi-square with p - 1 degrees of freedom. The
     amplitudes that were found are frozen; of the noncentrality that they promise, lambda_other / lambda of T, the other
-    motion shows the ratio (lambda + sqrt(lambda) z) / T, with the deviation that noise gives it.
+    motion shows the ratio (lambda + sqrt(lambda) z) / T, with the deviation that its noise gives it. The level of that
+    noise too is told from few lines: the promise is taken for larger or smaller than it is.
     """
-    root, z = np.sqrt(LAMBDAS)[:, None, None, None], NORMAL[:, None, None]
-    w = (chdtri(one.freedom - 1, OTHERS) if one.freedom > 1 else np.zeros(1))[:, None]
+    root, z = np.sqrt(LAMBDAS)[:, None, None, None, None], NORMAL[:, None, None, None]
+    w = (chdtri(one.freedom - 1, OTHERS) if one.freedom > 1 else np.zeros(1))[:, None, None]
     statistic = (root + z) ** 2 + w
-    louder = statistic * np.exp(one.spread * (NOISE if one.spread > FIRM else np.zeros(1)))
+    louder = statistic * np.exp(_levels(one.spread))[:, None]
     levels = np.minimum(np.log(np.maximum(chdtrc(one.freedom, one.bounded), TINY)) + np.log(one.trials), 0.0)
     shown, level = np.interp(louder, GRID, one.bounded), np.interp(louder, GRID, levels)
     strong = (level <= DETECTED) & (shown >= worth.own) & (statistic >= one.least)
     if one.other is None:
-        return np.asarray(strong.mean(axis=(1, 2, 3)))
-    promised = np.maximum(statistic * one.other, 1e-12)
-    mean, deviation = (root**2 + root * z) / statistic, 1.0 / np.sqrt(promised)
-    allowed = np.hypot(deviation, AT_LEAST)
+        return np.asarray(strong.mean(axis=(1, 2, 3, 4)))
+    mean, deviation = (root**2 + root * z) / statistic, 1.0 / np.sqrt(np.maximum(statistic * one.other, 1e-12))
+    promised = np.exp(_levels(one.spread_there)) / deviation**2
+    allowed = np.hypot(1.0 / np.sqrt(promised), AT_LEAST)
     low = np.maximum(HALF, 1.0 - LESS * allowed)
     together = np.sqrt(np.maximum(_needed_there(level), worth.other) / promised)
     hinted = (level > DETECTED) & (level <= HINTED) & (statistic >= one.least)
@@ -82,7 +86,12 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
     confirmed = np.maximum(ndtr((mean - low) / deviation) - ndtr((mean - 1.0 - MORE * allowed) / deviation), 0.0)
     alone = strong & (level <= one.needed)
     answer = np.where(promised >= INFORMATIVE, confirmed + (1.0 - confirmed) * (alone & one.once), alone)
-    return np.asarray(answer.mean(axis=(1, 2, 3)))
+    return np.asarray(answer.mean(axis=(1, 2, 3, 4)))
+
+
+def _levels(spread: float) -> FloatArray:
+    """Equally likely logarithms of the level of the noise."""
+    return spread * NOISE if spread > FIRM else np.zeros(1)
 
 
 def _needed_there(level: FloatArray) -> FloatArray:

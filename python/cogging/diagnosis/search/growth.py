@@ -23,6 +23,8 @@ UNSEEN = -50.0  # ln noncentrality of what these logs do not see
 GROUPS = 12  # shapes of an effect that has its size in the shape, at most
 TYPICAL = 50.0  # noncentrality of an effect of about the size of its limit
 
+Noise = tuple[float, float, FloatArray]  # spread, spread_there and bounded of a Visibility
+
 
 @dataclass(frozen=True)
 class View:
@@ -87,7 +89,7 @@ def growth_of_amplitudes(view: View, law: Effect, shapes: Sequence[Candidate], t
     for candidate, columns, other in zip(shapes, own, there, strict=True):
         gram = columns @ columns.T / view.evidence.overdispersion
         gram_there = np.zeros_like(gram) if view.other is None else other @ other.T / view.other.overdispersion
-        noise, freedom = _bounded(view.evidence, columns), _freedom(gram)
+        noise, freedom = _noise(view, columns, other), _freedom(gram)
         turned = directions(candidate)
         powers = np.maximum(np.einsum("mi,ij,mj->m", turned, gram, turned), np.exp(UNSEEN))
         ratio = float(np.mean(np.einsum("mi,ij,mj->m", turned, gram_there, turned) / powers))
@@ -117,12 +119,12 @@ def growth_of_shapes(view: View, law: Effect, shapes: Sequence[Candidate], trial
         powers = powers * _share_factor(group[0], size) / view.evidence.overdispersion
         powers = np.maximum.accumulate(np.maximum(powers, np.exp(UNSEEN)))
         typical = int(np.argmin(np.abs(np.log(powers / TYPICAL))))
-        ratio = 0.0
+        ratio, other = 0.0, own[typical]
         if view.other is not None:
             other = _columns(view.other, view.other.basis, [group[typical]])[0]
             here = max(float(np.sum(own[typical] ** 2)), 1e-300) / view.evidence.overdispersion
             ratio = float(np.sum(other**2)) / view.other.overdispersion / here
-        noise = _bounded(view.evidence, own[typical])
+        noise = _noise(view, own[typical], other)
         visibility = _visibility(view, law, trials, 1, noise, ratio, 1.0)
         grown.append(Growth(group[typical], strengths, np.log(powers), visibility))
     return grown
@@ -155,7 +157,13 @@ def _share_factor(candidate: Candidate, size: Size) -> float:
 
 
 def _visibility(
-    view: View, law: Effect, trials: float, freedom: int, noise: tuple[float, FloatArray], ratio: float, power: float
+    view: View,
+    law: Effect,
+    trials: float,
+    freedom: int,
+    noise: tuple[float, float, FloatArray],
+    ratio: float,
+    power: float,
 ) -> Visibility:
     """How well an effect of one shape is seen, whose noncentrality at size 1 is `power`."""
     once = acts_in_interval(law)
@@ -172,6 +180,12 @@ def _freedom(gram: FloatArray) -> int:
     if not seen.any():
         return 1
     return int((np.linalg.eigvalsh(gram[np.ix_(seen, seen)] / np.outer(size[seen], size[seen])) > 1e-4).sum())
+
+
+def _noise(view: View, columns: FloatArray, other: FloatArray) -> Noise:
+    """Spread of T by the level of the noise here and on the other motion, and T at each of GRID allowed for it."""
+    spread, bounded = _bounded(view.evidence, columns)
+    return spread, spread if view.other is None else _bounded(view.other, other)[0], bounded
 
 
 def _bounded(evidence: Evidence, columns: FloatArray) -> tuple[float, FloatArray]:
