@@ -22,7 +22,18 @@ ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation"
 ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries", "report"]
-DIAGNOSIS += ["location", "locate", "result", "search", "patched", "experiment", "naming", "assembly", "diagnose"]
+DIAGNOSIS += [
+    "location",
+    "locate",
+    "result",
+    "search",
+    "patched",
+    "experiment",
+    "naming",
+    "limits",
+    "assembly",
+    "diagnose",
+]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 

@@ -14,6 +14,7 @@ from cogging.diagnosis.entries import Gap, NamedEffect, Step
 from cogging.diagnosis.evidence.preparation import Prepared
 from cogging.diagnosis.evidence.running_controller import obeys
 from cogging.diagnosis.experiment.separating import separating
+from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.naming.large_names import map_note, named_large
@@ -76,6 +77,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         placebo=placebos(found),
         series=_series(logs.given, measured.given, location) | {"given": model},
         vocabulary=found.vocabulary,
+        limits=limits(found, model, bool(logs.confirm)),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,11 +14,12 @@ from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
 from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
+from cogging.diagnosis.limits import unmeasured
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
 from cogging.diagnosis.thresholds import PREPARATION
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
-from cogging.effects.effect import VOCABULARY
+from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
@@ -80,19 +81,19 @@ def diagnose(
     model, notes = running.model, (*ready.notes, *running.notes)
     if running.contradiction is not None:
         notes = (*notes, f"{running.contradiction}: no model of the plant can help before that is settled")
-        return _unmeasured("controller_mismatch", model, notes)
+        return _unmeasured("controller_mismatch", model, notes, vocabulary)
     ready = whole_logs(replace(ready, notes=notes), model)
     moving = sum(seconds_of_motion(log) for log in ready.given)
     if moving < PREPARATION.motion_min:
         rest = f"the axis moves for {moving:.2g} s only: at rest, friction hides every force"
-        return _unmeasured("insufficient_excitation", model, (*ready.notes, rest))
+        return _unmeasured("insufficient_excitation", model, (*ready.notes, rest), vocabulary)
     _require_commands(ready)
     with steps(progress, "diagnose") as begin:
         try:
             loops = running.replay and all(obeys(log, model) for log in ready.confirm)
             found = search(ready.given, model, ready.confirm, begin, loops, vocabulary=vocabulary)
         except NothingCounts as error:
-            return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)))
+            return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)), vocabulary)
         begin("measuring the gap")
         result = assemble(found, ready, model, running.replay)
     wanted = empirical and result.unlisted is not None
@@ -106,7 +107,8 @@ def _require_commands(logs: Prepared) -> None:
             raise ValueError(f"{name}: command: must act on an axis that moves, got 0 V in every row")
 
 
-def _unmeasured(verdict: str, model: Model, notes: Sequence[str]) -> Diagnosis:
+def _unmeasured(verdict: str, model: Model, notes: Sequence[str], vocabulary: Mapping[str, Effect]) -> Diagnosis:
     """A verdict that comes before anything can be measured."""
     gap = Gap("V", 0.0, 0.0, 0.0, None, None, "not measured")
-    return Diagnosis(verdict, (), None, gap, None, model, model, notes=tuple(notes))
+    limits = unmeasured(vocabulary)
+    return Diagnosis(verdict, (), None, gap, None, model, model, notes=tuple(notes), limits=limits)

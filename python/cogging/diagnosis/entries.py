@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from cogging.diagnosis.thresholds import GAP
@@ -154,3 +154,36 @@ class Gap:
             "tracking_error_before": self.position_before,
             "tracking_error_after": self.position_after,
         }
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The smallest size of an effect that the logs would have shown with a chance of 95 %.
+
+    Attributes:
+        parameter: field that is the size, or the first of several; `change` of a level, new / old - 1.
+        unit: of the size.
+        value: the size; None where this motion cannot show it.
+        why: why there is no value; empty where there is one.
+        meaning: how several fields make one size; empty where it is the field alone.
+        smaller_shows: whether a smaller value does more: of a stiffness, or of a limit.
+        shape: numbers of the shape for which it holds, or the range over which the chance is an average.
+        sizes, chances: sizes from the least to the strongest, and with what chance the logs would have shown each.
+    """
+
+    parameter: str
+    unit: str
+    value: float | None = None
+    why: str = ""
+    meaning: str = ""
+    smaller_shows: bool = False
+    shape: Mapping[str, Any] = field(default_factory=dict)
+    sizes: tuple[float, ...] = ()
+    chances: tuple[float, ...] = ()
+
+    def to_dict(self) -> dict[str, Any] | None:
+        """The limit as an entry of the JSON result; None where there is none."""
+        if self.value is None:
+            return None
+        told = {"parameter": self.parameter, "value": self.value, "unit": self.unit, "shape": dict(self.shape)}
+        return told | ({"meaning": self.meaning} if self.meaning else {}) | {"smaller_shows": self.smaller_shows}

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.entries import Gap, NamedEffect, Placebo, Step
+from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Placebo, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.report.page import html, overview
-from cogging.diagnosis.report.words import step_text, term_text
+from cogging.diagnosis.report.words import limit_lines, step_text, term_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
@@ -42,6 +42,8 @@ class Diagnosis(ByValue):
             acceleration, command (V, without the gap where that is part of it), gap_before, gap_after (V) and mask
             (rows in motion).
         vocabulary: effects that were tried, as they are when they do nothing, by name.
+        limits: smallest size of each effect that these logs would have shown with a chance of 95 %; empty where
+            nothing was measured.
     """
 
     verdict: str
@@ -58,6 +60,7 @@ class Diagnosis(ByValue):
     placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
+    limits: Mapping[str, Limit] = field(default_factory=dict)
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -72,6 +75,8 @@ class Diagnosis(ByValue):
             "unlisted": None if self.unlisted is None else dict(self.unlisted),
             "gap": self.gap.to_dict(),
             "separating_experiment": self.separating_experiment,
+            "limits": {name: limit.to_dict() for name, limit in self.limits.items()},
+            "unseen": {name: limit.why for name, limit in self.limits.items() if limit.value is None},
             "where": list(self.where_text),
             "ledger": [vars(step) for step in self.ledger],
             "placebo": [vars(entry) for entry in self.placebo],
@@ -138,6 +143,7 @@ class Diagnosis(ByValue):
             lines += [f"  {p.name}: T = {p.statistic:.1f}, {_number(p.confirm_gain)}" for p in self.placebo]
         if self.separating_experiment:
             lines.append(f"what would tell them apart: {self.separating_experiment}")
+        lines += limit_lines(self.limits)
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 

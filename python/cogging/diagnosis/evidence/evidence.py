@@ -120,18 +120,23 @@ class Evidence:
         It is the likelihood ratio with the level of each band free; d are its degrees of freedom, less those that the
         columns take there.
         """
+        each, freedoms = self.band_powers(test.explained)
+        total = max(float(np.sum(each)), 1e-300)
+        d = np.maximum(freedoms - test.freedom * each / total, 1.0)
+        return float(np.sum(d * np.log1p(each / d)))
+
+    def band_powers(self, explained: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Power of a row (n,) in each band of each log, over the overdispersion; and the bands' degrees of freedom."""
         powers, freedoms, start = [], [], 0
         for source, (parts, freedom) in zip(self.sources, self.freedom, strict=True):
             n = len(source.log)
             length = periodogram_length(n)
-            power = np.abs(np.fft.rfft(test.explained[start : start + n], length)) ** 2 / (length * self.overdispersion)
+            power = np.abs(np.fft.rfft(explained[start : start + n], length)) ** 2 / (length * self.overdispersion)
             powers += [float(power[0]) + 2.0 * float(power[parts[0]].sum())]
             powers += [2.0 * float(power[part].sum()) for part in parts[1:]]
             freedoms += list(freedom)
             start += n
-        each, total = np.array(powers), max(float(np.sum(powers)), 1e-300)
-        d = np.maximum(np.array(freedoms) - test.freedom * each / total, 1.0)
-        return float(np.sum(d * np.log1p(each / d)))
+        return np.array(powers), np.array(freedoms)
 
     @cached_property
     def scales(self) -> Scales:

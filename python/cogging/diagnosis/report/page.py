@@ -19,6 +19,7 @@ from cogging.diagnosis.report.words import (
     law,
     numbers,
     plain,
+    shape_words,
     term_text,
     unlisted_advice,
     where_words,
@@ -76,6 +77,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "next": _next(result),
         "ledger": result.ledger,
         "placebo": result.placebo,
+        "limits": _limits(result),
         "notes": result.notes,
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
@@ -89,6 +91,23 @@ def _term(result: Diagnosis) -> str:
     if result.unlisted is None or "added" not in result.unlisted:
         return ""
     return term_text(result.unlisted["added"], result.gap.unit)
+
+
+def _limits(result: Diagnosis) -> dict[str, list[dict[str, Any]]]:
+    """Rows of the detection limits, and what has none."""
+    rows = [
+        {
+            "words": plain(name),
+            "size": limit.meaning or limit.parameter,
+            "value": numbers(limit.value),
+            "unit": "" if limit.unit == "1" else limit.unit,
+            "smaller_shows": limit.smaller_shows,
+            "shape": shape_words(limit),
+            "why": limit.why,
+        }
+        for name, limit in result.limits.items()
+    ]
+    return {"shown": [row for row in rows if not row["why"]], "unseen": [row for row in rows if row["why"]]}
 
 
 def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from cogging.diagnosis.thresholds import REPORT
 from cogging.effects.effect import Effect
 
 if TYPE_CHECKING:
-    from cogging.diagnosis.entries import Step
+    from cogging.diagnosis.entries import Limit, Step
 
 
 HEADLINES = {
@@ -67,6 +67,35 @@ def step_text(step: Step, unit: str) -> str:
     if step.confirm_after is not None:
         gap += f", on the confirm logs {step.confirm_before:.4g} to {step.confirm_after:.4g} {unit}"
     return f"added   {step.name}: T = {step.statistic:.0f}, {gap}; {step.reason}"
+
+
+def limit_lines(limits: Mapping[str, Limit]) -> list[str]:
+    """The detection limits, a line an effect, then those that have none."""
+    shown = {name: limit for name, limit in limits.items() if limit.value is not None}
+    unseen = [name for name in limits if name not in shown]
+    lines = []
+    if shown:
+        lines.append("would have been shown with 95 % chance, from this size on:")
+        wide = max(len(name) for name in shown)
+        lines += [f"  {name:<{wide}}  {limit_text(limit)}" for name, limit in shown.items()]
+    if unseen:
+        lines.append(f"cannot be seen in this motion: {', '.join(unseen)}")
+    return lines
+
+
+def limit_text(limit: Limit) -> str:
+    """Size, unit and shape of a detection limit."""
+    unit, held = "" if limit.unit == "1" else limit.unit, shape_words(limit)
+    size = f"{limit.parameter} {numbers(limit.value)} {unit}".rstrip() + (" or less" if limit.smaller_shows else "")
+    return f"{size} ({held})" if held else size
+
+
+def shape_words(limit: Limit) -> str:
+    """The shape for which a detection limit holds, as words."""
+    return ", ".join(
+        f"{field} {value[0]:.3g} to {value[1]:.3g}" if isinstance(value, list) else f"{field} {value:.3g}"
+        for field, value in limit.shape.items()
+    )
 
 
 def plain(name: str) -> str:
