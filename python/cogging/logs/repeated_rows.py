@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray, Mask
+from cogging.logs.changed_copies import between_rows, in_order
 from cogging.logs.log import Log
 
 BLOCK_BITS = 5
@@ -21,6 +22,7 @@ COARSE = 1e-5  # of the spread of a column, to which it is rounded to be looked 
 SAME = 1e-6  # of it, by which the same reading may differ: written with other digits, scaled, in single precision
 OFFSETS = 64  # that are looked at exactly, those that most blocks speak for
 ALIKE = 16  # places at which a block is looked up: a motion without noise repeats itself
+MUCH = 0.25  # of the shorter log, that is a copy with rows left out or read anew: less may be like by chance
 MIXERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0xFF51AFD7ED558CCD], dtype=np.uint64)
 
 
@@ -44,7 +46,8 @@ class Spread:
 def repeated(log: Log, other: Log) -> Mask:
     """The rows of a log that stand in another too, (n,): the same position and command, STRETCH rows on end.
 
-    Time and references do not count: they may have been shifted, or added later.
+    Time and references do not count: they may have been shifted, or added later. Rows may have been left out (up to
+    about half of them), or read anew at other times, on the line between two rows.
     """
     found = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
@@ -62,7 +65,17 @@ def repeated(log: Log, other: Log) -> Mask:
             rows = slice(first + int(start), first + int(stop))
             if stop - start >= STRETCH and _different(log, rows, spread) >= STRETCH_DIFFERENT:
                 found[rows] = True
-    return found
+    return found if found.any() else _changed(log, other, spread)
+
+
+def _changed(log: Log, other: Log, spread: Spread) -> Mask:
+    """The rows of a log that stand in another with some left out, or at other times."""
+    with np.errstate(over="ignore"):
+        numbers = [_rounded(one.position, one.command, spread) for one in (log, other)]
+    for found in (in_order(*numbers), between_rows(log, other, (spread.position[0], spread.command[0]))):
+        if found.sum() >= MUCH * min(len(log), len(other)):
+            return found
+    return np.zeros(len(log), dtype=bool)
 
 
 def counted_once(
