@@ -1,6 +1,7 @@
 """The same rows are no new evidence: counted once where logs are given together, refused where they are to confirm."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -127,6 +128,8 @@ CHANGED = {
     "40 % left out": lambda log, random: left_out(log, random, 0.4),
     "every second": lambda log, random: cut(bare(log), slice(None, None, 2)),
     "5 % left out of a part": lambda log, random: left_out(cut(bare(log), slice(2000, 6000)), random, 0.05),
+    "in mm and mV, from another zero": lambda log, random: Log(log.time, 1e3 * log.position + 7.0, 1e3 * log.command),
+    "in A, 5 % left out": lambda log, random: left_out(replace(log, command=log.command / 35.15), random, 0.05),
     "read anew": lambda log, random: read_anew(log, random, held=False),
     "read anew, commands held": lambda log, random: read_anew(log, random, held=True),
 }

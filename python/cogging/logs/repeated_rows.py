@@ -47,11 +47,34 @@ def repeated(log: Log, other: Log) -> Mask:
     """The rows of a log that stand in another too, (n,): the same position and command, STRETCH rows on end.
 
     Time and references do not count: they may have been shifted, or added later. Rows may have been left out (up to
-    about half of them), or read anew at other times, on the line between two rows.
+    about half of them), or read anew at other times, on the line between two rows; or all be in another unit, with
+    another zero of the position.
     """
     found = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
         return found
+    found = _as_it_stands(log, other)
+    if found.any() or (scaled := _in_unit_of(log, other)) is None:
+        return found
+    return _as_it_stands(scaled, other)
+
+
+def _in_unit_of(log: Log, other: Log) -> Log | None:
+    """The log with the range of position and the largest command of another; None where it has them, or none."""
+    ranges = [(float(np.ptp(one.position)), float(np.abs(one.command).max())) for one in (log, other)]
+    if min(min(pair) for pair in ranges) <= 0.0:
+        return None
+    length, command = (its / mine for mine, its in zip(*ranges, strict=True))
+    position = length * (log.position - log.position.min()) + other.position.min()
+    moved = abs(float(position[0] - log.position[0])) > SAME * ranges[1][0]
+    if not moved and max(abs(length - 1.0), abs(command - 1.0)) < SAME:
+        return None
+    return Log(log.time, position, command * log.command)
+
+
+def _as_it_stands(log: Log, other: Log) -> Mask:
+    """The same of two logs in one unit."""
+    found = np.zeros(len(log), dtype=bool)
     spread = Spread.of([log, other])
     for offset in _offsets(log, other, spread):
         first, end = max(0, -offset), min(len(log), len(other) - offset)
