@@ -14,6 +14,7 @@ from cogging.identification.logged_run import LoggedRun
 from cogging.identification.misreading.misreading import misreading
 from cogging.identification.result import Identification
 from cogging.identification.two_estimators import TwoEstimators
+from cogging.log_check.hints import hints
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
@@ -98,6 +99,7 @@ def identify(
     notes = notes if misread is None else (*notes, misread.text)
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
     notes = (*notes, *(run.repairs for run in runs if run.repairs))
+    notes = (*notes, *(f"{run.name}: {hint}" for run in runs for hint in hints(run.audit, model)))
     return replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 

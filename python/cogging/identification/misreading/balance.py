@@ -20,6 +20,7 @@ from cogging.model.model import Model
 AXIS = ("mass", "viscous", "coulomb")
 CUTOFFS = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)  # of the row rate; the highest that noise leaves clear
 HIGHEST = 60.0  # Hz: what is faster tells little of mass and friction
+PER_PERIOD = 16.0  # rows in its period
 NOISE = 0.02  # of the acceleration's power below the cut-off, that noise of the readings may make
 ROWS = 10_000  # that are looked at, evenly taken
 FEWEST = 50
@@ -28,6 +29,7 @@ GAP = 2.5  # median steps: over longer ones nothing is bridged
 NODES = 0.12  # of a force along the travel, for each independent row
 MOST_NODES = 400
 DRIFT = 3  # terms of a slow force in time, beside the constant
+BAND = 1.2  # of a frequency, either way, that belongs to one wave
 BLOCK = 4.0  # periods of the cut-off, that make a block
 
 Bounds = Mapping[str, tuple[float, float]]
@@ -49,6 +51,23 @@ def cutoff_share(log: Log) -> float:
         if share <= HIGHEST * step and noise <= NOISE * float(np.sum((spectrum * frequency**4)[below])):
             return share
     return CUTOFFS[-1]
+
+
+def thinned(log: Log) -> Log:
+    """A log with no more rows a second than the highest cut-off needs: readings smoothed, commands averaged."""
+    from scipy.ndimage import uniform_filter1d
+
+    every = int(1.0 / (PER_PERIOD * HIGHEST * float(np.median(np.diff(log.time)))))
+    if every < 2 or len(log) < ROWS:
+        return log
+    first = np.arange(0, len(log) - every, every)
+    taken = {
+        name: uniform_filter1d(column, every + 1 - every % 2, mode="nearest")[first]
+        for name, column in log.columns().items()
+        if name not in ("time", "command")
+    }
+    command = np.add.reduceat(log.command, np.append(first, len(log) - every))[:-1] / every
+    return Log.of({**taken, "time": log.time[first], "command": command})
 
 
 @dataclass(frozen=True)
@@ -88,6 +107,7 @@ class Balance:
         block: number of the block of each, (m,).
         independent: about how many of the rows are independent.
         step: s, from row to row.
+        one_wave: share of the acceleration's power that one wave makes, about.
     """
 
     command: FloatArray
@@ -99,6 +119,7 @@ class Balance:
     block: IntArray
     independent: float
     step: float
+    one_wave: float
 
     @classmethod
     def of(cls, log: Log, model: Model) -> Balance | None:
@@ -127,19 +148,20 @@ class Balance:
             block=np.unique(block, return_inverse=True)[1],
             independent=2.0 * share * float(rows.sum()),
             step=dynamics.sample_time,
+            one_wave=_one_wave(needs[0]),
         )
 
     def fit(self, bounds: Bounds, *, shift: int = 0) -> Fit:
         """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
 
         Beside them are free: a force of any place (linear between nodes), a slow one in time, friction that differs
-        with direction, and drag that is not negative.
+        with direction, and drag that is not negative or within bounds of its own.
         """
         at = np.clip(self.taken + shift, 0, len(self.command) - 1)
         command = self.command[at]
         target = self._freed((command + self.known[self.taken])[None])[0]
         columns, size, triangle = self._columns
-        limits = np.array([*(bounds[name] for name in AXIS), (0.0, np.inf)])
+        limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
         weights = bounded(size, triangle, target, limits)
         left = (target - weights @ columns) ** 2
         return Fit(
@@ -210,6 +232,18 @@ class Balance:
         matrix[0, 1:] = np.bincount(node, left * right, count)[: count - 1]
         matrix[1] += 1e-9 * float(matrix[1].max())
         return node, right, matrix
+
+
+def _one_wave(acceleration: FloatArray) -> float:
+    """Share of a signal's power in the strongest wave: within BAND of the frequency at which that is largest."""
+    power = np.abs(np.fft.rfft(acceleration - np.mean(acceleration))) ** 2
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    frequency = np.arange(len(power))
+    low, high = (
+        np.floor(frequency / BAND).astype(int),
+        np.minimum(np.ceil(frequency * BAND).astype(int), len(power) - 1),
+    )
+    return float(np.max(total[high + 1] - total[low])) / max(float(total[-1]), 1e-300)
 
 
 def bounded(size: FloatArray, factors: Any, target: FloatArray, limits: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cogging.identification.misreading.balance import AXIS, Balance, Bounds, Fit
+from cogging.identification.misreading.balance import AXIS, Balance, Bounds, Fit, thinned
 from cogging.identification.misreading.by_columns import exchanged, follows, other_units
 from cogging.identification.misreading.readings import Reading, moved, scales, signs
 from cogging.logs.log import Log
@@ -28,18 +28,19 @@ class Limits:
         explained: the misreading leaves at most so much.
         margin: and so many times less.
         stretches: of time, at least, that speak for it: (sum of their gains)^2 over the sum of squares.
-        needed: what is left rises by so much without a parameter that counts as shown.
+        needed, times: without a parameter that counts as shown, what is left rises by so much, and so many times.
     """
 
     unexplained: float
     explained: float
     margin: float = 4.0
     stretches: float = 9.0
-    needed: float = 0.015
+    needed: float = 0.005
+    times: float = 1.25
 
 
 SIGN = Limits(unexplained=0.3, explained=0.3)
-SCALE = Limits(unexplained=0.12, explained=0.25, margin=5.0)
+SCALE = Limits(unexplained=0.03, explained=0.25, margin=5.0)
 SWAP = Limits(unexplained=0.2, explained=0.1, margin=6.0)
 SHIFT = Limits(unexplained=0.2, explained=0.1, margin=5.0)
 SHOWN = 2  # of mass, viscous and Coulomb friction, at least, that tell a unit
@@ -47,6 +48,9 @@ AS_WELL = 2.0  # times as much left: another reading explains the log as well ..
 SLIGHT = 1e-3  # ... and if both leave as little as that
 LEAD_ROWS = 2  # by which a position may be ahead of its command before that is a misreading
 DELAY_ROWS, DELAY = 10, 0.015  # rows and s by which it may be behind: a drive, a bus, a filter, which are effects
+NEAR = 4.0  # by which mass and friction may then be wrong
+ONE_WAVE = 0.8  # of the acceleration's power: of one wave a shift is told from mass and friction no more
+FREE = 0.05  # of the command's power, that no force of place makes
 SHIFTS = 60  # that are tried either way before the best is sought between them
 
 
@@ -65,10 +69,10 @@ class Winners:
 
 
 class Case:
-    """A log as it was read, and what other readings of it leave unexplained."""
+    """A log as it was read, its rows thinned, and what other readings of it leave unexplained."""
 
-    def __init__(self, log: Log, model: Model, balance: Balance) -> None:
-        self.log, self.model, self.balance = log, model, balance
+    def __init__(self, log: Log, model: Model, balance: Balance, whole: Log) -> None:
+        self.log, self.model, self.balance, self.whole = log, model, balance, whole
 
     @cached_property
     def any_size(self) -> Fit:
@@ -80,15 +84,16 @@ class Case:
         """As read, with mass and friction within WIDE of the model's."""
         return self.balance.fit(bounds_of(self.model, WIDE))
 
-    def other(self, reading: Reading) -> tuple[Balance, Fit] | None:
-        """The balance of another reading, and its fit with mass and friction within WIDE of the model's."""
+    def other(self, reading: Reading, bounds: Bounds | None = None) -> tuple[Balance, Fit] | None:
+        """The balance of another reading, and its fit with mass and friction within bounds, else those of WIDE."""
         try:
             balance = Balance.of(reading.of(self.log), self.model)
         except ValueError:
             return None
-        return None if balance is None else (balance, balance.fit(bounds_of(self.model, WIDE)))
+        return None if balance is None else (balance, balance.fit(bounds or bounds_of(self.model, WIDE)))
 
-    def wins(self, before: Fit, after: Fit, limits: Limits) -> bool:
+    @staticmethod
+    def wins(before: Fit, after: Fit, limits: Limits) -> bool:
         """Whether a reading that leaves `after` is clear of one that leaves `before`."""
         if after.ratio > min(limits.explained, before.ratio / limits.margin) or before.ratio < limits.unexplained:
             return False
@@ -101,12 +106,13 @@ class Case:
 def misread_by_balance(log: Log, model: Model) -> list[Reading]:
     """The reading that explains the command by far better than the log as read, and those that do as well; or none."""
     try:
-        balance = Balance.of(log, model)
+        thin = thinned(log)
+        balance = Balance.of(thin, model)
     except ValueError:
         return []
     if balance is None:
         return []
-    case = Case(log, model, balance)
+    case = Case(thin, model, balance, log)
     beside_reference = _units_of_reference(case)
     if beside_reference:
         return beside_reference
@@ -117,9 +123,9 @@ def misread_by_balance(log: Log, model: Model) -> list[Reading]:
 
 def the_likelier(log: Log, model: Model, found: Sequence[Reading]) -> list[Reading]:
     """Of readings that a controller cannot tell apart, those that mass and friction speak for."""
-    if len(found) < 2 or (balance := Balance.of(log, model)) is None:
+    if len(found) < 2 or (balance := Balance.of(thin := thinned(log), model)) is None:
         return list(found)
-    case = Case(log, model, balance)
+    case = Case(thin, model, balance, log)
     ratios = [other[1].ratio if (other := case.other(reading)) is not None else np.inf for reading in found]
     return [
         r
@@ -149,17 +155,22 @@ def _signs(case: Case) -> Winners:
 
 
 def _swaps(case: Case) -> Winners:
-    if case.near.ratio < SWAP.unexplained:
+    """A column in the place of another: as read no force of place explains the command, so read no drag is needed."""
+    before = case.near
+    if before.free < FREE * before.whole or before.ratio < SWAP.unexplained:
         return Winners([])
+    bounds = {**bounds_of(case.model, NEAR), "drag": (0.0, 0.0)}
     velocity = Reading("position", "derivative", "is a velocity")
-    return _best(case, [exchanged("position", "command"), velocity], case.near, SWAP)
+    return _if_shown(case, _best(case, [exchanged("position", "command"), velocity], before, SWAP, bounds), bounds)
 
 
-def _best(case: Case, readings: Sequence[Reading], before: Fit, limits: Limits) -> Winners:
+def _best(
+    case: Case, readings: Sequence[Reading], before: Fit, limits: Limits, bounds: Bounds | None = None
+) -> Winners:
     """Readings that win, and do as well as the best; those first that need the least change of mass and friction."""
     winners = []
     for reading in readings:
-        other = case.other(reading)
+        other = case.other(reading, bounds)
         if other is not None and case.wins(before, other[1], limits):
             winners.append((other[1].ratio, _change(case.model, other[1]), reading))
     least = min((ratio for ratio, _, _ in winners), default=np.inf)
@@ -180,20 +191,21 @@ def _scales(case: Case) -> Winners:
     values, axis = case.any_size.values, case.model.axis
     mass = values["mass"] / axis.mass
     gain = case.balance.gain({name: getattr(axis, name) for name in AXIS})
-    readings = scales(case.log, case.model, gain=gain, mass=mass, follows=follows(case.log) > 0.0)
-    shown = [reading for reading in readings if _shown(case, reading)]
-    return _best(case, shown, case.near, SCALE)
+    readings = scales(case.whole, case.model, gain=gain, mass=mass, follows=follows(case.log) > 0.0)
+    return _if_shown(
+        case, _best(case, [r for r in readings if _on_travel(r.of(case.log), case.model)], case.near, SCALE)
+    )
 
 
-def _shown(case: Case, reading: Reading) -> bool:
-    """Whether a log read so needs two of mass, viscous and Coulomb friction, so that their ratio tells the unit."""
-    other = case.other(reading)
-    if other is None or not _on_travel(reading.of(case.log), case.model):
-        return False
-    balance, fit = other
-    bounds = bounds_of(case.model, WIDE)
-    without = [balance.fit({**bounds, name: (0.0, 0.0)}).ratio for name in AXIS]
-    return sum(ratio > fit.ratio + SCALE.needed for ratio in without) >= SHOWN
+def _if_shown(case: Case, winners: Winners, bounds: Bounds | None = None) -> Winners:
+    """Winners of which one needs two of mass, viscous and Coulomb friction, so that their ratio tells; else none."""
+    bounds = bounds or bounds_of(case.model, WIDE)
+    for reading in winners.readings:
+        balance, fit = case.other(reading, bounds) or (case.balance, case.near)
+        without = [balance.fit({**bounds, name: (0.0, 0.0)}).ratio for name in AXIS]
+        if sum(ratio > max(fit.ratio + SCALE.needed, SCALE.times * fit.ratio) for ratio in without) >= SHOWN:
+            return winners
+    return Winners([])
 
 
 def _on_travel(log: Log, model: Model) -> bool:
@@ -206,20 +218,23 @@ def _on_travel(log: Log, model: Model) -> bool:
 def _shifts(case: Case) -> Winners:
     """A command that stands too late, or far too early."""
     before = case.any_size
-    if before.ratio < SHIFT.unexplained:
+    waves = case.balance.one_wave < ONE_WAVE and before.free > FREE * before.whole
+    if not waves or before.ratio < SHIFT.unexplained:
         return Winners([])
     most = max(2, int(case.balance.quarter_period / case.balance.step))
     best = _best_shift(case, most)
-    early = max(DELAY_ROWS, math.ceil(DELAY / case.balance.step))
-    if not (best >= LEAD_ROWS or -best >= early) or abs(best) >= most:
+    step = float(np.median(np.diff(case.whole.time)))
+    rows = round(best * case.balance.step / step)
+    early = max(DELAY_ROWS, math.ceil(DELAY / step))
+    if not (rows >= LEAD_ROWS or -rows >= early) or abs(best) >= most:
         return Winners([])
-    after = case.balance.fit(bounds_of(case.model, WIDE), shift=best)
-    return Winners([moved(best, case.log)], after.ratio) if case.wins(before, after, SHIFT) else Winners([])
+    after = case.balance.fit(bounds_of(case.model, NEAR), shift=best)
+    return Winners([moved(rows, case.whole)], after.ratio) if case.wins(before, after, SHIFT) else Winners([])
 
 
 def _best_shift(case: Case, most: int) -> int:
     """Rows by which the command is best taken later, at most so many either way."""
-    bounds = bounds_of(case.model, WIDE)
+    bounds = bounds_of(case.model, NEAR)
     tried: dict[int, float] = {}
 
     def left(shift: int) -> float:

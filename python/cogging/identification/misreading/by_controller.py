@@ -14,6 +14,7 @@ from cogging.log_check.controller import check_controller
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
+CLOSE = 5e-3  # of the rms command: what the stated controller misses by less was read right
 MARGIN = 0.2  # of what the controller misses of the log as read, that it may miss of the other reading
 UNIT = 9.0  # by which a command differs from its controller's before its unit is doubted, not a gain
 FURTHEST = 0.1  # of the rows by which a command is moved
@@ -27,10 +28,11 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
     if log.reference is None or model.controller is None:
         return []
     check = check_controller(log, model)
-    if check is None or check.reproduces is not False or check.relative is None:
+    if check is None or check.reproduces is None or check.relative is None or check.relative < CLOSE:
         return []
     found: list[Reading] = []
-    for reading in _readings(log, model, check.ratio):
+    shifts = (moved(rows, log) for rows in _shifts(log, model))
+    for reading in shifts if check.reproduces else (*_readings(check.ratio), *shifts):
         if found and reading.kind != "scale":
             break
         try:
@@ -44,7 +46,7 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
     return found
 
 
-def _readings(log: Log, model: Model, ratio: float | None) -> Iterator[Reading]:
+def _readings(ratio: float | None) -> Iterator[Reading]:
     yield Reading("command", "sign", "has the other sign than the stated controller gives it", {"command": -1.0})
     yield Reading("position", "sign", "has the other sign than the stated controller sees", {"position": -1.0})
     others = dict.fromkeys(REFERENCES, -1.0)
@@ -54,8 +56,6 @@ def _readings(log: Log, model: Model, ratio: float | None) -> Iterator[Reading]:
     if ratio and abs(math.log(abs(ratio))) > math.log(UNIT):
         yield in_unit_of_command(1.0 / ratio)
         yield in_unit_of_length(abs(ratio), REFERENCES)
-    for rows in _shifts(log, model):
-        yield moved(rows, log)
 
 
 def _shifts(log: Log, model: Model) -> list[int]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cogging.identification.misreading.balance import AXIS, Balance, Bounds, bounded
+from cogging.identification.misreading.balance import AXIS, Balance, Bounds, bounded, thinned
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
@@ -49,7 +49,7 @@ def explained_share(logs: Sequence[Log], model: Model) -> float | None:
         >>> 0.99 < explained_share([log], model) <= 1.0
         True
     """
-    balances = [balance for log in logs if (balance := Balance.of(log, model)) is not None]
+    balances = [balance for log in logs if (balance := Balance.of(thinned(log), model)) is not None]
     if not balances:
         return None
     command = np.concatenate([balance.command[balance.taken] for balance in balances])

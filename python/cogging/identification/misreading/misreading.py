@@ -93,7 +93,7 @@ def readings_of(log: Log, model: Model) -> list[Reading]:
     """The misreading of one log, with those that it cannot be told from; none where no winner is clear."""
     check = check_controller(log, model) if log.reference is not None else None
     if check is not None and check.reproduces:
-        return []
+        return misread_by_controller(log, model)
     found = misread_columns(log, model)
     if not found:
         by_controller = misread_by_controller(log, model)
