@@ -158,6 +158,33 @@ def test_and_hides_none(kind, fault):
     assert seen > 0
 
 
+def mixed(log, random):
+    """The log with 1 to 10 % of its rows lost, gaps anywhere, pauses, and single wrong readings and commands."""
+    log = spoiled(f"drop {random.uniform(1.0, 10.0)}", log, random)
+    keep, time = np.ones(len(log), dtype=bool), log.time.copy()
+    for start in random.integers(50, len(log) - 100, int(random.integers(1, 5))):
+        keep[start : start + int(random.integers(2, 300))] = False
+    for start in random.integers(50, len(log) - 100, 2):
+        time[start:] += random.uniform(0.5, 100.0)
+    log = cut(log, keep, time=time)
+    for fault in ("readings", "commands"):
+        log = spoiled(f"{fault} {random.integers(1, 9)}", log, random)
+    return log
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nor_do_all_faults_at_once(kind):
+    for seed in (11, 12):
+        random = np.random.default_rng(seed)
+        model, log = made(kind, seed)
+        check = cogging.check_controller(mixed(log, random), model)
+        assert check.reproduces is True or (kind in LEARNS and check.reproduces is None), (seed, check)
+        what, stated, logged = next(wrong_ones(kind, model, log, random))
+        if cogging.check_controller(logged, stated).relative > 0.06:
+            check = cogging.check_controller(mixed(logged, random), stated)
+            assert check.reproduces is False or (kind in LEARNS and check.reproduces is None), (seed, what, check)
+
+
 def test_what_is_left_out_is_told():
     model, log = made("pid ff", 1)
     position, command = log.position.copy(), log.command.copy()

@@ -1,6 +1,7 @@
 """The same rows are no new evidence: counted once where logs are given together, refused where they are to confirm."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -103,6 +104,55 @@ def test_machines_at_rest_look_alike_and_are_not_the_same():
         logs = [Log(np.arange(3300) * 1e-3, position, -40.0 * (position - 0.1)) for position in still]
         assert not repeated(*logs).any()
         assert repeated(logs[0], logs[0]).any(), "but what moves is known again"
+
+
+# What was changed -----------------------------------------------------------------------------------------------------
+
+
+def left_out(log, random, share):
+    return cut(bare(log), np.flatnonzero(random.random(len(log)) >= share))
+
+
+def read_anew(log, random, held):
+    """A copy on another grid, from some row on, by another clock."""
+    step = float(np.median(np.diff(log.time)))
+    first = int(random.integers(0, len(log) // 3))
+    time = np.arange(log.time[first] + random.uniform(0.0, step), log.time[-1], random.uniform(0.4, 1.8) * step)
+    before = np.searchsorted(log.time, time, side="right") - 1
+    command = log.command[before] if held else np.interp(time, log.time, log.command)
+    return Log(time + random.uniform(-100.0, 100.0), np.interp(time, log.time, log.position), command)
+
+
+CHANGED = {
+    "5 % left out": lambda log, random: left_out(log, random, 0.05),
+    "40 % left out": lambda log, random: left_out(log, random, 0.4),
+    "every second": lambda log, random: cut(bare(log), slice(None, None, 2)),
+    "5 % left out of a part": lambda log, random: left_out(cut(bare(log), slice(2000, 6000)), random, 0.05),
+    "in mm and mV, from another zero": lambda log, random: Log(log.time, 1e3 * log.position + 7.0, 1e3 * log.command),
+    "in A, 5 % left out": lambda log, random: left_out(replace(log, command=log.command / 35.15), random, 0.05),
+    "read anew": lambda log, random: read_anew(log, random, held=False),
+    "read anew, commands held": lambda log, random: read_anew(log, random, held=True),
+}
+
+
+@pytest.mark.parametrize("kind", CHANGED)
+def test_a_changed_copy_is_known(kind, log, other):
+    for seed in range(5):
+        copy = CHANGED[kind](log, np.random.default_rng(seed))
+        assert repeated(copy, log).mean() > (0.3 if "anew" in kind else 0.95)
+        assert not repeated(copy, other).any()
+        if "anew" not in kind:  # the rows of the log itself lie on no line of a copy that lacks some
+            assert repeated(log, copy).mean() == pytest.approx(len(copy) / len(log), rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_repeats_on_coarse_encoders_are_not_the_same(seed):
+    """Where the encoder hides nearly all noise, stretches of two runs are the same count by count."""
+    random = np.random.default_rng([3, seed])
+    encoder = cogging.EncoderParameters(resolution=10.0 ** random.uniform(-6.0, -4.7))
+    model = machine(force=10.0 ** random.uniform(-2.5, -1.0)).replace(encoder=encoder)
+    one, again = (cogging.simulate(model, motion(5), seed=k, duration=8.0) for k in (1, 2))
+    assert not repeated(one, again).any()
 
 
 # identify -------------------------------------------------------------------------------------------------------------

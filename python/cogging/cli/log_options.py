@@ -1,57 +1,150 @@
-"""The options of every command that reads logs or scans: what columns are called, their factors, the rows to take."""
+"""The options of every command that reads logs or scans: names, factors and zeros of columns, the rows to take.
+
+Each may be given for all files, or for one of several by its name before a colon: `--scale a.csv:command=35`.
+"""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
+from cogging.arrays import FloatArray
+from cogging.files import InputError
 from cogging.logs.log import Log, read_log
 from cogging.shown import quoted
 
+ONE_FILE = "for one of several files, put its name before: %s"
+OPTIONS = ("columns", "scale", "zero", "rows")
+
 
 def add_log_options(command: argparse.ArgumentParser) -> None:
-    """Give a command the options `--columns`, `--scale` and `--rows`."""
-    command.add_argument(
-        "--columns", type=_pairs, default={}, metavar="NAME=IN_FILE,...", help="what columns are called in the file"
-    )
-    command.add_argument(
-        "--scale", type=_factors, default={}, metavar="NAME=FACTOR,...", help="factors on columns of the file"
-    )
-    command.add_argument("--rows", type=_rows, default=None, metavar="FIRST:END", help="the data rows to take, from 0")
+    """Give a command the options `--columns`, `--scale`, `--zero` and `--rows`."""
+    for option, kind, metavar, text, example in (
+        ("--columns", _names, "NAME=IN_FILE,...", "what columns are called in the file", "a.csv:position=qm"),
+        ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", "a.csv:command=35,b.csv:command=2"),
+        ("--zero", _zeros, "NAME=VALUE,...", "what is taken off columns, after the factors", "a.csv:position=0.012"),
+        ("--rows", _rows, "FIRST:END", "the data rows to take, from 0", "a.csv:0:500,b.csv:100:"),
+    ):
+        command.add_argument(
+            option, type=kind, default={}, metavar=metavar, help=f"{text}; {ONE_FILE % example}", action=_Together
+        )
+
+
+def options_of(arguments: argparse.Namespace, path: str) -> tuple[dict[str, Any], dict[str, float]]:
+    """How a file is read: columns, scale and rows, and what is taken off which column after that."""
+    columns, scale, zero, rows = ({**_of(arguments, option, ""), **_of(arguments, option, path)} for option in OPTIONS)
+    return {"columns": columns, "scale": scale, "rows": rows.get("rows")}, zero
 
 
 def read_logs(arguments: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
     """Read logs as the options say.
 
     Raises:
-        InputError: one cannot be read as a log.
+        InputError: one cannot be read as a log, or an option names a file that is none of them.
     """
-    return [read_log(path, columns=arguments.columns, scale=arguments.scale, rows=arguments.rows) for path in paths]
+    require_known(arguments, [*arguments.logs, *getattr(arguments, "confirm", ())])
+    return [_read(arguments, path) for path in paths]
 
 
-def _pairs(text: str) -> dict[str, str]:
-    pairs = {}
+def _read(arguments: argparse.Namespace, path: str) -> Log:
+    how, zero = options_of(arguments, path)
+    log = read_log(path, **how)
+    return Log.of(without_zero(log.columns(), zero, path), log.metadata) if zero else log
+
+
+def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], path: str) -> dict[str, FloatArray]:
+    """Columns less what stands for their zero.
+
+    Raises:
+        InputError: a zero of a column that is not there.
+    """
+    for name in zero:
+        if name not in columns:
+            raise InputError(f"--zero: {quoted(name)}: must be a column of {path}, {', '.join(columns)}")
+    return {name: column - zero[name] if name in zero else column for name, column in columns.items()}
+
+
+def require_known(arguments: argparse.Namespace, paths: Sequence[str]) -> None:
+    """Refuse an option for a file that the call does not name.
+
+    Raises:
+        InputError: names the option, the file and those that there are.
+    """
+    for option in OPTIONS:
+        for file in getattr(arguments, option):
+            if file and not any(_means(file, path) for path in paths):
+                raise InputError(f"--{option}: {quoted(file)}: must be a file of this call, {', '.join(paths)}")
+
+
+def _means(file: str, path: str) -> bool:
+    return file in (path, Path(path).name)
+
+
+def _of(arguments: argparse.Namespace, option: str, path: str) -> dict[str, Any]:
+    """What an option says of one file, or ("") of all."""
+    given: Mapping[str, Mapping[str, Any]] = getattr(arguments, option)
+    found: dict[str, Any] = {}
+    for file, entries in given.items():
+        if (file == "" and path == "") or (file and path and _means(file, path)):
+            found |= entries
+    return found
+
+
+class _Together(argparse.Action):
+    """An option that may be given several times: all that was said counts."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, *_: Any) -> None:
+        """Add what was said."""
+        before = getattr(namespace, self.dest)
+        merged = {file: {**before.get(file, {}), **values.get(file, {})} for file in {**before, **values}}
+        setattr(namespace, self.dest, merged)
+
+
+def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> dict[str, dict[str, Any]]:
+    """Entries by file ("": all) and name."""
+    pairs: dict[str, dict[str, Any]] = {}
     for entry in text.split(","):
-        name, equals, value = entry.partition("=")
-        if not (name and equals and value):
-            raise argparse.ArgumentTypeError(f"must be NAME=VALUE,..., got {quoted(text)}")
-        pairs[name.strip()] = value.strip()
+        key, equals, value = entry.partition("=")
+        if not (key and equals and value):
+            raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}")
+        file, _, name = key.rpartition(":")
+        try:
+            pairs.setdefault(file.strip(), {})[name.strip()] = convert(value.strip())
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}") from None
     return pairs
 
 
-def _factors(text: str) -> dict[str, float]:
-    try:
-        return {name: float(value) for name, value in _pairs(text).items()}
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be NAME=NUMBER,..., got {quoted(text)}") from None
+def _names(text: str) -> dict[str, dict[str, Any]]:
+    return _pairs(text, str, "NAME=VALUE,...")
 
 
-def _rows(text: str) -> slice:
-    try:
-        first, last = text.split(":")
-        rows = slice(int(first) if first else 0, int(last) if last else None)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be FIRST:END, got {quoted(text)}") from None
-    if (rows.start < 0) or (rows.stop is not None and rows.stop <= rows.start):
-        raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {quoted(text)}")
-    return rows
+def _factors(text: str) -> dict[str, dict[str, Any]]:
+    return _pairs(text, float, "NAME=NUMBER,...")
+
+
+def _zeros(text: str) -> dict[str, dict[str, Any]]:
+    zeros = _factors(text)
+    if not all(math.isfinite(value) for entries in zeros.values() for value in entries.values()):
+        raise argparse.ArgumentTypeError(f"must be finite numbers, got {quoted(text)}")
+    return zeros
+
+
+def _rows(text: str) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for entry in text.split(","):
+        before, colon, last = entry.rpartition(":")
+        file, _, first = before.rpartition(":")
+        try:
+            taken = slice(int(first) if first else 0, int(last) if last else None)
+        except ValueError:
+            colon = ""
+        if not colon:
+            raise argparse.ArgumentTypeError(f"must be FIRST:END, got {quoted(text)}")
+        if (taken.start < 0) or (taken.stop is not None and taken.stop <= taken.start):
+            raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {quoted(text)}")
+        found[file.strip()] = {"rows": taken}
+    return found

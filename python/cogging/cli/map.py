@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cogging.cli.log_options import add_log_options
+from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
 from cogging.cli.parser import Commands
 from cogging.cli.screen import say
 from cogging.files import InputError
@@ -33,13 +33,9 @@ def run(arguments: argparse.Namespace) -> None:
 
     figure = Path(arguments.out).with_suffix(".png") if Path(arguments.out or "").name else None
     check_outputs({"--out": arguments.out, "its figure": figure}, [arguments.scan])
-    table = read_columns(
-        arguments.scan,
-        ("position", "force"),
-        columns=arguments.columns,
-        scale=arguments.scale,
-        rows=arguments.rows,
-    )
+    require_known(arguments, [arguments.scan])
+    how, zero = options_of(arguments, arguments.scan)
+    table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
     try:
         fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, force_sign=arguments.force_sign)
     except ValueError as error:

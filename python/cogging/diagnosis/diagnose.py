@@ -21,6 +21,7 @@ from cogging.diagnosis.thresholds import PREPARATION
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.whitening import NothingCounts
+from cogging.identification.misreading.misreading import misreading
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
@@ -77,6 +78,8 @@ def diagnose(
     refuse_two_of_one_name([*own.values(), *model.effects])
     vocabulary = {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
     ready = prepared(logs, model, confirm, names, confirm_names)
+    if (misread := misreading([*ready.given, *ready.confirm], model, [*ready.names, *ready.confirm_names])) is not None:
+        return replace(_unmeasured("data_mismatch", model, ready.notes), mismatch=misread.to_dict())
     running = running_controller(ready.given, model)
     model, notes = running.model, (*ready.notes, *running.notes)
     if running.contradiction is not None:

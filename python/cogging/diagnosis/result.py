@@ -25,7 +25,7 @@ class Diagnosis(ByValue):
     """What `diagnose` found. Printed, it is its `text`; `to_dict` is what `--json` writes.
 
     Attributes:
-        verdict: no_gap, named, ambiguous, unlisted, controller_mismatch or insufficient_excitation.
+        verdict: no_gap, named, ambiguous, unlisted, data_mismatch, controller_mismatch or insufficient_excitation.
         effects: effects that the model lacks.
         unlisted: gap that no effect explains: coordinate, shape, share, and as `added` what an empirical term makes
             of it where one was asked for; or None.
@@ -44,6 +44,7 @@ class Diagnosis(ByValue):
         vocabulary: effects that were tried, as they are when they do nothing, by name.
         limits: smallest size of each effect that these logs would have shown with a chance of 95 %; empty where
             nothing was measured.
+        mismatch: column of a log that was read as something it is not, and what to do: of a data_mismatch, else None.
     """
 
     verdict: str
@@ -61,6 +62,7 @@ class Diagnosis(ByValue):
     series: Mapping[str, Any] = field(default_factory=dict)
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
     limits: Mapping[str, Limit] = field(default_factory=dict)
+    mismatch: Mapping[str, Any] | None = None
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -72,6 +74,7 @@ class Diagnosis(ByValue):
         told = {
             "verdict": self.verdict,
             "effects": [effect.to_dict() for effect in self.effects],
+            "mismatch": None if self.mismatch is None else dict(self.mismatch),
             "unlisted": None if self.unlisted is None else dict(self.unlisted),
             "gap": self.gap.to_dict(),
             "separating_experiment": self.separating_experiment,
@@ -116,6 +119,8 @@ class Diagnosis(ByValue):
     def text(self) -> str:
         """The result for the screen."""
         lines = [f"verdict: {self.verdict}"]
+        if self.mismatch is not None:
+            lines.append(f"  {self.mismatch['text']}")
         for effect in self.effects:
             others = f" or {', '.join(effect.alternatives)}" if effect.alternatives else ""
             lines.append(f"  {effect.name}{others}: confidence {effect.confidence:.2f}")

@@ -11,8 +11,10 @@ import numpy.typing as npt
 
 from cogging.calls import takes
 from cogging.identification.logged_run import LoggedRun
+from cogging.identification.misreading.misreading import misreading
 from cogging.identification.result import Identification
 from cogging.identification.two_estimators import TwoEstimators
+from cogging.log_check.hints import hints
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
@@ -97,8 +99,11 @@ def identify(
     cutoffs = _cutoffs(cutoff, rate)
     if rest is not None and not 0.0 <= rest < np.inf:
         raise ValueError(f"rest: must be at least 0, got {rest:g}")
+    misread = misreading(read, model, called)
+    notes = notes if misread is None else (*notes, misread.text)
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
     notes = (*notes, *(run.repairs for run in runs if run.repairs))
+    notes = (*notes, *(f"{run.name}: {hint}" for run in runs for hint in hints(run.audit, model)))
     return replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 

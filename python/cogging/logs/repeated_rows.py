@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray, Mask
+from cogging.logs.changed_copies import between_rows, in_order
 from cogging.logs.log import Log
 
 BLOCK_BITS = 5
@@ -21,6 +22,7 @@ COARSE = 1e-5  # of the spread of a column, to which it is rounded to be looked 
 SAME = 1e-6  # of it, by which the same reading may differ: written with other digits, scaled, in single precision
 OFFSETS = 64  # that are looked at exactly, those that most blocks speak for
 ALIKE = 16  # places at which a block is looked up: a motion without noise repeats itself
+MUCH = 0.25  # of the shorter log, that is a copy with rows left out or read anew: less may be like by chance
 MIXERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0xFF51AFD7ED558CCD], dtype=np.uint64)
 
 
@@ -44,11 +46,35 @@ class Spread:
 def repeated(log: Log, other: Log) -> Mask:
     """The rows of a log that stand in another too, (n,): the same position and command, STRETCH rows on end.
 
-    Time and references do not count: they may have been shifted, or added later.
+    Time and references do not count: they may have been shifted, or added later. Rows may have been left out (up to
+    about half of them), or read anew at other times, on the line between two rows; or all be in another unit, with
+    another zero of the position.
     """
     found = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
         return found
+    found = _as_it_stands(log, other)
+    if found.any() or (scaled := _in_unit_of(log, other)) is None:
+        return found
+    return _as_it_stands(scaled, other)
+
+
+def _in_unit_of(log: Log, other: Log) -> Log | None:
+    """The log with the range of position and the largest command of another; None where it has them, or none."""
+    ranges = [(float(np.ptp(one.position)), float(np.abs(one.command).max())) for one in (log, other)]
+    if min(min(pair) for pair in ranges) <= 0.0:
+        return None
+    length, command = (its / mine for mine, its in zip(*ranges, strict=True))
+    position = length * (log.position - log.position.min()) + other.position.min()
+    moved = abs(float(position[0] - log.position[0])) > SAME * ranges[1][0]
+    if not moved and max(abs(length - 1.0), abs(command - 1.0)) < SAME:
+        return None
+    return Log(log.time, position, command * log.command)
+
+
+def _as_it_stands(log: Log, other: Log) -> Mask:
+    """The same of two logs in one unit."""
+    found = np.zeros(len(log), dtype=bool)
     spread = Spread.of([log, other])
     for offset in _offsets(log, other, spread):
         first, end = max(0, -offset), min(len(log), len(other) - offset)
@@ -62,7 +88,17 @@ def repeated(log: Log, other: Log) -> Mask:
             rows = slice(first + int(start), first + int(stop))
             if stop - start >= STRETCH and _different(log, rows, spread) >= STRETCH_DIFFERENT:
                 found[rows] = True
-    return found
+    return found if found.any() else _changed(log, other, spread)
+
+
+def _changed(log: Log, other: Log, spread: Spread) -> Mask:
+    """The rows of a log that stand in another with some left out, or at other times."""
+    with np.errstate(over="ignore"):
+        numbers = [_rounded(one.position, one.command, spread) for one in (log, other)]
+    for found in (in_order(*numbers), between_rows(log, other, (spread.position[0], spread.command[0]))):
+        if found.sum() >= MUCH * min(len(log), len(other)):
+            return found
+    return np.zeros(len(log), dtype=bool)
 
 
 def counted_once(

@@ -9,7 +9,9 @@ import numpy as np
 
 from cogging.diagnosis.evidence.given_logs import Logs, read_logs
 from cogging.diagnosis.thresholds import PREPARATION
+from cogging.log_check.audit import audit
 from cogging.log_check.controller import check_controller
+from cogging.log_check.hints import hints
 from cogging.log_check.missing_rows import with_missing_rows
 from cogging.log_check.unit_check import check_against_model
 from cogging.logs.log import Log
@@ -57,6 +59,8 @@ def prepared(
     notes = list(whole.notes)
     given = [_without_pauses(log, name, notes) for log, name in zip(whole.given, whole.names, strict=True)]
     others = [_without_pauses(log, name, notes) for log, name in zip(whole.confirm, whole.confirm_names, strict=True)]
+    for log, name in zip((*given, *others), (*whole.names, *whole.confirm_names), strict=True):
+        notes += [f"{name}: {hint}" for hint in hints(audit(log), model)]
     return replace(whole, given=given, confirm=others, notes=tuple(notes))
 
 

@@ -70,6 +70,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "closed": result.gap.closed,
         "confirmed": result.gap.confirmed,
         "effects": [_effect(result, effect) for effect in result.effects],
+        "mismatch": result.mismatch,
         "unlisted": result.unlisted,
         "term": _term(result),
         "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in MOMENTS,
@@ -151,7 +152,9 @@ def _next(result: Diagnosis) -> list[str]:
     advice = []
     if result.separating_experiment:
         advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
-    if result.verdict == "controller_mismatch":
+    if result.mismatch is not None:
+        advice.append(result.mismatch["advice"])
+    elif result.verdict == "controller_mismatch":
         advice.append(
             "State the controller that was running, its gains and its sample rate; or none, to be judged without."
         )

@@ -20,6 +20,7 @@ HEADLINES = {
     "named": "The model lacks {names}",
     "ambiguous": "The model lacks something; the likeliest is {names}",
     "unlisted": "The model and the machine disagree in a way that no known effect explains",
+    "data_mismatch": "A column of these logs is not what it was read as",
     "controller_mismatch": "The stated controller did not make this log",
     "insufficient_excitation": "These logs move too little to tell",
 }
@@ -39,6 +40,10 @@ MEANINGS = {
     "unlisted": (
         "Something significant remains that none of the known effects explains. Effects named beside it stand; "
         "what remains is described by where it sits."
+    ),
+    "data_mismatch": (
+        "As it was read, a log contradicts the model or itself; with one column read otherwise it does not. Until that "
+        "is settled, nothing can be said of the machine."
     ),
     "controller_mismatch": (
         "The command that the stated controller would have given differs from the logged one. Until its law, gains or "
