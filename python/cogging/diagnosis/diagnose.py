@@ -79,7 +79,7 @@ def diagnose(
     vocabulary = {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
     ready = prepared(logs, model, confirm, names, confirm_names)
     if (misread := misreading([*ready.given, *ready.confirm], model, [*ready.names, *ready.confirm_names])) is not None:
-        return replace(_unmeasured("data_mismatch", model, ready.notes), mismatch=misread.to_dict())
+        return replace(_unmeasured("data_mismatch", model, ready.notes, vocabulary), mismatch=misread.to_dict())
     running = running_controller(ready.given, model)
     model, notes = running.model, (*ready.notes, *running.notes)
     if running.contradiction is not None:

@@ -21,12 +21,12 @@ from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.candidates.sizes import Size, is_sought, likely_shapes, range_of, size_of, told_shape
 from cogging.diagnosis.entries import Limit
 from cogging.diagnosis.evidence.score_test import orthonormal
-from cogging.diagnosis.naming.level_changes import CHANGED, level_estimates
+from cogging.diagnosis.naming.level_changes import level_estimates
 from cogging.diagnosis.residual.shapes import low_power
 from cogging.diagnosis.search.chance import LAMBDAS, Powers, chances
-from cogging.diagnosis.search.choice import WORTH
 from cogging.diagnosis.search.growth import UNSEEN, Growth, View, growth_of_amplitudes, growth_of_shapes
 from cogging.diagnosis.search.state import Search
+from cogging.diagnosis.thresholds import CHOICE, LEVEL_CHANGE
 from cogging.effects.effect import Effect
 from cogging.model.model import Model
 
@@ -48,8 +48,8 @@ def limits(found: Search, model: Model, confirmed: bool) -> dict[str, Limit]:
         confirmed: whether there were logs of other motion.
     """
     evidence, other = found.evidence, found.confirm_evidence
-    power = WORTH * low_power(other) if other is not None else 0.0
-    worth = Powers(WORTH * low_power(evidence), power)
+    power = CHOICE.worth * low_power(other) if other is not None else 0.0
+    worth = Powers(CHOICE.worth * low_power(evidence), power)
     _ = evidence.scales, evidence.overdispersion, evidence.freedom  # made here once, not by every thread
     if other is not None:
         _ = other.scales, other.overdispersion, other.freedom
@@ -147,7 +147,7 @@ def solved(grown: Sequence[Growth], worth: Powers, none: Limit, strengths: Float
 def level_limits(found: Search, model: Model) -> dict[str, Limit]:
     """The smallest changes of mass, viscous and Coulomb friction that would have been told.
 
-    A change is told where it is CHANGED deviations, found and stated, from what the model states.
+    A change is told where it is LEVEL_CHANGE.changed deviations, found and stated, from what the model states.
     """
     _, deviations, _ = level_estimates(found.evidence, found.estimate)
     known = {path: float(one) for path, one in zip(found.estimate.paths, deviations, strict=False)}
@@ -163,7 +163,7 @@ def _level(deviation: float | None, model: Model, name: str) -> Limit:
     if not np.isfinite(deviation):
         return replace(none, why="these logs do not tell it from what else is re-tuned")
     own = deviation / prior
-    least = CHANGED * float(np.hypot(own, stated))
+    least = LEVEL_CHANGE.changed * float(np.hypot(own, stated))
     sizes = np.maximum(least + own * np.linspace(-TAIL, TAIL, 121), 0.0)
     chance = ndtr((sizes - least) / max(own, 1e-12))
     curve = replace(none, sizes=tuple(sizes.tolist()), chances=tuple(chance.tolist()))

@@ -18,8 +18,9 @@ from cogging.diagnosis.candidates.signatures import (
     quantities,
     shape_range,
 )
-from cogging.diagnosis.candidates.waves import BINS, is_spatial_wave, is_wave, wave_of, wave_range
+from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave, wave_of, wave_range
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.thresholds import SPECTRUM
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 
 MIDDLE = (0.25, 0.75)  # of a range that is searched, between which an effect is expected to have its shape
@@ -133,7 +134,7 @@ def _likely_waves(evidence: Evidence, law: Effect) -> tuple[list[Candidate], flo
     span = evidence.scales.position
     known = [1.0 / period for period in known_periods(evidence.model)]
     free = [wave for wave in waves if all(abs(wave - one) > 1.0 / span for one in known)]
-    trials = (min(high, 0.5 * BINS / span) - low) * span
+    trials = (min(high, 0.5 * SPECTRUM.bins / span) - low) * span
     return [wave_of(evidence, law, float(1.0 / wave)) for wave in free], max(1.0, trials)
 
 

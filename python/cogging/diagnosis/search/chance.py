@@ -8,9 +8,7 @@ import numpy as np
 from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.search.choice import DETECTED, JOINT
-from cogging.diagnosis.search.confirmation import INFORMATIVE
-from cogging.diagnosis.search.search import HINTED
+from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION, SEARCH
 
 NORMAL = ndtri((np.arange(21) + 0.5) / 21)  # equally likely values of a normal variable
 NOISE = ndtri((np.arange(4) + 0.5) / 4)  # the same, of the level of the noise
@@ -73,7 +71,7 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
     louder = statistic * np.exp(_levels(one.spread))[:, None]
     levels = np.minimum(np.log(np.maximum(chdtrc(one.freedom, one.bounded), TINY)) + np.log(one.trials), 0.0)
     shown, level = np.interp(louder, GRID, one.bounded), np.interp(louder, GRID, levels)
-    strong = (level <= DETECTED) & (shown >= worth.own) & (statistic >= one.least)
+    strong = (level <= CHOICE.detected) & (shown >= worth.own) & (statistic >= one.least)
     if one.other is None:
         return np.asarray(strong.mean(axis=(1, 2, 3, 4)))
     mean, deviation = (root**2 + root * z) / statistic, 1.0 / np.sqrt(np.maximum(statistic * one.other, 1e-12))
@@ -81,11 +79,11 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
     allowed = np.hypot(1.0 / np.sqrt(promised), AT_LEAST)
     low = np.maximum(HALF, 1.0 - LESS * allowed)
     together = np.sqrt(np.maximum(_needed_there(level), worth.other) / promised)
-    hinted = (level > DETECTED) & (level <= HINTED) & (statistic >= one.least)
+    hinted = (level > CHOICE.detected) & (level <= SEARCH.hinted) & (statistic >= one.least)
     low = np.where(strong, low, np.where(hinted, np.maximum(low, together), np.inf))
     confirmed = np.maximum(ndtr((mean - low) / deviation) - ndtr((mean - 1.0 - MORE * allowed) / deviation), 0.0)
     alone = strong & (level <= one.needed)
-    answer = np.where(promised >= INFORMATIVE, confirmed + (1.0 - confirmed) * (alone & one.once), alone)
+    answer = np.where(promised >= CONFIRMATION.informative, confirmed + (1.0 - confirmed) * (alone & one.once), alone)
     return np.asarray(answer.mean(axis=(1, 2, 3, 4)))
 
 
@@ -96,5 +94,5 @@ def _levels(spread: float) -> FloatArray:
 
 def _needed_there(level: FloatArray) -> FloatArray:
     """T, of one degree of freedom and one sign, that the other motion must show beside a log p-value on these."""
-    wanted = np.minimum(JOINT - level, np.log(0.5))
+    wanted = np.minimum(CHOICE.joint - level, np.log(0.5))
     return np.asarray(ndtri(np.exp(wanted)) ** 2)

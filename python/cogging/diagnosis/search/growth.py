@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.findings import COUNTS
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Candidate, candidates
 from cogging.diagnosis.candidates.sizes import SHARE, Size, directions, is_share
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.search.chance import GRID, Powers, Visibility
-from cogging.diagnosis.search.choice import SLIPPERY, UNSHOWN
+from cogging.diagnosis.thresholds import CHOICE, FINDING
 from cogging.effects.effect import Effect
 
 SEEN = 2e-3  # of a column, that re-tuning must leave (as in Evidence.test)
@@ -168,8 +167,8 @@ def _visibility(
     """How well an effect of one shape is seen, whose noncentrality at size 1 is `power`."""
     once = acts_in_interval(law)
     count = view.evidence.model.encoder.resolution if "reading" in law.HOOKS and freedom > 1 else 0.0
-    needed = SLIPPERY if once or "friction_level" in law.HOOKS else UNSHOWN
-    least = (COUNTS * count) ** 2 * power
+    needed = CHOICE.slippery if once or "friction_level" in law.HOOKS else CHOICE.unshown
+    least = (FINDING.faint_counts * count) ** 2 * power
     return Visibility(trials, freedom, *noise, ratio if view.confirmed else None, least, needed, once)
 
 
