@@ -73,6 +73,7 @@ class Diagnosis(ByValue):
         """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""
         told = {
             "verdict": self.verdict,
+            "nominal": self._levels(),
             "effects": [effect.to_dict() for effect in self.effects],
             "mismatch": None if self.mismatch is None else dict(self.mismatch),
             "unlisted": None if self.unlisted is None else dict(self.unlisted),
@@ -86,6 +87,26 @@ class Diagnosis(ByValue):
             "notes": list(self.notes),
         }
         return {name: finite(value) for name, value in told.items()}
+
+    def _levels(self) -> dict[str, dict[str, Any]]:
+        """Mass and friction of the re-tuned model beside what was stated of them, by path."""
+        stated = self.series.get("given")
+        if not isinstance(stated, Model):
+            return {}
+        return {
+            f"axis.{name}": {
+                "value": float(getattr(self.nominal.axis, name)),
+                "stated": float(getattr(stated.axis, name)),
+                "uncertainty": stated.uncertainty.get(name),
+                "unit": type(stated.axis).FIELDS[name][0],
+            }
+            for name in ("mass", "viscous", "coulomb")
+        }
+
+    def _retuned_text(self) -> list[str]:
+        """What re-tuning made of mass and friction."""
+        told = [_level_text(path, level) for path, level in self._levels().items()]
+        return [f"re-tuned: {'; '.join(told)}"] if told else []
 
     def html(self, *, title: str = "") -> str:
         """The report as a text: one HTML page with its figures inside.
@@ -118,7 +139,7 @@ class Diagnosis(ByValue):
 
     def text(self) -> str:
         """The result for the screen."""
-        lines = [f"verdict: {self.verdict}"]
+        lines = [f"verdict: {self.verdict}", *self._retuned_text()]
         if self.mismatch is not None:
             lines.append(f"  {self.mismatch['text']}")
         for effect in self.effects:
@@ -151,6 +172,12 @@ class Diagnosis(ByValue):
         lines += limit_lines(self.limits)
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
+
+
+def _level_text(path: str, level: Mapping[str, Any]) -> str:
+    sure = level["uncertainty"]
+    known = "not stated how well" if sure is None else "stated to be exact" if sure == 0.0 else f"+- {100 * sure:.3g} %"
+    return f"{path.removeprefix('axis.')} {level['stated']:.4g} to {level['value']:.4g} {level['unit']} ({known})"
 
 
 def _number(value: float | Sequence[float | None] | None) -> str:

@@ -513,6 +513,7 @@ class LargeThresholds:
     inside: float = 1e-6  # of the room of a parameter: where a refit starts from one of its ends [exact]
     whitened_iterations: int = 8  # 1: of the fit of whitened residuals that follows [cost]
     trials: float = 1000.0  # 1: shapes that were looked at, of all effects [assumed]
+    shape_doubt: float = 0.15  # of the first gap: what is found in less may be the shape of a larger one [assumed]
     half_explained: float = 0.5  # of the power: a term that leaves more is not what the gap is most of [assumed]
     unexplained: float = 0.1  # of the power of a large gap: with less left, what is left does not name it [assumed]
     map_harmonics: int = 3  # 1: waves that are one map of the cogging, at least [assumed]

@@ -24,7 +24,7 @@ def named_large(found: Search, place: int, term: LargeTerm) -> NamedEffect:
     return NamedEffect(
         effect.NAME,
         term.alternatives,
-        confidence_of(added, term),
+        confidence_of(added, term, found.large.start.rms if found.large is not None else 0.0),
         values_of(found.estimate, prefix, effect),
         where_of(effect, found.evidence),
         added.finding.test.statistic,
@@ -32,9 +32,11 @@ def named_large(found: Search, place: int, term: LargeTerm) -> NamedEffect:
     )
 
 
-def confidence_of(added: Added, term: LargeTerm) -> float:
-    """The stated chance that the name of a large effect is right."""
+def confidence_of(added: Added, term: LargeTerm, start: float) -> float:
+    """The stated chance that the name of a large effect is right; `start`: rms of the balance before any, V."""
     chance = NAME.surest
+    if term.before < LARGE.shape_doubt * start:
+        chance *= NAME.if_shapes_left  # what a large effect has of another shape looks like one more
     if term.alternatives:
         chance /= 1.0 + len(term.alternatives)
     if added.confirmation is None:
