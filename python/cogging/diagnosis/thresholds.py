@@ -481,6 +481,8 @@ class SeedThresholds:
     harmonic_max: float = 250.0  # turns over the travel: waves are sought up to there, the 200th of a turn [assumed]
     speeds: int = 40  # 1: classes of speed, in each of which the filter lets as much through [cost]
     spectrum_max: int = 1 << 20  # 1: lines of a spectrum at most [cost]
+    interval_min: float = 0.02  # of a log: the shortest interval in which a force is sought [assumed]
+    interval_lengths: int = 24  # 1: of such intervals [cost]
     peaks: int = 3  # 1: of a spectrum, that are looked at exactly [cost]
     looked_at: int = 3  # 1: seeds of a name, that are tried at their own size [cost]
     tried_together: int = 64  # 1: effects that are tried at once [cost]

@@ -151,12 +151,28 @@ def search_large(
             continue
         other = followed(with_best(empty, [trial]), vocabulary, progress)
         best = other if other.left < best.left - LARGE.alternative else best
+    best = with_swaps(best, vocabulary, progress)
     return None if any_size and not best.terms else best
+
+
+def with_swaps(state: Large, vocabulary: Mapping[str, Effect], progress: Told) -> Large:
+    """The state with terms exchanged for others, while what is left stays large and that leaves less of it.
+
+    What stood for several effects together is not needed once they are there, but keeps them from being found.
+    """
+    for term in state.terms if is_large(state) else ():
+        if term.trial.effect is None or term not in state.terms:
+            continue
+        others = {name: law for name, law in vocabulary.items() if name != term.trial.name}
+        other = followed(without_term(state, state.terms.index(term)), others, progress)
+        if other.left < state.left - LARGE.alternative:
+            state = other
+    return state
 
 
 def followed(state: Large, vocabulary: Mapping[str, Effect], progress: Told) -> Large:
     """The state after further large effects were added one after the other, and what they made superfluous left out."""
-    while state.terms and len(state.terms) < LARGE.terms and is_large(state):
+    while len(state.terms) < LARGE.terms and is_large(state):
         progress(f"large effects, {len(state.terms) + 1}")
         following = with_best(state, worthwhile(state, vocabulary))
         if len(following.terms) == len(state.terms):
@@ -293,13 +309,19 @@ def without_what_is_not_needed(state: Large) -> Large:
         term = state.terms[place]
         if term.trial.effect is None:
             continue
-        effects = list(state.model.effects)
-        del effects[state.given + sum(one.trial.effect is not None for one in state.terms[:place])]
-        less = refitted(state.balances.under(state.model.replace(effects=tuple(effects))), state.allowed, state.given)
-        if 2.0 * float(np.log(less.rms / state.balances.rms)) < LARGE.parameter * term.trial.parameters:
-            other = None if state.confirm is None else state.confirm.under(less.model)
-            confirm = None if other is None else with_levels_of_its_own(other, state.allowed)
-            terms = (*state.terms[:place], *state.terms[place + 1 :])
+        less = without_term(state, place)
+        if 2.0 * float(np.log(less.balances.rms / state.balances.rms)) < LARGE.parameter * term.trial.parameters:
             told = (*state.refused, (term.trial.name, "what was added after it explains it"))
-            state = replace(state, balances=less, confirm=confirm, terms=terms, refused=told)
+            state = replace(less, refused=told)
     return state
+
+
+def without_term(state: Large, place: int) -> Large:
+    """The state without the effect that was added at a place, all else refitted."""
+    effects = list(state.model.effects)
+    del effects[state.given + sum(one.trial.effect is not None for one in state.terms[:place])]
+    less = refitted(state.balances.under(state.model.replace(effects=tuple(effects))), state.allowed, state.given)
+    other = None if state.confirm is None else state.confirm.under(less.model)
+    confirm = None if other is None else with_levels_of_its_own(other, state.allowed)
+    terms = (*state.terms[:place], *state.terms[place + 1 :])
+    return replace(state, balances=less, confirm=confirm, terms=terms)

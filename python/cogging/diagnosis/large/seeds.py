@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
 from cogging.diagnosis.candidates.waves import is_wave, plain_wave
 from cogging.diagnosis.large.balance import WEAKENING, Balances
 from cogging.diagnosis.large.levels import Levels
 from cogging.diagnosis.large.spectrum import peaks, sharpened
 from cogging.diagnosis.thresholds import SEED, SPECTRUM
-from cogging.effects.effect import Effect, Wave, kind_of
+from cogging.effects.effect import Effect, Wave, Window, kind_of
 
 
 @dataclass(frozen=True)
@@ -54,10 +55,56 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
             found += judged(balances, levels, list(candidates(balances, law)))
     if "flexible_mode" in vocabulary:
         found += _resonances(balances, levels, vocabulary["flexible_mode"])
+        if acts_in_interval(law):
+            found += _intervals(balances, levels, law)
     for name in {seed.name for seed in found}:
         first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
         best[name] = min((as_it_is(balances, levels, seed) for seed in first), key=lambda seed: seed.left)
     return sorted(best.values(), key=lambda seed: seed.left)
+
+
+def _intervals(balances: Balances, levels: Levels, law: Effect) -> list[Seed]:
+    """Forces between two moments of the first log: where its residual has one sign, then edge by edge."""
+    window = kind_of(law, Window)
+    source = balances.sources[0]
+    even = source.balance.dynamics.even - source.balance.dynamics.even[0]
+    full = np.zeros(len(even))
+    full[source.mask] = levels.moved(levels.alone()[0])[: int(source.mask.sum())]
+    total, rows = (np.concatenate([[0.0], np.cumsum(row)]) for row in (full, source.mask.astype(float)))
+    likely = []
+    for length in np.unique(np.geomspace(SEED.interval_min, 0.95, SEED.interval_lengths) * len(even)).astype(int):
+        score = (total[length:] - total[:-length]) ** 2 / np.maximum(rows[length:] - rows[:-length], 1.0)
+        place = int(np.argmax(score)) if length else 0
+        likely.append((float(score[place]), float(even[place]), float(even[min(place + length, len(even) - 1)])))
+    first = next(iter(candidates(balances, law)), None)
+    if first is None or window is None:
+        return []
+
+    def at(edges: tuple[float, float]) -> Seed | None:
+        shape = {**first.shape, window.start: edges[0], window.stop: edges[1]}
+        one = judged(balances, levels, [replace(first, shape=shape)]) if edges[1] > edges[0] else []
+        return one[0] if one else None
+
+    best: Seed | None = None
+    for _, start, stop in sorted(likely, reverse=True)[: SEED.peaks]:
+        seed = _edge_by_edge(at, (start, stop), 0.1 * (stop - start), float(even[1]))
+        best = seed if best is None or (seed is not None and seed.left < best.left) else best
+    return [] if best is None else [best]
+
+
+def _edge_by_edge(
+    at: Callable[[tuple[float, float]], Seed | None], edges: tuple[float, float], step: float, least: float
+) -> Seed | None:
+    """The seed whose edges, moved one at a time by shorter and shorter steps (s), leave least."""
+    best = at(edges)
+    while step > least and best is not None:
+        moved = [(edges[0] + d, edges[1]) for d in (-step, step)] + [(edges[0], edges[1] + d) for d in (-step, step)]
+        tried = [(seed, one) for one in moved if (seed := at(one)) is not None and seed.left < best.left]
+        if tried:
+            best, edges = min(tried, key=lambda pair: pair[0].left)
+        else:
+            step *= 0.5
+    return best
 
 
 def judged(balances: Balances, levels: Levels, tried: list[Candidate]) -> list[Seed]:
