@@ -35,7 +35,7 @@ class TrustLimits:
     explained: float = 0.5
     check: float = 5.0
     worse: float = 1.05
-    moved: float = 1.5
+    moved: float = 3.0
 
 
 def is_missing(left: Unmodelled, limits: TrustLimits) -> bool:
