@@ -146,18 +146,15 @@ def test_levels_that_are_stated_to_be_exact_do_not_move():
 def test_what_a_statement_leaves_open():
     axis = cogging.AxisParameters(mass=2.0, viscous=0.0, coulomb=3.0)
     allowed = allowance(cogging.Model(axis=axis, uncertainty={"coulomb": 0.1}))
-    assert (allowed.floors["axis.mass"], allowed.ceilings["axis.mass"]) == (pytest.approx(2.0 / 3.0), 6.0)
-    assert (allowed.floors["axis.coulomb"], allowed.ceilings["axis.coulomb"]) == (
-        pytest.approx(1.74),
-        pytest.approx(4.26),
-    )
-    assert allowed.floors["axis.viscous"] == 0.0 and "axis.viscous" not in allowed.ceilings
-    assert allowed.at_end("axis.mass", 6.0) and not allowed.at_end("axis.mass", 5.9)
+    assert dict(allowed.floors) == pytest.approx({"axis.mass": 2.0 / 3.0, "axis.coulomb": 1.74, "axis.viscous": 0.0})
+    assert dict(allowed.ceilings) == pytest.approx({"axis.mass": 6.0, "axis.coulomb": 4.26})
+    assert [allowed.at_end("axis.mass", value) for value in (6.0, 5.9, 2.0 / 3.0)] == [True, False, True]
     assert allowed.nearest("axis.mass", 1e9) == 6.0
     free = allowed.without(("axis.mass",))
-    assert free.inside("axis.mass", 1e3) and not free.inside("axis.mass", 0.0)
+    assert [free.inside("axis.mass", value) for value in (1e3, 0.0)] == [True, False]
     exact = allowance(cogging.Model(axis=axis, uncertainty={"mass": 0.0}))
-    assert exact.exact == ("axis.mass",) and not exact.inside("axis.mass", 2.001)
+    assert exact.exact == ("axis.mass",)
+    assert not exact.inside("axis.mass", 2.001)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -174,7 +171,7 @@ def test_bounded_least_squares_is_that_of_scipy(seed):
     weights, left = bounded(products_of(rows, rows), low, high)
     other = lsq_linear(columns.T, -residual, (low, high), tol=1e-14)
     assert left == pytest.approx(2.0 * other.cost, rel=1e-6)
-    assert np.all((weights >= low) & (weights <= high))
+    assert np.all((low <= weights) & (weights <= high))
 
 
 def test_a_balance_closes_for_the_true_machine_and_tells_commands():
@@ -208,7 +205,8 @@ def test_the_inertia_of_a_load_is_that_of_the_simulated_one():
     found = search_large(rigid, None, allowance(rigid.model), VOCABULARY, lambda step: None)
     assert found.terms[0].trial.name == "flexible_mode"
     (seen,) = found.model.effects
-    assert seen.frequency == pytest.approx(40.0, rel=0.01) and seen.mass_ratio == pytest.approx(0.4, abs=0.02)
+    assert seen.frequency == pytest.approx(40.0, rel=0.01)
+    assert seen.mass_ratio == pytest.approx(0.4, abs=0.02)
 
 
 class OpenLoop:
@@ -240,7 +238,7 @@ def test_harmonics_of_one_pitch_are_a_map():
     assert common_pitch([2.0 * np.pi / n * f for n, f in ((7, 1.0005), (12, 0.9995), (28, 1.0))]) == pytest.approx(
         2.0 * np.pi, rel=1e-3
     )
-    assert common_pitch([0.05, 0.05 / np.pi, 0.05 / np.e**2]) is None or common_pitch([0.05, 0.05 / np.pi]) > 0.2
+    assert common_pitch([0.05, 0.05 / np.pi, 0.05 / np.e**2]) is None
     wave = VOCABULARY["cogging_harmonic"]
     model = Machine(1).model
     waves = [wave.replace(period=0.06 / n, sine=1.0 / n, cosine=0.0) for n in (1, 2, 3)]
@@ -252,18 +250,20 @@ def test_the_levels_are_the_free_ones():
     machine = Machine(2, known={"mass": 0.0})
     levels = levels_of(balances_of([machine.log(seed=1)], machine.model), allowance(machine.model))
     assert levels.paths == ("axis.viscous", "axis.coulomb")
-    assert np.all(levels.low <= 0.0) and np.all(levels.high >= 0.0)
+    assert np.all(levels.low <= 0.0)
+    assert np.all(levels.high >= 0.0)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_diagnosis_in_the_large(seed):
-    """Gap as given, re-tuned and after; nothing grows; the nominal model within what is stated; the name and its size."""
+    """Gap as given, re-tuned and after; nothing grows; nominal levels within what is stated; the name and its size."""
     machine = Machine(200 + seed, known={"mass": 0.2, "viscous": 0.3, "coulomb": 0.3}, spread=0.2)
     effect = machine.effect("cogging_harmonic")
     result = cogging.diagnose(
         machine.log(effect, seed=1), machine.model, confirm=machine.log(effect, seed=2, share=0.6)
     )
-    assert result.effects[0].name == "cogging_harmonic" and result.effects[0].confidence >= 0.9
+    assert result.effects[0].name == "cogging_harmonic"
+    assert result.effects[0].confidence >= 0.9
     found = result.effects[0].parameters
     assert found["period"].value == pytest.approx(effect.period, rel=2e-3)
     size = np.hypot(found["sine"].value, found["cosine"].value)
@@ -271,7 +271,8 @@ def test_a_diagnosis_in_the_large(seed):
     gap = result.gap
     assert gap.given >= gap.before > 5.0 * gap.after
     assert gap.confirm_after < 0.2 * gap.confirm_before
-    assert gap.to_dict()["given"] == gap.given and f"{gap.given:.4g} V as given" in result.text()
+    assert gap.to_dict()["given"] == gap.given
+    assert f"{gap.given:.4g} V as given" in result.text()
     limits = allowance(machine.model)
     for level in ("mass", "viscous", "coulomb"):
         assert limits.inside(f"axis.{level}", getattr(result.nominal.axis, level))

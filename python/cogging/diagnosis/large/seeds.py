@@ -53,10 +53,10 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
         # No period but the known ones: several plain waves look like one that changes along the travel.
         if law.NAME != "empirical_force":
             found += judged(balances, levels, list(candidates(balances, law)))
-    if "flexible_mode" in vocabulary:
-        found += _resonances(balances, levels, vocabulary["flexible_mode"])
         if acts_in_interval(law):
             found += _intervals(balances, levels, law)
+    if "flexible_mode" in vocabulary:
+        found += _resonances(balances, levels, vocabulary["flexible_mode"])
     for name in {seed.name for seed in found}:
         first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
         best[name] = min((as_it_is(balances, levels, seed) for seed in first), key=lambda seed: seed.left)
