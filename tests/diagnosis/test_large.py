@@ -238,7 +238,7 @@ def test_harmonics_of_one_pitch_are_a_map():
     assert common_pitch([2.0 * np.pi / n * f for n, f in ((7, 1.0005), (12, 0.9995), (28, 1.0))]) == pytest.approx(
         2.0 * np.pi, rel=1e-3
     )
-    assert common_pitch([0.05, 0.05 / np.pi, 0.05 / np.e**2]) is None
+    assert common_pitch([0.05, 0.05 / np.pi, 0.05 / np.e**2, 0.05 / np.sqrt(7.0)]) is None
     wave = VOCABULARY["cogging_harmonic"]
     model = Machine(1).model
     waves = [wave.replace(period=0.06 / n, sine=1.0 / n, cosine=0.0) for n in (1, 2, 3)]

@@ -519,7 +519,7 @@ class LargeThresholds:
     half_explained: float = 0.5  # of the power: a term that leaves more is not what the gap is most of [assumed]
     unexplained: float = 0.1  # of the power of a large gap: with less left, what is left does not name it [assumed]
     map_harmonics: int = 3  # 1: waves that are one map of the cogging, at least [assumed]
-    pitch_max: int = 200  # 1: turns of the longest period in a pitch, at most [assumed]
+    pitch_max: int = 12  # 1: turns of the longest period in a pitch, at most [assumed]
     pitch_within: float = 0.004  # 1: relative; so near to a whole part of the pitch its periods are [assumed]
     shown: float = 0.03  # of the gap on other motion: it shows a term that takes more [assumed]
 

@@ -151,8 +151,23 @@ def search_large(
             continue
         other = followed(with_best(empty, [trial]), vocabulary, progress)
         best = other if other.left < best.left - LARGE.alternative else best
-    best = with_swaps(best, vocabulary, progress)
+    best = with_alternatives(with_swaps(best, vocabulary, progress), vocabulary)
     return None if any_size and not best.terms else best
+
+
+def with_alternatives(state: Large, vocabulary: Mapping[str, Effect]) -> Large:
+    """The state in which each effect knows the names that would leave about as little in its place."""
+    terms = []
+    for place, term in enumerate(state.terms):
+        if term.trial.effect is None:
+            terms.append(term)
+            continue
+        less = without_term(state, place)
+        others = {name: law for name, law in vocabulary.items() if name != term.trial.name}
+        found = [(one, with_trial(less, one)) for one in worthwhile(less, others)[: LARGE.rivals]]
+        alike = {one.name for one, its in found if its.left < state.left + LARGE.alternative}
+        terms.append(replace(term, alternatives=tuple(sorted(alike))))
+    return replace(state, terms=tuple(terms))
 
 
 def with_swaps(state: Large, vocabulary: Mapping[str, Effect], progress: Told) -> Large:
@@ -262,9 +277,7 @@ def with_best(state: Large, trials: Sequence[Trial]) -> Large:
         if reason is not None:
             refused.append((trial.name, reason))
             continue
-        rivals = {other.name for other, its in tried if its.left < after.left + LARGE.alternative}
-        term = replace(after.terms[-1], alternatives=tuple(sorted(rivals - {trial.name})))
-        return replace(after, terms=(*state.terms, term), refused=tuple(refused))
+        return replace(after, refused=tuple(refused))
     return replace(state, refused=tuple(refused))
 
 

@@ -15,7 +15,7 @@ from cogging.diagnosis.candidates.waves import is_wave, plain_wave
 from cogging.diagnosis.large.balance import WEAKENING, Balances
 from cogging.diagnosis.large.levels import Levels
 from cogging.diagnosis.large.spectrum import peaks, sharpened
-from cogging.diagnosis.thresholds import SEED, SPECTRUM
+from cogging.diagnosis.thresholds import ALLOWANCE, SEED, SPECTRUM
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 
 
@@ -154,6 +154,7 @@ def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: Fl
             return None
         return Seed(_resized(candidate, float(weights[-1])), (), left)
     sizes, roles = quantities(balances), candidate.law.ROLES
+    sizes["friction"] *= ALLOWANCE.unstated  # the model's own level may be as far off
     low = np.array([roles[field]["low"] * sizes[roles[field]["quantity"]] for field, _ in candidate.amplitudes])
     high = np.array([roles[field]["high"] * sizes[roles[field]["quantity"]] for field, _ in candidate.amplitudes])
     weights, left = levels.fitted(columns, low, high)
