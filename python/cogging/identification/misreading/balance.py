@@ -107,7 +107,7 @@ class Balance:
         block: number of the block of each, (m,).
         independent: about how many of the rows are independent.
         step: s, from row to row.
-        one_wave: share of the acceleration's power that one wave makes, about.
+        one_wave: share that one wave makes of what command and acceleration have in the same frequencies.
     """
 
     command: FloatArray
@@ -148,7 +148,7 @@ class Balance:
             block=np.unique(block, return_inverse=True)[1],
             independent=2.0 * share * float(rows.sum()),
             step=dynamics.sample_time,
-            one_wave=_one_wave(needs[0]),
+            one_wave=_one_wave(command, needs[0]),
         )
 
     def fit(self, bounds: Bounds, *, shift: int = 0) -> Fit:
@@ -234,9 +234,9 @@ class Balance:
         return node, right, matrix
 
 
-def _one_wave(acceleration: FloatArray) -> float:
-    """Share of a signal's power in the strongest wave: within BAND of the frequency at which that is largest."""
-    power = np.abs(np.fft.rfft(acceleration - np.mean(acceleration))) ** 2
+def _one_wave(command: FloatArray, acceleration: FloatArray) -> float:
+    """Share of what two signals have in the same frequencies that lies within BAND of one, where that is largest."""
+    power = np.abs(np.fft.rfft(acceleration - np.mean(acceleration)) * np.fft.rfft(command - np.mean(command)))
     total = np.concatenate([[0.0], np.cumsum(power)])
     frequency = np.arange(len(power))
     low, high = (

@@ -49,7 +49,7 @@ SLIGHT = 1e-3  # ... and if both leave as little as that
 LEAD_ROWS = 2  # by which a position may be ahead of its command before that is a misreading
 DELAY_ROWS, DELAY = 10, 0.015  # rows and s by which it may be behind: a drive, a bus, a filter, which are effects
 NEAR = 4.0  # by which mass and friction may then be wrong
-ONE_WAVE = 0.8  # of the acceleration's power: of one wave a shift is told from mass and friction no more
+ONE_WAVE = 0.7  # of command times acceleration: of one wave a shift is told from mass and friction, or a tone, no more
 FREE = 0.05  # of the command's power, that no force of place makes
 SHIFTS = 60  # that are tried either way before the best is sought between them
 
