@@ -506,6 +506,7 @@ class LargeThresholds:
     parameter: float = 0.03  # of the ln of the power left: each parameter must be worth [assumed]
     near: float = 0.7  # of the ln of the power taken: seeds that take so much are refitted too [assumed]
     starts: int = 4  # 1: first terms from which the search starts, while what is left stays large [cost]
+    near_start: float = 0.5  # of the ln of the power left: first terms so near to the best are followed too [assumed]
     rivals: int = 4  # 1: seeds that are refitted [cost]
     alternative: float = 0.15  # of the ln of the power left: a rival that leaves less than so much more [assumed]
     terms: int = 10  # 1: that are added at most [cost]

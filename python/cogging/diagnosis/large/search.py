@@ -144,15 +144,34 @@ def search_large(
     if not (any_size or is_large(empty)):
         return None
     progress("large effects, 1")
+    best, rivals = best_start(empty, vocabulary, progress)
+    best = with_alternatives(with_swaps(best, vocabulary, progress), vocabulary)
+    if best.terms:
+        known = {*best.terms[0].alternatives, *rivals} - {best.terms[0].trial.name}
+        best = replace(best, terms=(replace(best.terms[0], alternatives=tuple(sorted(known))), *best.terms[1:]))
+    return None if any_size and not best.terms else best
+
+
+def best_start(empty: Large, vocabulary: Mapping[str, Effect], progress: Told) -> tuple[Large, set[str]]:
+    """The state that leaves least of those that start from different terms; and first terms that lead as far.
+
+    Further starts are followed while what is left stays large, and where two first terms leave about as little: what
+    one of them lacks, others may make up for.
+    """
+    levels = levels_of(empty.balances, empty.allowed)
+    before = levels.alone()[1]
     trials = worthwhile(empty, vocabulary)
     best = followed(with_best(empty, trials), vocabulary, progress)
-    for trial in trials[1 : LARGE.starts]:
-        if not (best.terms and is_large(best)) or trial.name == best.terms[0].trial.name:
+    ends = {best.terms[0].trial.name: best.left} if best.terms else {}
+    for trial in trials[: LARGE.starts]:
+        near = trial.worth(before) < trials[0].worth(before) + LARGE.near_start
+        if trial.name in ends or not best.terms or not (near or is_large(best)):
             continue
         other = followed(with_best(empty, [trial]), vocabulary, progress)
-        best = other if other.left < best.left - LARGE.alternative else best
-    best = with_alternatives(with_swaps(best, vocabulary, progress), vocabulary)
-    return None if any_size and not best.terms else best
+        if other.terms and other.terms[0].trial.name == trial.name:
+            ends[trial.name] = other.left
+        best = other if other.left < best.left else best
+    return best, {name for name, left in ends.items() if left < best.left + LARGE.alternative}
 
 
 def with_alternatives(state: Large, vocabulary: Mapping[str, Effect]) -> Large:
