@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.entries import Gap, NamedEffect, Placebo, Step
+from cogging.diagnosis.entries import Gap, NamedEffect, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.report.page import html, overview
 from cogging.diagnosis.report.words import step_text, term_text
@@ -42,6 +42,7 @@ class Diagnosis(ByValue):
             acceleration, command (V, without the gap where that is part of it), gap_before, gap_after (V) and mask
             (rows in motion).
         vocabulary: effects that were tried, as they are when they do nothing, by name.
+        planned: what became of a planned experiment, one entry an expectation of it; empty without a plan.
     """
 
     verdict: str
@@ -58,6 +59,7 @@ class Diagnosis(ByValue):
     placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
+    planned: tuple[Outcome, ...] = ()
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -76,6 +78,7 @@ class Diagnosis(ByValue):
             "ledger": [vars(step) for step in self.ledger],
             "placebo": [vars(entry) for entry in self.placebo],
             "notes": list(self.notes),
+            "planned": [vars(outcome) for outcome in self.planned],
         }
         return {name: finite(value) for name, value in told.items()}
 
@@ -137,6 +140,8 @@ class Diagnosis(ByValue):
             lines += [f"  {p.name}: T = {p.statistic:.1f}, {_number(p.confirm_gain)}" for p in self.placebo]
         if self.separating_experiment:
             lines.append(f"what would tell them apart: {self.separating_experiment}")
+            lines.append("  (cogging experiment computes a motion for the limits of your machine)")
+        lines += [f"planned: {outcome.text()}" for outcome in self.planned]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
