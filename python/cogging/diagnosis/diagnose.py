@@ -16,7 +16,7 @@ from cogging.diagnosis.evidence.given_logs import Logs
 from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
-from cogging.diagnosis.experiment.outcomes import PLANNED, outcomes, read_plan
+from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
@@ -102,10 +102,7 @@ def diagnose(
         except NothingCounts as error:
             return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)))
         begin("measuring the gap")
-        result = assemble(found, ready, model, running.replay)
-        if expected:
-            begin("holding the plan against it")
-            result = replace(result, planned=outcomes(expected, found))
+        result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
 

@@ -22,6 +22,7 @@ from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan, plan_pa
 from cogging.diagnosis.experiment.observation import gram_of, looked_for
 from cogging.diagnosis.experiment.result_file import read_json
 from cogging.diagnosis.experiment.rivals import CHANGES
+from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.state import Search
 from cogging.effects.effect import Effect
 from cogging.files import FieldError, InputError
@@ -63,6 +64,11 @@ def _expectations(document: Mapping[str, Any]) -> list[Expectation]:
     if not isinstance(entries, list):
         raise FieldError("", "expected", "must be the list of what a plan expects, got none")
     return [Expectation.from_dict(entry, f"expected[{i}]") for i, entry in enumerate(entries)]
+
+
+def with_outcomes(result: Diagnosis, expected: Sequence[Expectation], found: Search) -> Diagnosis:
+    """A result that says what became of each expectation, by what the search found."""
+    return replace(result, planned=outcomes(expected, found)) if expected else result
 
 
 def outcomes(expected: Sequence[Expectation], found: Search) -> tuple[Outcome, ...]:
