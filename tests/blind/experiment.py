@@ -29,6 +29,7 @@ from .truth import Plan, Run
 
 SECONDS = 20.0  # of each new motion
 RATIOS = (100.0, 300.0)
+FASTEST = 2500.0  # Hz, of machines: a log of 20 s is diagnosed three times a case
 ARMS = ("proposed", "repeated", "random")
 #: Effects whose logs are often ambiguous, each with a part of the vocabulary that looks like it.
 EFFECTS = (
@@ -92,14 +93,14 @@ def told(result: cogging.Diagnosis, name: str) -> dict[str, Any]:
 
 
 def ask(seed: int, index: int) -> dict[str, Any] | None:
-    """One case; None where it cannot be drawn, states no controller or is not ambiguous about the right name."""
+    """One case; None where it cannot be drawn, states no controller, is sampled fast or leaves nothing open."""
     name, ratio = EFFECTS[index % len(EFFECTS)], RATIOS[index // len(EFFECTS) % len(RATIOS)]
     try:
         case = draw_case([seed, index], Specification("effect", (name,), ratio))
     except Unreachable:
         return None
     machine = case.machine
-    if not machine.stated_controller:
+    if not machine.stated_controller or machine.rate > FASTEST:
         return None
     model, old = cogging.Model.from_dict(machine.model), as_log(case.main, case.main_run)
     first = cogging.diagnose(old, model)

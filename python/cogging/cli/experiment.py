@@ -48,9 +48,10 @@ def run(arguments: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     from cogging.diagnosis.experiment.experiment_plan import plan_path, samples_path
-    from cogging.diagnosis.experiment.limits import FIELDS, MotionLimits
+    from cogging.diagnosis.experiment.limits import MotionLimits
     from cogging.diagnosis.experiment.plan import NoMotion, plan_experiment
     from cogging.diagnosis.experiment.result_file import read_result
+    from cogging.file_schema import LIMITS
     from cogging.model.model import Model
 
     require_seed(arguments)
@@ -72,7 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
                 progress=bar.set_description_str,
             )
         except FieldError as error:  # of the limits beside the model, or of the result
-            if error.key in FIELDS and not error.section:
+            if error.key in LIMITS and not error.section:
                 raise error.in_file(arguments.limits, read_text(arguments.limits)) from None
             raise InputError(f"{arguments.result}: {error}") from None
         except NoMotion as error:

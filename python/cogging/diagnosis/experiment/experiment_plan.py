@@ -124,9 +124,9 @@ class ExperimentPlan(ByValue):
 
 def samples_path(path: str | os.PathLike[str]) -> str:
     """The table of samples beside a reference file: its name with .csv."""
-    return os.fspath(Path(path).with_suffix(".csv"))
+    return os.path.splitext(os.fspath(path))[0] + ".csv"
 
 
 def plan_path(path: str | os.PathLike[str]) -> str:
     """The plan beside a reference file: its name with .plan.json."""
-    return os.fspath(Path(path).with_suffix(".plan.json"))
+    return os.path.splitext(os.fspath(path))[0] + ".plan.json"

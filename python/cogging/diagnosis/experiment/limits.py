@@ -9,21 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from cogging.calls import PATHS, takes
+from cogging.file_schema import LIMITS, LIMITS_NEEDED
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.shown import quoted
 from cogging.values import ByValue
 
-#: Fields of a limits file: unit and meaning.
-FIELDS: dict[str, tuple[str, str]] = {
-    "travel": ("m", "lower and upper end of where the axis may be; default: the model's travel"),
-    "velocity": ("m/s", "largest speed"),
-    "acceleration": ("m/s^2", "largest acceleration"),
-    "jerk": ("m/s^3", "largest jerk of the reference; default: the acceleration reaches its limit in 10 ms"),
-    "duration": ("s", "of the whole motion"),
-    "command": ("V", "largest command; default: the controller's command_limit"),
-}
-NEEDED = ("velocity", "acceleration", "duration")
 RISE = 0.01  # s, in which the acceleration may rise to its limit where no jerk is stated
 SHORTEST, LONGEST = 2.0, 600.0  # s, of a motion: below it no row is left between its turns
 
@@ -58,7 +49,7 @@ class MotionLimits(ByValue):
     def __post_init__(self) -> None:
         for name in ("velocity", "acceleration", "duration", "jerk", "command"):
             value = getattr(self, name)
-            if value is None and name not in NEEDED:
+            if value is None and name not in LIMITS_NEEDED:
                 continue
             if not is_number(value) or not 0.0 < value <= LARGEST:
                 raise FieldError("", name, f"must be a number above 0, at most {LARGEST:g}, got {quoted(value)}")
@@ -106,15 +97,15 @@ class MotionLimits(ByValue):
         Raises:
             FieldError: a ValueError that names field, rule and value.
         """
-        refuse_unknown_keys(document, FIELDS, "")
-        for name in NEEDED:
+        refuse_unknown_keys(document, LIMITS, "")
+        for name in LIMITS_NEEDED:
             if name not in document:
                 raise FieldError("", name, "must be given, got nothing")
         return cls(**document)
 
     def to_dict(self) -> dict[str, Any]:
         """The fields of a limits file that are stated: what from_dict reads."""
-        stated = {name: getattr(self, name) for name in FIELDS}
+        stated = {name: getattr(self, name) for name in LIMITS}
         return {name: list(v) if name == "travel" else v for name, v in stated.items() if v is not None}
 
     def of(self, model: Model) -> MotionLimits:

@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, place
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave, wave_of, wave_range
 from cogging.diagnosis.evidence.evidence import Evidence, Unweighted
 from cogging.diagnosis.evidence.gather import slow_friction, weighed
+from cogging.diagnosis.evidence.noise_filter import periodogram_length
 from cogging.diagnosis.evidence.null import sources_of
+from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.estimation.gauss_newton import columns_of
 from cogging.logs.log import Log
@@ -56,6 +59,39 @@ def as_residual(evidence: Evidence, signal: FloatArray) -> Evidence:
     other = replace(evidence, residual=signal)
     other.__dict__["overdispersion"] = evidence.overdispersion  # of the noise, not of the signal
     return other
+
+
+def left_by(evidence: Evidence, finding: Finding) -> FloatArray:
+    """What a finding leaves of the whitened residual, freed of what the free parameters explain, (n,).
+
+    An effect that its shape alone makes takes what that shape says, no more and no less.
+    """
+    if finding.candidate.amplitudes:
+        return np.asarray(evidence.free_residual - finding.test.explained)
+    column = evidence.whitened(tables(evidence, [finding.candidate])[0])
+    return np.asarray(evidence.free_residual + evidence.project(column)[0])
+
+
+def louder(evidence: Evidence, added: FloatArray) -> float:
+    """2 ln likelihood that is lost where so much (n,) is left beside white noise, the level of each band free.
+
+    sum over bands of d ln(1 + |added|^2 / d), as for the bounded T of an effect.
+    """
+    none = np.zeros(1)
+    return min(float(added @ added) / evidence.overdispersion, evidence.bounded(ScoreTest(0.0, 1, none, added, none)))
+
+
+def band_powers(evidence: Evidence, rows: FloatArray) -> FloatArray:
+    """Power of whitened rows (n,) in each band of each log, as Evidence.freedom has them."""
+    powers: list[float] = []
+    start = 0
+    for source, (parts, _) in zip(evidence.sources, evidence.freedom, strict=True):
+        n = len(source.log)
+        length = periodogram_length(n)
+        power = np.abs(np.fft.rfft(rows[start : start + n], length)) ** 2 / length
+        powers += [2.0 * float(power[part].sum()) for part in parts]
+        start += n
+    return np.asarray(np.maximum(np.array(powers), 1e-300))
 
 
 def gram_of(evidence: Evidence, signal: FloatArray, wanted: Sequence[Candidate]) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging.calls import PATH, Kind
-from cogging.diagnosis.candidates.findings import Finding, profiled
+from cogging.diagnosis.candidates.findings import Finding, cleaned, judged, profiled
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.entries import Outcome
@@ -19,7 +19,7 @@ from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.experiment.detection import Detection
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan, plan_path
-from cogging.diagnosis.experiment.observation import gram_of, looked_for
+from cogging.diagnosis.experiment.observation import band_powers, gram_of, left_by, looked_for
 from cogging.diagnosis.experiment.result_file import read_json
 from cogging.diagnosis.experiment.rivals import CHANGES
 from cogging.diagnosis.result import Diagnosis
@@ -30,7 +30,7 @@ from cogging.files import FieldError, InputError
 PLANNED = Kind((ExperimentPlan, Mapping, type(None), *PATH), "an ExperimentPlan or the path of its reference file")
 SHORT = 2.0 / 3.0  # of an expected distance between rivals, which must be there: sizes were known no better
 SCATTER = 1.0  # standard deviation of a distance, which it may be short by besides
-WIDER = 1.5  # times: a limit or an interval that is wider than expected by more did not come true
+WIDER = 2.0  # times: a limit or an interval that is wider than expected by more did not come true
 
 
 def read_plan(planned: ExperimentPlan | Mapping[str, Any] | str | os.PathLike[str] | None) -> list[Expectation]:
@@ -111,16 +111,30 @@ def _apart(one: Expectation, planned: Sequence[str], evidence: Evidence, vocabul
         if best is not None:
             columns = evidence.whitened(tables(evidence, [best.candidate])[0])
             evidence = replace(evidence, basis=orthonormal(np.vstack([evidence.basis, columns])))
-    statistics = []
-    for name in names:
-        best = _best(evidence, vocabulary[name]) if name in vocabulary else None
-        statistics.append(0.0 if best is None else best.test.statistic)
-    difference = statistics[0] - statistics[1]
+    difference = _difference(evidence, [vocabulary.get(name) for name in names])
     measured = round(float(np.sign(difference) * np.sqrt(abs(difference))), 3)
     if one.expected is None:
         return Outcome(*names, one.unit, None, measured, None)
     came = abs(measured) >= SHORT * one.expected - SCATTER
     return Outcome(*names, one.unit, one.expected, measured, came)
+
+
+def _difference(evidence: Evidence, laws: Sequence[Effect | None]) -> float:
+    """2 ln likelihood of the first of two effects over the second: sum over bands of d ln(power left by it / by that).
+
+    Each at its best shape, both against the filters of the noise that the better one leaves; None: nothing is added.
+    """
+    found = [None if law is None else _best(evidence, law) for law in laws]
+    best = max((one for one in found if one is not None), key=lambda one: one.score, default=None)
+    if best is None:
+        return 0.0
+    quiet = cleaned(evidence, best)
+    left = []
+    for one in found:
+        again = [] if one is None else judged(quiet, [one.candidate], 1.0, exact=True)
+        left.append(left_by(quiet, again[0]) if again else quiet.free_residual)
+    first, second = (band_powers(quiet, rows) for rows in left)
+    return float(np.sum(np.concatenate([d for _, d in quiet.freedom]) * np.log(second / first)))
 
 
 def _best(evidence: Evidence, law: Effect) -> Finding | None:

@@ -9,19 +9,28 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.findings import bounded, judged
+from cogging.diagnosis.candidates.findings import judged
 from cogging.diagnosis.candidates.scan import begun, scan, sharpen
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.experiment.expectation import TOLD_APART, Expectation
-from cogging.diagnosis.experiment.observation import as_residual, evidence_of, freed, gram_of, looked_for
+from cogging.diagnosis.experiment.observation import (
+    as_residual,
+    evidence_of,
+    freed,
+    gram_of,
+    left_by,
+    looked_for,
+    louder,
+)
 from cogging.diagnosis.experiment.rivals import CHANGES, Found, with_others
 from cogging.effects.effect import Effect, Window, kind_of
 from cogging.estimation.whitening import NothingCounts
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
+ENOUGH = (3.0 * TOLD_APART) ** 2  # lambda, beyond which more is worth hardly anything
 NEAR = (0.7, 0.85, 1.18, 1.4)  # times a shape that is a size, at which it is looked for too
 BESIDE = 1.2  # times: how far from a shape in the list its effect is taken to be in proportion to it
 TIMES = (0.3, 0.7)  # of a motion, between which a disturbance acts that else would not come in it
@@ -91,7 +100,7 @@ class Separation:
 
     def utility(self, gram: FloatArray) -> float:
         """What a motion is worth: large where the worst pair stands far apart; from the sum of grams."""
-        return pooled(list(self.squares(gram).values()))
+        return pooled(list(self.squares(gram).values()), ENOUGH)
 
     def squares(self, gram: FloatArray) -> dict[str, float]:
         """lambda of each pair by the alternative's name, over the shapes that were looked for."""
@@ -115,7 +124,7 @@ class Separation:
     def worth(self, log: Log, gram: FloatArray) -> float:
         """What a whole motion is worth, the shapes of the alternatives searched through on its log."""
         squares = self._searched(log)
-        return pooled(list(squares.values())) if squares else self.utility(gram)
+        return pooled(list(squares.values()), ENOUGH) if squares else self.utility(gram)
 
     def expectations(self, log: Log) -> list[Expectation]:
         """How far each pair would stand apart on a log, the alternative's shape searched through."""
@@ -148,13 +157,13 @@ class Separation:
         """T of the effect itself: as it is, or as a scan of this log alone finds it, whichever is less."""
         test = seen.test(signal[None, :])
         own = min(test.statistic, seen.bounded(test))
-        if len(self.found.terms) != 1:
-            return own
-        findings = scan(seen, [self.found.terms[0]])
-        return min(own, max((bounded(seen, finding).test.statistic for finding in findings), default=0.0))
+        if len(self.found.terms) == 1:
+            findings = scan(seen, [self.found.terms[0]])
+            own = min(own, max((finding.test.statistic for finding in findings), default=0.0))
+        return own
 
     def _square(self, seen: Evidence, own: float, name: str) -> float:
-        """lambda of a pair: T of the effect less that of its alternative at its best shape."""
+        """lambda of a pair: of what the alternative at its best shape leaves, the level of each band's noise free."""
         if name not in self.laws:
             return self._known(max(own, 0.0))
         # A scan keeps to what the log alone can hold; beside other logs the alternative may have any of its shapes.
@@ -163,8 +172,10 @@ class Separation:
             known = judged(seen, [begun(finding) for finding in known], 1.0, exact=True)
         best = sorted(known, key=lambda finding: -finding.score)[:1]
         findings = [*scan(seen, [self.laws[name]]), *(sharpen(seen, finding) for finding in best)]
-        other = max((bounded(seen, finding).test.statistic for finding in findings), default=0.0)
-        return self._known(max(own - other, 0.0))
+        squares = [own, *(louder(seen, left_by(seen, finding)) for finding in findings)]
+        # Among so many shapes, noise alone makes one of them as likely as this.
+        squares += [own - 2.0 * float(np.log(max(finding.trials, 1.0))) for finding in findings]
+        return self._known(max(min(squares), 0.0))
 
     def _known(self, square: float) -> float:
         """lambda of a change of the axis that is beyond what is stated: the statement explains some of it too."""
@@ -212,12 +223,9 @@ def _of_fixed_size(gram: FloatArray) -> float:
     return signal + 2.0 * factor * both + factor**2 * size
 
 
-def pooled(squares: Sequence[float]) -> float:
+def pooled(squares: Sequence[float], enough: float = np.inf) -> float:
     """One number for several noncentralities, to be made large: the weakest counts most, a hopeless one not alone.
 
-    minus ln of the mean of 1 / (1 + lambda); what is far beyond TOLD_APART is worth hardly more.
+    minus ln of the mean of 1 / (1 + lambda) + 1 / enough.
     """
-    if not squares:
-        return 0.0
-    values = np.array(squares)
-    return -float(np.log(np.mean(1.0 / (1.0 + values)) + 1e-3 / TOLD_APART**2))
+    return -float(np.log(np.mean(1.0 / (1.0 + np.array(squares))) + 1.0 / enough)) if squares else 0.0
