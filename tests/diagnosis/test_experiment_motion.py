@@ -39,7 +39,7 @@ def drawn_model(random, limits):
             mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width, travel=list(limits.travel)
         ),
         effects=[cogging.effects.CableSpring(stiffness=0.1 * force / length, center=limits.travel[0])],
-        encoder=cogging.EncoderParameters(resolution=1e-6 * length),
+        encoder=cogging.EncoderParameters(resolution=1e-8 * length),
         noise=cogging.NoiseParameters(force=1e-3 * force),
         controller=cogging.PidParameters(
             sample_rate=float(random.choice([1000.0, 2500.0])),
@@ -179,8 +179,7 @@ def test_each_limit_that_is_exceeded_is_seen(name):
     assert all(0.0 < share <= 1.0 for key, share in taken.items() if key != "acceleration"), taken
     low, high = limits.travel
     tight = {"travel": (low + 0.1 * (high - low), high), "command": 0.5 * float(np.abs(log.command).max())}
-    tight |= {key: 0.7 * getattr(limits, key) for key in ("velocity", "acceleration", "jerk", "duration")}
-    other = cogging.MotionLimits(**{**limits.to_dict(), "travel": limits.travel, "duration": 9.0, name: tight[name]})
-    if name == "duration":
-        other = cogging.MotionLimits(**{**limits.to_dict(), "travel": limits.travel, "duration": motion.end - 0.01})
+    tight |= {key: 0.7 * getattr(limits, key) for key in ("velocity", "acceleration", "jerk")}
+    tight["duration"] = motion.end - 0.01
+    other = cogging.MotionLimits(**{**limits.to_dict(), "travel": limits.travel, name: tight[name]})
     assert taken_of(motion, log, other)[name] > 1.0

@@ -25,7 +25,7 @@ SLOW_SHAPES = 6  # columns of slow friction, which a fit has not
 
 @dataclass(frozen=True)
 class Narrowing:
-    """Intervals of a fit: D-optimal, the volume of the ellipsoid of all parameters together (Atkinson et al. 2007).
+    """Intervals of a fit: D-optimal, the volume of the ellipsoid of all parameters together (Fedorov 1972).
 
     Information adds up: that of the motion, F = X X' / phi, to that of the intervals which the model states.
 
