@@ -84,7 +84,7 @@ def test_an_effect_does_not_stand_apart_from_itself(name):
     log = logged(same)
     ready = same.looking(log)
     gram = ready.gram(log)
-    alone = np.sqrt(Separation.squares(question(name, ["mass_change"]), gram)["mass_change"])
+    alone = np.sqrt(same.squares(same.gram(log))[name])
     assert alone > 3.0
     [told] = ready.expectations(log)
     assert told.expected < max(0.3 * alone, 1.5)
@@ -95,8 +95,6 @@ PAIRS = [
     ("cable_spring", "end_effect"),
     ("cogging_harmonic", "encoder_periodic_error"),
     ("force_constant_ripple", "cogging_harmonic"),
-    ("viscous_asymmetry", "coulomb_asymmetry"),
-    ("disturbance_step", "force_constant_drift"),
 ]
 
 
@@ -107,7 +105,7 @@ def test_what_is_expected_is_what_is_seen(name, other):
     log = logged(asked)
     [told] = asked.looking(log).expectations(log)
     seen = []
-    for seed in range(2, 6):
+    for seed in range(2, 5):
         result = cogging.diagnose(logged(asked, seed=seed), SMALL, planned={"expected": [vars(told)]})
         seen.append(result.planned[0].measured)
     assert told.expected > 2.0
@@ -187,7 +185,7 @@ def test_every_effect_of_the_vocabulary_is_read(name):
 
 @pytest.mark.parametrize(
     ("name", "field"),
-    [("cable_spring", "stiffness"), ("quadratic_drag", "coefficient"), ("coulomb_asymmetry", "difference")],
+    [("cable_spring", "stiffness"), ("coulomb_asymmetry", "difference")],
 )
 def test_a_detection_limit_is_where_an_effect_begins_to_be_found(name, field):
     asked = Detection.of(SMALL, {name: VOCABULARY[name]}, REST, {})
@@ -198,7 +196,7 @@ def test_a_detection_limit_is_where_an_effect_begins_to_be_found(name, field):
     statistics = []
     for share in (0.3, 1.0):
         here = []
-        for seed in range(2, 7):
+        for seed in range(2, 5):
             hidden = VOCABULARY[name].replace(**{field: share * told.expected})
             run = cogging.simulate(SMALL.replace(effects=[hidden]), MOTION, seed=seed)
             evidence = fit_null([run], SMALL)[1]
