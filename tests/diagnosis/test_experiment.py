@@ -93,8 +93,8 @@ def test_an_effect_does_not_stand_apart_from_itself(name):
 
 PAIRS = [
     ("cable_spring", "end_effect"),
-    ("cogging_harmonic", "encoder_periodic_error"),
-    ("force_constant_ripple", "cogging_harmonic"),
+    pytest.param("cogging_harmonic", "encoder_periodic_error", marks=pytest.mark.study),
+    pytest.param("force_constant_ripple", "cogging_harmonic", marks=pytest.mark.study),
 ]
 
 
@@ -185,7 +185,7 @@ def test_every_effect_of_the_vocabulary_is_read(name):
 
 @pytest.mark.parametrize(
     ("name", "field"),
-    [("cable_spring", "stiffness"), ("coulomb_asymmetry", "difference")],
+    [("cable_spring", "stiffness"), pytest.param("coulomb_asymmetry", "difference", marks=pytest.mark.study)],
 )
 def test_a_detection_limit_is_where_an_effect_begins_to_be_found(name, field):
     asked = Detection.of(SMALL, {name: VOCABULARY[name]}, REST, {})
@@ -302,7 +302,7 @@ def test_the_new_log_says_what_became_of_it(plan, found, tmp_path):
     assert against.measured < outcome.measured - 2.0
 
 
-@pytest.mark.parametrize("goal", ["detect", "fit"])
+@pytest.mark.parametrize("goal", [pytest.param("detect", marks=pytest.mark.study), "fit"])
 def test_the_other_goals_come_true_too(goal):
     limits = cogging.MotionLimits(0.5, 5.0, 4.0, jerk=500.0)
     plan = cogging.plan_experiment(SMALL, limits, goal=goal)
