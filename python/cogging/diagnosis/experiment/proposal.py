@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -282,8 +282,3 @@ def _moved(
         if "low" in numbers and "high" in numbers:
             numbers["high"] = max(numbers["high"], 1.2 * numbers["low"])
     return tuple(replace(element, parameters=numbers) for element, numbers in zip(elements, changed, strict=True))
-
-
-def told(elements: Sequence[Element]) -> list[Mapping[str, Any]]:
-    """Elements as a plan tells them."""
-    return [{"kind": one.kind, **one.parameters, "scale": one.scale} for one in elements]
