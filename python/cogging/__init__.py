@@ -44,6 +44,9 @@ from cogging.log_check.recovery import RecoveredController, recover_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
+from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
+from cogging.diagnosis.experiment.limits import MotionLimits
+from cogging.diagnosis.experiment.plan import plan_experiment
 from cogging.diagnosis.locate import locate_gap
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.design.predicted_error import ErrorPrediction
@@ -91,6 +94,7 @@ __all__ = [
     "DivergedError",
     "EncoderParameters",
     "ErrorPrediction",
+    "ExperimentPlan",
     "FrictionCurve",
     "FrictionModel",
     "FrictionParameter",
@@ -100,6 +104,7 @@ __all__ = [
     "Log",
     "MapFit",
     "Model",
+    "MotionLimits",
     "NoiseParameters",
     "ObserverDesign",
     "ObserverProblem",
@@ -133,6 +138,7 @@ __all__ = [
     "performance",
     "pid_gains",
     "pid_poles",
+    "plan_experiment",
     "predict_error",
     "project",
     "read_log",

@@ -1,4 +1,4 @@
-"""One schema of model and reference files, made from what the C++ parameter structs say of themselves."""
+"""One schema of model, reference and limits files, made from what the C++ parameter structs say of themselves."""
 
 from __future__ import annotations
 
@@ -40,12 +40,28 @@ SAMPLED: dict[str, tuple[dict[str, Any], str, str]] = {
     "reference_acceleration": (NUMBERS, "m/s^2", "samples; differentiated when left out"),
 }
 
+ABOVE_ZERO = {"type": "number", "exclusiveMinimum": 0}
+LIMITS: dict[str, tuple[dict[str, Any], str, str]] = {
+    "travel": (
+        {**NUMBERS, "minItems": 2, "maxItems": 2},
+        "m",
+        "lower and upper end of where the axis may be; default: the model's travel",
+    ),
+    "velocity": (ABOVE_ZERO, "m/s", "largest speed"),
+    "acceleration": (ABOVE_ZERO, "m/s^2", "largest acceleration"),
+    "jerk": (ABOVE_ZERO, "m/s^3", "largest jerk of the reference; default: the acceleration takes 10 ms to its limit"),
+    "duration": ({"type": "number", "minimum": 2, "maximum": 600}, "s", "of the whole motion"),
+    "command": (ABOVE_ZERO, "V", "largest command; default: the controller's command_limit"),
+}
+LIMITS_NEEDED = ("velocity", "acceleration", "duration")
+
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of model and reference files, which are TOML.
+    """The JSON Schema (2020-12) of model, reference and limits files, which are TOML.
 
-    `$defs` holds `model` and `reference`; every field has its unit (`unit`), meaning (`description`) and, where it is
-    finite, default. Whole numbers may stand for numbers. Rules between fields are checked when a file is read.
+    `$defs` holds `model`, `reference` and `limits`; every field has its unit (`unit`), meaning (`description`) and,
+    where it is finite, default. Whole numbers may stand for numbers. Rules between fields are checked when a file is
+    read.
 
     Returns:
         The document, as JSON can hold it.
@@ -56,9 +72,13 @@ def schema() -> dict[str, Any]:
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "cogging: model and reference files (TOML; SI, V stands for the command unit)",
-        "oneOf": [{"$ref": "#/$defs/model"}, {"$ref": "#/$defs/reference"}],
-        "$defs": {"model": _model(), "reference": _reference()},
+        "title": "cogging: model, reference and limits files (TOML; SI, V stands for the command unit)",
+        "oneOf": [{"$ref": "#/$defs/model"}, {"$ref": "#/$defs/reference"}, {"$ref": "#/$defs/limits"}],
+        "$defs": {
+            "model": _model(),
+            "reference": _reference(),
+            "limits": _section("what a machine may do: limits file", _described(LIMITS), list(LIMITS_NEEDED)),
+        },
     }
 
 

@@ -31,6 +31,11 @@ COMMANDS = {
         ["log.csv", "log.csv.toml", "other.csv", "other.csv.toml", "model.toml"],
         ["--out", "--json", "--report"],
     ),
+    "experiment": (
+        ["experiment", "--model", "model.toml", "--result", "result.json", "--limits", "limits.toml"],
+        ["model.toml", "result.json", "limits.toml"],
+        ["--out"],
+    ),
     "audit": (
         ["audit", "log.csv", "other.csv", "--model", "model.toml"],
         ["log.csv", "log.csv.toml", "other.csv", "other.csv.toml", "model.toml"],
@@ -60,6 +65,8 @@ def written(tmp_path_factory):
     (folder / "model.toml").write_text(MODEL)
     (folder / "ref.toml").write_text(REFERENCE)
     (folder / "sampled.toml").write_text(SAMPLED)
+    (folder / "limits.toml").write_text("velocity = 0.3\nacceleration = 5.0\nduration = 3.0\n")
+    (folder / "result.json").write_text('{"verdict": "no_gap", "effects": []}')
     for seed, name in enumerate(("log.csv", "other.csv")):
         cogging.simulate(folder / "model.toml", folder / "ref.toml", seed=seed).write(folder / name)
     (folder / "other.csv.toml").unlink()  # which then only may be there

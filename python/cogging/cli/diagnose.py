@@ -26,6 +26,9 @@ def add_parser(commands: Commands) -> None:
     command.add_argument(
         "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
     )
+    command.add_argument(
+        "--planned", metavar="REF.toml", help="the planned experiment that a log is of: what became of what it expected"
+    )
     add_log_options(command)
     command.set_defaults(run=run)
 
@@ -35,10 +38,14 @@ def run(arguments: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     from cogging.diagnosis.diagnose import diagnose
+    from cogging.diagnosis.experiment.experiment_plan import plan_path
     from cogging.model.model import Model
 
     outputs = {"--json": arguments.json, "--report": arguments.report, "--out": arguments.out}
-    check_outputs(outputs, [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])])
+    inputs = [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])]
+    if arguments.planned is not None:
+        inputs += [arguments.planned, plan_path(arguments.planned)]
+    check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
     with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False, disable=None) as bar:
@@ -49,6 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
             names=[printable(path) for path in arguments.logs],
             confirm_names=[printable(path) for path in arguments.confirm],
             empirical=arguments.empirical,
+            planned=arguments.planned,
             progress=bar.set_description_str,
         )
         content = {}

@@ -21,6 +21,7 @@ COMMANDS = (
     "predict",
     "map",
     "diagnose",
+    "experiment",
     "audit",
     "identify",
     "schema",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
 from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
+from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
+from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
 from cogging.diagnosis.limits import unmeasured
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
@@ -27,7 +30,7 @@ from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
 
 
-@takes(logs=LOGS, model=MODEL, confirm=LOGS)
+@takes(logs=LOGS, model=MODEL, confirm=LOGS, planned=PLANNED)
 def diagnose(
     logs: Logs,
     model: Model | str | os.PathLike[str],
@@ -37,6 +40,7 @@ def diagnose(
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
     also: Sequence[Custom] = (),
+    planned: ExperimentPlan | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
@@ -56,6 +60,8 @@ def diagnose(
             the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
         also: effects of your own (cogging.effects.Custom) that are tried beside the vocabulary: what stands of them
             bears their names.
+        planned: experiment that the logs are of (plan_experiment), or the reference file that it was written to: the
+            result then says what became of what it expected.
         progress: True shows a line of what is being done, a function is told each step in words.
 
     Returns:
@@ -72,6 +78,7 @@ def diagnose(
         >>> print(result.verdict, result.notes[-1])
         insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
+    expected = read_plan(planned)
     own = by_name(also)
     if not isinstance(model, Model):
         model = Model.read(model, effects=list(own.values()))
@@ -98,7 +105,7 @@ def diagnose(
         except NothingCounts as error:
             return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)), vocabulary)
         begin("measuring the gap")
-        result = assemble(found, ready, model, running.replay)
+        result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
 

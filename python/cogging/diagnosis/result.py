@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Placebo, Step
+from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.report.page import html, overview
 from cogging.diagnosis.report.words import limit_lines, step_text, term_text
@@ -45,6 +45,7 @@ class Diagnosis(ByValue):
         limits: smallest size of each effect that these logs would have shown with a chance of 95 %; empty where
             nothing was measured.
         mismatch: column of a log that was read as something it is not, and what to do: of a data_mismatch, else None.
+        planned: what became of a planned experiment, one entry an expectation of it; empty without a plan.
     """
 
     verdict: str
@@ -63,6 +64,7 @@ class Diagnosis(ByValue):
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mismatch: Mapping[str, Any] | None = None
+    planned: tuple[Outcome, ...] = ()
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -85,6 +87,7 @@ class Diagnosis(ByValue):
             "ledger": [vars(step) for step in self.ledger],
             "placebo": [vars(entry) for entry in self.placebo],
             "notes": list(self.notes),
+            "planned": [vars(outcome) for outcome in self.planned],
         }
         return {name: finite(value) for name, value in told.items()}
 
@@ -169,7 +172,9 @@ class Diagnosis(ByValue):
             lines += [f"  {p.name}: T = {p.statistic:.1f}, {_number(p.confirm_gain)}" for p in self.placebo]
         if self.separating_experiment:
             lines.append(f"what would tell them apart: {self.separating_experiment}")
+            lines.append("  (cogging experiment computes a motion for the limits of your machine)")
         lines += limit_lines(self.limits)
+        lines += [f"planned: {outcome.text()}" for outcome in self.planned]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 

@@ -40,7 +40,13 @@ def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedE
         where_of(effect, found.evidence),
         added.finding.test.statistic,
         added.finding.log_p_value,
+        apart={r.name: sigmas_apart(best, r) for r in reversed(rivals)},
     )
+
+
+def sigmas_apart(best: Finding, rival: Finding) -> float:
+    """Standard deviations by which logs tell a finding from a rival: the root of what their score tests differ by."""
+    return round(float(np.sqrt(max(best.test.statistic - rival.test.statistic, 0.0))), 3)
 
 
 def values_of(estimate: Estimate, prefix: str, effect: Any) -> dict[str, Value]:

@@ -1,0 +1,95 @@
+"""`cogging experiment` as a user calls it: a result and limits in, a reference that the machine can run out."""
+
+import json
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.cli.main import main
+from tests.fixtures.files import MODEL
+
+LIMITS = "velocity = 0.3\nacceleration = 5.0\njerk = 500.0\nduration = 2.5\ncommand = 2.0\n"
+RESULT = {
+    "verdict": "ambiguous",
+    "effects": [
+        {
+            "name": "cable_spring",
+            "alternatives": ["end_effect"],
+            "apart": {"end_effect": 0.4},
+            "parameters": {"stiffness": {"value": 0.3, "unit": "V/m", "ci95": [0.2, 0.4]}},
+        }
+    ],
+    "gap": {"unit": "V", "floor": 0.01, "signal": "innovations of an observer"},
+}
+CALL = ["experiment", "--model", "model.toml", "--limits", "limits.toml", "--out", "next.toml"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "model.toml").write_text(MODEL)
+    (tmp_path / "limits.toml").write_text(LIMITS)
+    (tmp_path / "result.json").write_text(json.dumps(RESULT))
+    return tmp_path
+
+
+def test_from_a_result_to_whether_it_came_true(folder, capsys):
+    assert main([*CALL, "--result", "result.json"]) == 0
+    said = capsys.readouterr().out
+    assert "cable_spring and end_effect will stand" in said
+    assert "; today 0.4" in said
+    assert said.endswith("next.toml, next.csv, next.plan.json written\n")
+    assert main(["simulate", "model.toml", "--reference", "next.toml", "--out", "new.csv"]) == 0
+    log = cogging.read_log(folder / "new.csv")
+    assert log.time[-1] <= 2.5
+    assert np.abs(log.command).max() <= 2.0
+    assert np.abs(np.diff(log.reference)).max() <= 0.3 * np.diff(log.time).max()
+    capsys.readouterr()
+    call = ["diagnose", "new.csv", "--model", "model.toml", "--planned", "next.toml", "--json", "new.json"]
+    assert main(call) == 0
+    said = capsys.readouterr().out
+    told = json.loads((folder / "new.json").read_text())
+    assert [(one["name"], one["alternative"]) for one in told["planned"]] == [("cable_spring", "end_effect")]
+    assert "planned: cable_spring and end_effect: " in said
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        ("limits.toml", "velocity = 0.3\nduration = 3.0", "limits.toml: acceleration: must be given, got nothing"),
+        ("limits.toml", LIMITS.replace("0.3", "-1"), "limits.toml: line 1: velocity: must be a number above 0"),
+        ("limits.toml", LIMITS + "travel = [0.0, 9.0]", "limits.toml: line 6: travel: must be inside the model's"),
+        ("limits.toml", LIMITS + "speed = 1.0", "limits.toml: line 6: speed: is not known here"),
+        ("limits.toml", LIMITS.replace("command = 2.0", "command = 0.01"), "limits.toml with model.toml: no motion of"),
+        ("result.json", "{", "result.json: must be the result of diagnose --json (JSON): "),
+        ("result.json", "[]", "result.json: must be the result of diagnose --json, got a list"),
+        ("result.json", "{}", "result.json: must be the result of diagnose --json, got no verdict and effects"),
+        (
+            "result.json",
+            "[" * 100_000,
+            "result.json: must be the result of diagnose --json, got lists or",
+        ),
+        (
+            "result.json",
+            json.dumps(RESULT).replace("cable_spring", "spring"),
+            "result.json: effects[0].name: must be an effect of the vocabulary, got 'spring'",
+        ),
+    ],
+)
+def test_what_cannot_be_used_is_answered_in_one_line(file, text, said, folder, capsys):
+    (folder / file).write_text(text)
+    assert main([*CALL, "--result", "result.json"]) == 2
+    answer = capsys.readouterr().err
+    assert answer.startswith(f"cogging: {said}"), answer
+    assert answer.count("\n") == 1
+    assert not list(folder.glob("next*"))
+
+
+def test_a_goal_that_the_result_does_not_allow(folder, capsys):
+    assert main([*CALL, "--goal", "separate"]) == 2
+    assert capsys.readouterr().err == (
+        "cogging: goal: separate needs a result with alternatives, got none; detect and fit need none\n"
+    )
+    with pytest.raises(SystemExit):
+        main([*CALL, "--goal", "all"])
