@@ -15,7 +15,7 @@ from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.limits import limit
 from cogging.diagnosis.search.chance import GRID, LAMBDAS, Powers, Visibility, chances
-from cogging.diagnosis.search.choice import UNSHOWN, is_seen, refusal
+from cogging.diagnosis.search.choice import is_seen, refusal
 from cogging.diagnosis.search.confirmation import Confirmation
 from cogging.diagnosis.search.growth import View
 from cogging.effects.effect import VOCABULARY

@@ -32,8 +32,8 @@ class Detection:
     """Detection limits: of each effect the smallest size that a scan would find with 95 % chance.
 
     An effect of noncentrality lambda is found where T, noncentral chi-square with p degrees of freedom and lambda,
-    passes the threshold of a scan (CHOICE.detected, with the number of trials). lambda goes with the square of the size; the
-    limit is the median over the shapes at which the effect is looked for.
+    passes the threshold of a scan (CHOICE.detected, with the number of trials). lambda goes with the square of the size;
+    the limit is the median over the shapes at which the effect is looked for.
 
     Attributes:
         model: model that is held against the motion, with all that was found.
