@@ -40,13 +40,14 @@ class Allowance:
         return value <= low + room or value >= high - room
 
     def without(self, paths: tuple[str, ...]) -> Allowance:
-        """The allowance with some levels free: of mass, a hundredth of what was allowed at least, of friction none."""
+        """The allowance with some levels let go: farther, but as far as one machine may be from another."""
+        far = ALLOWANCE.let_go
         return Allowance(
             {
-                path: low if path not in paths else 0.01 * low if path == "axis.mass" else 0.0
+                path: low if path not in paths else low / far if path == "axis.mass" else 0.0
                 for path, low in self.floors.items()
             },
-            {path: high for path, high in self.ceilings.items() if path not in paths},
+            {path: high if path not in paths else far * high for path, high in self.ceilings.items()},
             tuple(path for path in self.exact if path not in paths),
         )
 

@@ -51,15 +51,21 @@ class LogBalance:
         """Rows of the even grid that count, (n,)."""
         return self.balance.mask
 
-    def of(self, models: Sequence[Model]) -> FloatArray:
-        """What each model leaves unexplained, V, positive where it lacks a force towards -x, (models, n)."""
+    def of(self, models: Sequence[Model], *, as_command: bool = True) -> FloatArray:
+        """What each model leaves unexplained, V, positive where it lacks a force towards -x, (models, n).
+
+        Args:
+            models: models that are held against the log.
+            as_command: whether as the command that would make it (see _as_command), else as a force.
+        """
         dynamics = self.balance.dynamics
         table = dynamics.of(models)
         for i, model in enumerate(models):
             for effect in model.effects:
                 if effect.NAME == "flexible_mode":
                     table[i] += dynamics.filtered(self._borne_by_load(model.axis.mass, effect)[None, :])[0]
-            table[i] = self._as_command(table[i], model)
+            if as_command:
+                table[i] = self._as_command(table[i], model)
         return table
 
     def _as_command(self, residual: FloatArray, model: Model) -> FloatArray:
@@ -143,6 +149,13 @@ class Balances:
     def residual(self) -> FloatArray:
         """What the model leaves unexplained in rows that count, V, logs one after the other, (n,)."""
         return self.joined([source.of([self.model])[0] for source in self.sources])
+
+    @cached_property
+    def force(self) -> float:
+        """Rms of what the model leaves unexplained as a force, V: behind a lag, noise is large as a command."""
+        return float(
+            np.sqrt(np.mean(self.joined([s.of([self.model], as_command=False)[0] for s in self.sources]) ** 2))
+        )
 
     @property
     def rms(self) -> float:

@@ -9,10 +9,11 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.movable import effect_parameters, shape_limits
+from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.large.balance import Balances
-from cogging.diagnosis.thresholds import LARGE
+from cogging.diagnosis.thresholds import ALLOWANCE, LARGE
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, role_of, with_values
 
@@ -32,6 +33,8 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
     known = parameters_of(model, together=True)
     start = np.array([known[path].value for path in paths])
     floors, ceilings = shape_limits(model, balances)
+    for path, (least, most) in amplitude_limits(model, balances, given).items():
+        floors[path], ceilings[path] = max(floors.get(path, least), least), min(ceilings.get(path, most), most)
     low = np.array([max(allowed.floors.get(p, -np.inf), floors.get(p, -np.inf)) for p in paths])
     high = np.array([min(allowed.ceilings.get(p, np.inf), ceilings.get(p, np.inf)) for p in paths])
     paths, start, low, high = _that_move(paths, np.clip(start, low, high), low, high)
@@ -65,6 +68,21 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
     except (DivergedError, ValueError, np.linalg.LinAlgError):
         return balances
     return better if better.rms < balances.rms else balances
+
+
+def amplitude_limits(model: Model, balances: Balances, given: int) -> dict[str, tuple[float, float]]:
+    """Between what the amplitudes of the effects that were added stay: no force is larger than the largest command."""
+    sizes = quantities(balances)
+    sizes["friction"] *= ALLOWANCE.unstated
+    limits: dict[str, tuple[float, float]] = {}
+    for prefix, effect in effect_paths(model.effects)[given:]:
+        for name, role in effect.ROLES.items():
+            if role["role"] == "amplitude":
+                ends = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
+                value = getattr(effect, name)
+                places = [f"[{i}]" for i in range(len(value))] if isinstance(value, list) else [""]
+                limits |= {f"{prefix}.{name}{place}": ends for place in places}
+    return limits
 
 
 def movable(model: Model, allowed: Allowance, given: int) -> list[str]:

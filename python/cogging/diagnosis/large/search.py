@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cogging._core import DivergedError
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.allowance import LEVELS, Allowance
 from cogging.diagnosis.large.balance import Balances
@@ -183,7 +184,7 @@ def with_alternatives(state: Large, vocabulary: Mapping[str, Effect]) -> Large:
             continue
         less = without_term(state, place)
         others = {name: law for name, law in vocabulary.items() if name != term.trial.name}
-        found = [(one, with_trial(less, one)) for one in worthwhile(less, others)[: LARGE.rivals]]
+        found = tried_each(less, worthwhile(less, others)[: LARGE.rivals])[0]
         alike = {one.name for one, its in found if its.left < state.left + LARGE.alternative}
         terms.append(replace(term, alternatives=tuple(sorted(alike))))
     return replace(state, terms=tuple(terms))
@@ -219,7 +220,8 @@ def followed(state: Large, vocabulary: Mapping[str, Effect], progress: Told) -> 
 def is_large(state: Large) -> bool:
     """Whether what is left is large, or was and is not yet noise."""
     share = LARGE.large_still if state.terms else LARGE.large
-    return state.balances.rms > max(share * state.balances.command, LARGE.above_noise * state.balances.noise)
+    balances = state.balances
+    return min(balances.rms, balances.force) > max(share * balances.command, LARGE.above_noise * balances.noise)
 
 
 # Choose ---------------------------------------------------------------------------------------------------------------
@@ -289,8 +291,7 @@ def with_best(state: Large, trials: Sequence[Trial]) -> Large:
         return state
     before = state.balances.rms**2 * len(state.balances.residual)
     close = [one for one in trials if one.worth(before) <= LARGE.near * trials[0].worth(before)][: LARGE.rivals]
-    tried = sorted(((one, with_trial(state, one)) for one in close), key=lambda pair: pair[1].left)
-    refused = list(state.refused)
+    tried, refused = tried_each(state, close)
     for trial, after in tried:
         reason = objection(state, after)
         if reason is not None:
@@ -298,6 +299,17 @@ def with_best(state: Large, trials: Sequence[Trial]) -> Large:
             continue
         return replace(after, refused=tuple(refused))
     return replace(state, refused=tuple(refused))
+
+
+def tried_each(state: Large, trials: Sequence[Trial]) -> tuple[list[tuple[Trial, Large]], list[tuple[str, str]]]:
+    """Each term with the state that it leads to, what leaves least first; and all that were refused, with reasons."""
+    refused, tried = list(state.refused), []
+    for one in trials:
+        try:
+            tried.append((one, with_trial(state, one)))
+        except (DivergedError, ValueError) as error:
+            refused.append((one.name, f"the model with it cannot be fitted: {error}"))
+    return sorted(tried, key=lambda pair: pair[1].left), refused
 
 
 def with_trial(state: Large, trial: Trial) -> Large:
