@@ -31,7 +31,7 @@ from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.state import Added, Search
-from cogging.diagnosis.thresholds import GAP, LARGE, LEVEL_CHANGE, LOCATION, VERDICT
+from cogging.diagnosis.thresholds import ACCEPTANCE, GAP, LARGE, LEVEL_CHANGE, LOCATION, VERDICT
 from cogging.effects.effect import Effect
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
@@ -53,6 +53,8 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(file_form(added.model, model) for added in found.added[:-1]), final]
     measured = measure(logs, models, found.nominal.model, model, replay=replay, balance=found.large is not None)
+    if found.added and (why := growth(measured)):
+        return assemble(without_what_was_added(found, why), logs, model, replay)
     if measured.given[0] is measured.stated:
         nominal = model  # re-tuning does not pay
     effects = _effects(found, model, beyond)
@@ -169,6 +171,31 @@ def measure(
     if as_read is not None and as_read.rms < given[0].rms:
         given = [as_read, *given[1:]]  # re-tuning that makes the gap larger is none
     return Measured(given, confirm, tuple(notes), given[0] if as_read is None else as_read)
+
+
+def growth(measured: Measured) -> str:
+    """By what a gap, or the replayed position, grew with what was added; empty where nothing did."""
+    pairs = [
+        ("gap", measured.given[0].rms, measured.given[-1].rms),
+        ("gap as read", measured.stated.rms, measured.given[-1].rms),
+    ]
+    if measured.confirm:
+        pairs.append(("gap on the other motion", measured.confirm[0].rms, measured.confirm[-1].rms))
+    for logs in (measured.given, measured.confirm or []):
+        if logs and logs[0].position is not None and logs[-1].position is not None:
+            pairs.append(("error of the replayed position", logs[0].position, logs[-1].position))
+    for what, before, after in pairs:
+        if after > ACCEPTANCE.gap_growth * before:
+            return f"with all that was found the {what} grows from {before:.4g} to {after:.4g}"
+    return ""
+
+
+def without_what_was_added(found: Search, why: str) -> Search:
+    """The search as if nothing had been added: together, what was found makes the model worse."""
+    refused = [*((added.finding, why) for added in found.added), *found.refused]
+    return replace(
+        found, added=[], refused=refused, estimate=found.nominal, evidence=found.nominal_evidence, confirm_evidence=None
+    )
 
 
 def _as_read(

@@ -234,7 +234,9 @@ def worthwhile(state: Large, vocabulary: Mapping[str, Effect]) -> list[Trial]:
     found = [*effects_to_try(state, levels, vocabulary), *changes_to_try(state)]
     found += with_mass_to_try(state, found, vocabulary)
     least = float(np.log(1.0 - LARGE.power_taken))
-    return sorted((one for one in found if one.worth(before) < least), key=lambda one: one.worth(before))
+    ranked = sorted((one for one in found if one.worth(before) < least), key=lambda one: one.worth(before))
+    first = {one.name: one for one in reversed(ranked)}  # of two of one name, the better
+    return [one for one in ranked if first[one.name] is one]
 
 
 def effects_to_try(state: Large, levels: Levels, vocabulary: Mapping[str, Effect]) -> list[Trial]:
