@@ -181,9 +181,10 @@ def growth(measured: Measured) -> str:
     ]
     if measured.confirm:
         pairs.append(("gap on the other motion", measured.confirm[0].rms, measured.confirm[-1].rms))
+    limit = ACCEPTANCE.position_growth / ACCEPTANCE.gap_growth
     for logs in (measured.given, measured.confirm or []):
         if logs and logs[0].position is not None and logs[-1].position is not None:
-            pairs.append(("error of the replayed position", logs[0].position, logs[-1].position))
+            pairs.append(("error of the replayed position", limit * logs[0].position, logs[-1].position))
     for what, before, after in pairs:
         if after > ACCEPTANCE.gap_growth * before:
             return f"with all that was found the {what} grows from {before:.4g} to {after:.4g}"

@@ -336,6 +336,7 @@ class AcceptanceThresholds:
     """Whether an effect pays, and the terms that must not."""
 
     gap_growth: float = 1.01  # times the gap on the confirm logs: an effect may not make it larger [assumed]
+    position_growth: float = 1.1  # times the error of the replayed position: it may not become more [assumed]
     placebos_max: int = 5  # 1: placebo terms that are told [assumed]
     placebo_suspected: float = -6.0  # ln p: what is below and was refused is no placebo [assumed]
     placebo_like: float = 0.3  # cosine with another placebo: above, it would say the same again [assumed]
@@ -515,6 +516,7 @@ class LargeThresholds:
     refit_evaluations: int = 12  # 1: of the residual and its derivatives in a refit, at most [cost]
     tolerance: float = 1e-5  # of the power left: a refit ends there [cost]
     inside: float = 1e-6  # of the room of a parameter: where a refit starts from one of its ends [exact]
+    timing_gain: float = 30.0  # 2 ln likelihood: an effect of timing must gain on whitened residuals [assumed]
     whitened_iterations: int = 8  # 1: of the fit of whitened residuals that follows [cost]
     trials: float = 1000.0  # 1: shapes that were looked at, of all effects [assumed]
     shape_doubt: float = 0.15  # of the first gap: what is found in less may be the shape of a larger one [assumed]

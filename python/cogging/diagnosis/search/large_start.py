@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import sources_of, width_floor
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.large.refit import movable
-from cogging.diagnosis.large.search import Large, LargeTerm, with_levels_of_its_own
+from cogging.diagnosis.large.search import Large, LargeTerm, with_levels_of_its_own, without_term
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
 from cogging.diagnosis.search.state import Added, State, Task
 from cogging.diagnosis.thresholds import LARGE
@@ -24,12 +25,15 @@ from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.model.model import Model
 
+TIMING = {"command_delay", "lag", "state"}  # hooks of what acts by when, not where
+
 
 def started(task: Task, large: Large) -> State:
     """The state of a search in which the large effects were added."""
     held = movable(large.start.model, large.allowed, large.given)
     sources = sources_of(task.logs, task.model)
     nominal = fit(large.start.model, held, sources, iterations=0)
+    large = with_supported_timing(large, sources)
     estimate = fitted(large, sources)
     state = State(
         task,
@@ -49,16 +53,43 @@ def started(task: Task, large: Large) -> State:
     return state
 
 
+def with_supported_timing(large: Large, sources: Sequence[Innovations]) -> Large:
+    """The large effects without those of timing that whitened residuals do not show.
+
+    In a closed loop, noise of the reading comes back in the command: in the force balance, which knows nothing of what
+    noise is, a command that acts a little later explains some of it.
+    """
+    for term in large.effects[1:]:
+        if term.trial.candidate is None or not TIMING & set(term.trial.candidate.law.HOOKS):
+            continue
+        less = without_term(large, large.terms.index(term))
+        try:
+            gain = 2.0 * (whitened_fit(less, sources).cost - whitened_fit(large, sources).cost)
+        except (DivergedError, ValueError):
+            continue
+        if gain < LARGE.timing_gain:
+            told = (*less.refused, (term.trial.name, f"whitened residuals gain {gain:.0f} of 2 ln likelihood by it"))
+            large = replace(less, refused=told)
+    return large
+
+
+def whitened_fit(large: Large, sources: Sequence[Innovations]) -> Estimate:
+    """The fit of the whitened residuals from where that of the balance ended."""
+    model = large.model
+    floors, ceilings = shape_limits(model, large.balances)
+    floors |= width_floor(sources) | dict(large.allowed.floors)
+    ceilings |= dict(large.allowed.ceilings)
+    paths = movable(model, large.allowed, large.given)
+    return fit(model, paths, sources, iterations=LARGE.whitened_iterations, floors=floors, ceilings=ceilings)
+
+
 def fitted(large: Large, sources: Sequence[Innovations]) -> Estimate:
     """The fit of the whitened residuals from where the balance's ended; there itself, where it makes the gap larger."""
     model = large.model
     paths = movable(model, large.allowed, large.given)
     at_start = fit(model, paths, sources, iterations=0)
-    floors, ceilings = shape_limits(model, large.balances)
-    floors |= width_floor(sources) | dict(large.allowed.floors)
-    ceilings |= dict(large.allowed.ceilings)
     try:
-        found = fit(model, paths, sources, iterations=LARGE.whitened_iterations, floors=floors, ceilings=ceilings)
+        found = whitened_fit(large, sources)
     except (DivergedError, ValueError):
         return at_start
     again = with_levels_of_its_own(large.balances.under(found.model), large.allowed)
