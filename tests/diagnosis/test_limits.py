@@ -18,6 +18,7 @@ from cogging.diagnosis.search.chance import GRID, LAMBDAS, Powers, Visibility, c
 from cogging.diagnosis.search.choice import is_seen, refusal
 from cogging.diagnosis.search.confirmation import Confirmation
 from cogging.diagnosis.search.growth import View
+from cogging.diagnosis.thresholds import CHOICE
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.moving_axis import machine, record
 from tests.fixtures.own_laws import own_drag
@@ -180,7 +181,9 @@ def test_the_chance_is_that_of_the_rules(freedom, trials, other, spread):
     """Effects drawn with their noise, and put to the functions by which a search accepts."""
     random, draws = np.random.default_rng(freedom), 1500
     law = VOCABULARY["viscous_asymmetry"]
-    told = chances(Visibility(trials, freedom, spread, spread, GRID, other, 0.0, UNSHOWN, False), Powers(12.0, 12.0))
+    told = chances(
+        Visibility(trials, freedom, spread, spread, GRID, other, 0.0, CHOICE.unshown, False), Powers(12.0, 12.0)
+    )
     for power in (10.0, 25.0, 40.0, 80.0):
         accepted = 0
         for _ in range(draws):
@@ -202,7 +205,7 @@ def test_the_chance_is_that_of_the_rules(freedom, trials, other, spread):
 
 
 def test_without_other_motion_the_chance_is_that_of_the_tail():
-    told = chances(Visibility(1.0, 1, 0.0, 0.0, GRID, None, 0.0, UNSHOWN, False), Powers(0.0, 0.0))
+    told = chances(Visibility(1.0, 1, 0.0, 0.0, GRID, None, 0.0, CHOICE.unshown, False), Powers(0.0, 0.0))
     assert np.all(np.diff(told) >= 0.0)
     half = float(np.interp(0.5, told, LAMBDAS))
     assert -log_survival(half, 1) == pytest.approx(9.5, rel=0.03)

@@ -79,11 +79,7 @@ def diagnose(
         insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
     expected = read_plan(planned)
-    own = by_name(also)
-    if not isinstance(model, Model):
-        model = Model.read(model, effects=list(own.values()))
-    refuse_two_of_one_name([*own.values(), *model.effects])
-    vocabulary = {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
+    model, vocabulary = _with_vocabulary(model, also)
     ready = prepared(logs, model, confirm, names, confirm_names)
     if (misread := misreading([*ready.given, *ready.confirm], model, [*ready.names, *ready.confirm_names])) is not None:
         return replace(_unmeasured("data_mismatch", model, ready.notes, vocabulary), mismatch=misread.to_dict())
@@ -108,6 +104,20 @@ def diagnose(
         result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
+
+
+def _with_vocabulary(model: Model | str | os.PathLike[str], also: Sequence[Custom]) -> tuple[Model, dict[str, Effect]]:
+    """The model, and all effects that are tried by name, as they are when they do nothing.
+
+    Raises:
+        ValueError: two effects of one name.
+        InputError: the model's file cannot be read.
+    """
+    own = by_name(also)
+    if not isinstance(model, Model):
+        model = Model.read(model, effects=list(own.values()))
+    refuse_two_of_one_name([*own.values(), *model.effects])
+    return model, {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
 
 
 def _require_commands(logs: Prepared) -> None:

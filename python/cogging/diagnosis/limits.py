@@ -2,7 +2,7 @@
 
 Of each shape that an effect may have, the noncentrality lambda of its T grows with the square of its size (of a size
 that the shape makes: as the columns at several sizes say). The chance that a search accepts it (search.chance) is
-averaged over the shapes; the limit is the size at which it is CHANCE.
+averaged over the shapes; the limit is the size at which it is LIMIT.chance_shown.
 """
 
 from __future__ import annotations
@@ -24,19 +24,14 @@ from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.naming.level_changes import level_estimates
 from cogging.diagnosis.residual.shapes import low_power
 from cogging.diagnosis.search.chance import LAMBDAS, Powers, chances
-from cogging.diagnosis.search.growth import UNSEEN, Growth, View, growth_of_amplitudes, growth_of_shapes
+from cogging.diagnosis.search.growth import Growth, View, growth_of_amplitudes, growth_of_shapes
 from cogging.diagnosis.search.state import Search
-from cogging.diagnosis.thresholds import CHOICE, LEVEL_CHANGE
+from cogging.diagnosis.thresholds import CHOICE, LEVEL_CHANGE, LIMIT
 from cogging.effects.effect import Effect
 from cogging.model.model import Model
 
-CHANCE = 0.95  # with which an effect of the size of its limit would have been shown
-TAIL = 6.0  # deviations, beyond which a normal variable is as good as never
-DEVIATIONS = 1.645  # that a normal variable exceeds downwards with the chance 1 - CHANCE
-STEP, RANGE = 0.02, 16.0  # of ln size, and how far below the largest it is looked for
 LEVELS = ("mass", "viscous", "coulomb")
 UNMEASURED = "nothing was measured"
-FACTOR = 2.0  # relative change of a level, beyond which a machine is another
 
 
 def limits(found: Search, model: Model, confirmed: bool) -> dict[str, Limit]:
@@ -96,10 +91,10 @@ def limit(view: View, law: Effect) -> Limit:
     except (DivergedError, ValueError):
         return replace(none, why="it cannot be simulated along these logs")
     least, bound = range_of(view.evidence, law, size)
-    if not 0.0 < bound < np.inf or all(one.log_lambdas[-1] <= UNSEEN for one in grown):
+    if not 0.0 < bound < np.inf or all(one.log_lambdas[-1] <= LIMIT.unseen for one in grown):
         return replace(none, why="it does nothing in this motion that a search would tell from what is re-tuned")
     sign = 1.0 if size.grows else -1.0
-    strengths = sign * np.log(bound) - np.arange(0.0, RANGE, STEP)[::-1]
+    strengths = sign * np.log(bound) - np.arange(0.0, LIMIT.size_depth, LIMIT.size_step)[::-1]
     strengths = strengths[strengths >= (sign * np.log(least) if 0.0 < least < np.inf else -np.inf)]
     return solved(grown, view.worth, none, strengths)
 
@@ -127,18 +122,18 @@ def solved(grown: Sequence[Growth], worth: Powers, none: Limit, strengths: Float
     ]
     order = sorted(range(len(shapes)), key=lambda i: -by_shape[i][-1])
     fewest = (len(shapes) + 1) // 2
-    while len(order) > fewest and np.mean([by_shape[i][-1] for i in order]) < CHANCE:
+    while len(order) > fewest and np.mean([by_shape[i][-1] for i in order]) < LIMIT.chance_shown:
         order.pop()
     chance = np.maximum.accumulate(np.mean([by_shape[i] for i in order], axis=0))
     sizes = np.exp(-strengths if none.smaller_shows else strengths)
     size = Size(none.parameter, none.unit, made_by_shape=not shapes[0].amplitudes)
     told = told_shape(shapes[0].law, [shapes[i] for i in order], size)
     curve = replace(none, shape=told, sizes=tuple(sizes.tolist()), chances=tuple(chance.tolist()))
-    if chance[-1] < CHANCE:
+    if chance[-1] < LIMIT.chance_shown:
         unit = "" if none.unit == "1" else f" {none.unit}"
         text = f"{'below' if none.smaller_shows else 'beyond'} {sizes[-1]:.3g}{unit}"
         return replace(curve, why=f"it would have to be {text}")
-    return replace(curve, value=float(sizes[int(np.searchsorted(chance, CHANCE))]))
+    return replace(curve, value=float(sizes[int(np.searchsorted(chance, LIMIT.chance_shown))]))
 
 
 # Levels ---------------------------------------------------------------------------------------------------------------
@@ -164,10 +159,10 @@ def _level(deviation: float | None, model: Model, name: str) -> Limit:
         return replace(none, why="these logs do not tell it from what else is re-tuned")
     own = deviation / prior
     least = LEVEL_CHANGE.changed * float(np.hypot(own, stated))
-    sizes = np.maximum(least + own * np.linspace(-TAIL, TAIL, 121), 0.0)
+    sizes = np.maximum(least + own * np.linspace(-LIMIT.normal_tail, LIMIT.normal_tail, 121), 0.0)
     chance = ndtr((sizes - least) / max(own, 1e-12))
     curve = replace(none, sizes=tuple(sizes.tolist()), chances=tuple(chance.tolist()))
-    value = least + DEVIATIONS * own
-    if value > FACTOR:
-        return replace(curve, why=f"it would have to be beyond {FACTOR:g}")
+    value = least + LIMIT.chance_quantile * own
+    if value > LIMIT.level_factor:
+        return replace(curve, why=f"it would have to be beyond {LIMIT.level_factor:g}")
     return replace(curve, value=value)

@@ -528,6 +528,118 @@ class LargeThresholds:
     shown: float = 0.03  # of the gap on other motion: it shows a term that takes more [assumed]
 
 
+# Detection limits -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ChanceThresholds:
+    """The chance that a search accepts an effect: the values over which it is averaged, and where it is computed."""
+
+    noise_values: int = 21  # 1: equally likely values of a normal variable [cost]
+    level_values: int = 4  # 1: the same, of the level of the noise [cost]
+    other_chances: tuple[float, ...] = (0.2, 0.7)  # 1: equally likely ones of the other degrees of freedom [cost]
+    statistics: tuple[float, float, int] = (1.0, 1e5, 120)  # T: first, last and number of those looked up [cost]
+    lambdas: tuple[float, float, int] = (2.0, 2e3, 28)  # lambda: the same, at which the chance is computed [cost]
+    level_firm: float = 0.05  # 1: spread of ln T, below which it is as good as none [assumed]
+    ratio_gains: float = 0.5  # 1: ratio from which other motion fits better with the effect than without [exact]
+
+
+@dataclass(frozen=True)
+class LimitThresholds:
+    """Detection limits, and the shapes of which they are told."""
+
+    chance_shown: float = 0.95  # 1: with which an effect of the size of its limit would have been shown [assumed]
+    chance_quantile: float = 1.645  # deviations: more than those below, a normal variable is so often [exact]
+    normal_tail: float = 6.0  # deviations: beyond them a normal variable is as good as never [exact]
+    size_step: float = 0.02  # of ln size: in which the limit is looked for [cost]
+    size_depth: float = 16.0  # of ln size: how far below the largest it is looked for [assumed]
+    level_factor: float = 2.0  # 1: relative change of a level, beyond which a machine is another [assumed]
+    middle: tuple[float, float] = (0.25, 0.75)  # of a range: between which a shape is expected [assumed]
+    middle_values: int = 3  # 1: that have a middle, at least [exact]
+    likely_waves: int = 8  # 1: periods, or frequencies, of a wave [cost]
+    likely_count: int = 12  # 1: shapes of an effect, at most [cost]
+    phases: int = 4  # 1: of a wave, over half a turn: the sign makes no difference [cost]
+    list_draws: int = 12  # 1: of amplitudes that are a list along the travel [cost]
+    share_behind: float = 0.2  # of the mass behind a contact: for which a play is told [assumed]
+    growth_groups: int = 12  # 1: shapes of an effect that has its size in the shape, at most [cost]
+    unseen: float = -50.0  # ln lambda: of what these logs do not see [exact]
+    typical: float = 50.0  # lambda: of an effect of about the size of its limit [assumed]
+
+
+# The next experiment --------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class MotionThresholds:
+    """What a planned motion keeps to."""
+
+    reference_share: float = 0.9  # of each limit: that a reference takes; its machine does a little more [assumed]
+    travel_margin: float = 0.02  # of the travel: kept from each end [assumed]
+    reference_rate: float = 2000.0  # Hz: of a reference's samples at most, for it is cubic between them [assumed]
+    first_rest: float = 0.1  # s: before the first move [assumed]
+    rest_between: float = 0.03  # s: after a move [assumed]
+    move_min: float = 1e-9  # of the travel: what is shorter is no move [exact]
+    ride_rows: int = 10  # rows: fewer are no swing [assumed]
+    creep_left: float = 0.05  # s: with less left, creep ends [assumed]
+    creep_back: int = 3  # 1: every so many moves of creep one goes back [assumed]
+    creep_turn: int = 12  # 1: after so many moves creep changes its direction [assumed]
+    swings_left: float = 0.5  # s: with less left, swings end [assumed]
+    jerk_rise: float = 0.01  # s: in which the acceleration may rise to its limit where no jerk is stated [assumed]
+    duration_min: float = 2.0  # s: of a motion; in less no row is left between its turns [assumed]
+    duration_max: float = 600.0  # s: of a motion [cost]
+    lasting: float = 0.02  # s: an acceleration is averaged over; held commands and noise make it jump [assumed]
+
+
+@dataclass(frozen=True)
+class ProposalThresholds:
+    """The search for a motion."""
+
+    parts: int = 3  # 1: motions one after another in a plan [assumed]
+    part_min: float = 2.0  # s: of each of these motions, at least [assumed]
+    slower: tuple[float, ...] = (1.0, 0.7, 0.5, 0.35, 0.2)  # 1: of speed and acceleration, until limits hold [assumed]
+    exchange_passes: int = 4  # 1: of the exchange [cost]
+    whole_motions: int = 4  # 1: combinations that are simulated as a whole [cost]
+    refinements: int = 12  # 1: evaluations of the refinement [cost]
+    refinement_step: float = 0.35  # of the logarithm of a parameter: at which it begins [assumed]
+    speed_range: tuple[float, float] = (0.002, 1.0)  # of the limit: between which a refinement moves it [assumed]
+    reach_range: tuple[float, float] = (0.02, 1.0)  # of the travel: the same [assumed]
+    step_range: tuple[float, float] = (2e-4, 0.3)  # of the travel: the same [assumed]
+    acceleration_range: tuple[float, float] = (0.05, 1.0)  # of the limit: the same [assumed]
+    low_range: tuple[float, float] = (0.3, 60.0)  # Hz: the same, of the lower end of a band [assumed]
+    high_range: tuple[float, float] = (1.0, 400.0)  # Hz: the same, of its upper end [assumed]
+    slowest_range: tuple[float, float] = (0.02, 0.9)  # of the limit: the same, of random moves' least speed [assumed]
+
+
+@dataclass(frozen=True)
+class ExperimentThresholds:
+    """What a motion is to answer, what is expected of it, and what came of that."""
+
+    told_apart: float = 5.0  # deviations: from which diagnose takes a rival for no alternative [assumed]
+    enough_apart: float = 3.0  # of `told_apart`: beyond it more is worth hardly anything [assumed]
+    tells_nothing: float = 1.0  # deviations: below them a motion tells nothing of rivals [assumed]
+    shapes_near: tuple[float, ...] = (0.7, 0.85, 1.18, 1.4)  # times a size: at which a shape is tried too [assumed]
+    shape_beside: float = 1.2  # times: so far from a shape its effect is taken as in proportion to it [assumed]
+    window_late: float = 0.8  # of a motion: a disturbance that begins later would not come in it [assumed]
+    window_moved: tuple[float, float] = (0.3, 0.7)  # of a motion: between which it then acts [assumed]
+    turns_tried: tuple[float, ...] = (0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 13.0, 21.0)  # turns: of a wave [cost]
+    cycles_tried: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0, 100.0)  # 1: of a tone in the motion [cost]
+    column_singular: float = 1e-6  # of unit columns: what is nearer to each other is one column [assumed]
+    trials_typical: float = 20.0  # 1: independent shapes of an effect, among which it must stand out [assumed]
+    signal_none: float = 1e-9  # lambda: of a unit, from which down an effect cannot be seen [exact]
+    size_beyond: float = 50.0  # times a shape's size: from there a limit is none [assumed]
+    interval_rows: float = 1e6  # rows: with which an interval of 95 % is that of a normal variable [exact]
+    vague: float = 10.0  # deviations of a parameter, in its own size: nothing is known of it [assumed]
+    determined: float = 0.5  # of what was known: a narrower interval is told [assumed]
+    came_short: float = 2.0 / 3.0  # of an expected distance: must be there; sizes are known no better [assumed]
+    distance_scatter: float = 1.0  # deviations: by which a distance may be short besides [exact]
+    came_wider: float = 2.0  # times: a limit or interval wider than expected by more did not come true [assumed]
+    spline_order: int = 3  # 1: of an amplitude along the travel, as diagnose looks for it [exact]
+    quiet_force: float = 0.01  # of the force of the acceleration: noise where a model states none [assumed]
+    loudness_max: float = 10.0  # times: a measured floor farther off the model's noise is something else [assumed]
+    tracking_pole: float = 60.0  # 1/s: of the loop that tracks where a model states none [assumed]
+    tracking_rate: float = 1000.0  # Hz: of that loop [assumed]
+
+
 DISTRIBUTION = DistributionConstants()
 PREPARATION = PreparationThresholds()
 OBSERVER = ObserverThresholds()
@@ -559,3 +671,8 @@ ALLOWANCE = AllowanceThresholds()
 BALANCE = BalanceThresholds()
 SEED = SeedThresholds()
 LARGE = LargeThresholds()
+CHANCE = ChanceThresholds()
+LIMIT = LimitThresholds()
+MOTION = MotionThresholds()
+PROPOSAL = ProposalThresholds()
+EXPERIMENT = ExperimentThresholds()

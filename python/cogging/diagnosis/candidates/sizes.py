@@ -20,15 +20,8 @@ from cogging.diagnosis.candidates.signatures import (
 )
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave, wave_of, wave_range
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.diagnosis.thresholds import SPECTRUM
+from cogging.diagnosis.thresholds import LIMIT, SPECTRUM
 from cogging.effects.effect import Effect, Wave, Window, kind_of
-
-MIDDLE = (0.25, 0.75)  # of a range that is searched, between which an effect is expected to have its shape
-WAVES = 8  # periods, or frequencies, of a wave
-SHAPES = 12  # of an effect, at most
-PHASES = 4  # of a wave, over half a turn: the sign makes no difference
-DRAWS = 12  # of amplitudes that are a list along the travel
-SHARE = 0.2  # of the mass behind a contact, for which a play is told
 
 
 @dataclass(frozen=True)
@@ -82,9 +75,13 @@ def directions(candidate: Candidate) -> FloatArray:
     """
     first = candidate.amplitudes[0][0]
     length = candidate.length(first)
-    drawn = np.random.default_rng(0).standard_normal((DRAWS, length)) if length > 1 else np.ones((PHASES, 1))
+    drawn = (
+        np.random.default_rng(0).standard_normal((LIMIT.list_draws, length))
+        if length > 1
+        else np.ones((LIMIT.phases, 1))
+    )
     drawn = drawn / np.abs(drawn).max(axis=1, keepdims=True)
-    turns = np.pi * (np.arange(len(drawn)) % PHASES)[:, None] / PHASES
+    turns = np.pi * (np.arange(len(drawn)) % LIMIT.phases)[:, None] / LIMIT.phases
     if kind_of(candidate.law, Wave) is not None and len(candidate.amplitudes) == 2 * length:
         return np.concatenate([np.cos(turns) * drawn, np.sin(turns) * drawn], axis=1)
     alone = np.zeros((len(drawn) if length > 1 else 1, len(candidate.amplitudes)))
@@ -110,16 +107,16 @@ def likely_shapes(evidence: Evidence, law: Effect) -> tuple[list[Candidate], flo
             kept = _middle(values, bool(role["logarithmic"]))
             grid = [one for one in grid if one.period is not None or one.shape[field] in kept]
     if not (size and size.made_by_shape):
-        grid = grid[:: -(-len(grid) // SHAPES) or 1]
+        grid = grid[:: -(-len(grid) // LIMIT.likely_count) or 1]
     return grid, max(trials, 1.0)
 
 
 def _middle(values: Sequence[float], logarithmic: bool) -> set[float]:
     """Of values that are even, or have even logarithms, those in the middle half of their range."""
-    if len(values) < 3:
+    if len(values) < LIMIT.middle_values:
         return set(values)
     places = np.log(values) if logarithmic else np.array(values)
-    low, high = (places[0] + part * (places[-1] - places[0]) for part in MIDDLE)
+    low, high = (places[0] + part * (places[-1] - places[0]) for part in LIMIT.middle)
     return {value for value, where in zip(values, places, strict=True) if low <= where <= high}
 
 
@@ -128,7 +125,7 @@ def _likely_waves(evidence: Evidence, law: Effect) -> tuple[list[Candidate], flo
     low, high = wave_range(evidence, law)
     if not 0.0 < low < high:
         return [], 1.0
-    waves = np.exp([np.log(low) + part * np.log(high / low) for part in np.linspace(*MIDDLE, WAVES)])
+    waves = np.exp([np.log(low) + part * np.log(high / low) for part in np.linspace(*LIMIT.middle, LIMIT.likely_waves)])
     if not is_spatial_wave(law):
         return [wave_of(evidence, law, float(wave)) for wave in waves], max(1.0, (high - low) * evidence.scales.time)
     span = evidence.scales.position
@@ -148,7 +145,7 @@ def told_shape(law: Effect, found: Sequence[Candidate], size: Size) -> dict[str,
         low, high = min(values), max(values)
         told[field] = low if low == high else [low, high]
         if size.made_by_shape and is_share(role):
-            told[field] = SHARE
+            told[field] = LIMIT.share_behind
     return told
 
 

@@ -17,14 +17,11 @@ from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.observation import evidence_of, freed, gram_of, looked_for
 from cogging.diagnosis.experiment.separation import pooled
-from cogging.diagnosis.thresholds import CHOICE
+from cogging.diagnosis.thresholds import CHOICE, EXPERIMENT, LIMIT
 from cogging.effects.effect import Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-CHANCE = 0.95  # that an effect of the size of its limit is found
-TRIALS = 20.0  # independent shapes of an effect, among which it must stand out
 
 
 @dataclass(frozen=True)
@@ -32,8 +29,8 @@ class Detection:
     """Detection limits: of each effect the smallest size that a scan would find with 95 % chance.
 
     An effect of noncentrality lambda is found where T, noncentral chi-square with p degrees of freedom and lambda,
-    passes the threshold of a scan (CHOICE.detected, with the number of trials). lambda goes with the square of the size;
-    the limit is the median over the shapes at which the effect is looked for.
+    passes the threshold of a scan (CHOICE.detected, with the number of trials). lambda goes with the square of the
+    size; the limit is the median over the shapes at which the effect is looked for.
 
     Attributes:
         model: model that is held against the motion, with all that was found.
@@ -137,10 +134,10 @@ def needed(freedom: int) -> float:
     from scipy.stats import ncx2
 
     def above(statistic: float) -> float:
-        return log_survival(statistic, freedom) + float(np.log(TRIALS)) - CHOICE.detected
+        return log_survival(statistic, freedom) + float(np.log(EXPERIMENT.trials_typical)) - CHOICE.detected
 
     threshold = brentq(above, 1e-3, 1e3)
-    return float(brentq(lambda square: ncx2.sf(threshold, freedom, square) - CHANCE, 1e-3, 1e3))
+    return float(brentq(lambda square: ncx2.sf(threshold, freedom, square) - LIMIT.chance_shown, 1e-3, 1e3))
 
 
 def _smallest(candidate: Candidate, field: str, squared: float, square: float) -> float | None:
@@ -153,13 +150,13 @@ def _smallest(candidate: Candidate, field: str, squared: float, square: float) -
         square: that is needed.
     """
     role = candidate.law.ROLES[field]
-    if squared <= 1e-9:
+    if squared <= EXPERIMENT.signal_none:
         return None
     factor = float(np.sqrt(square / squared))
     if candidate.amplitudes:
         return factor
     value = float(candidate.shape[field])
     if role["neutral"] == 0.0:
-        return value * factor if factor < 50.0 else None
+        return value * factor if factor < EXPERIMENT.size_beyond else None
     # One that vanishes as its field grows is told by the largest value that is still seen: roughly in proportion.
-    return value / factor if np.isfinite(value) and factor < 50.0 else None
+    return value / factor if np.isfinite(value) and factor < EXPERIMENT.size_beyond else None

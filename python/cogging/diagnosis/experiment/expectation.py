@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from cogging.diagnosis.thresholds import EXPERIMENT
 from cogging.files import FieldError
 from cogging.model.model import is_number
 from cogging.shown import quoted
 
 #: What a plan may be for.
 GOALS = ("separate", "detect", "fit")
-TOLD_APART = 5.0  # standard deviations, from which diagnose no longer takes a rival for an alternative
-SHOWN = 1.0  # standard deviations, below which a motion tells nothing
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,11 @@ class Expectation:
             if self.expected is None:
                 return f"{self.name} and {self.alternative}: this motion could not be simulated for them"
             text = f"{self.name} and {self.alternative} will stand {self.expected:.2g} sigma apart{today}"
-            return text if self.expected >= SHOWN else f"{text}: no motion that was tried tells them apart"
+            return (
+                text
+                if self.expected >= EXPERIMENT.tells_nothing
+                else f"{text}: no motion that was tried tells them apart"
+            )
         unit = f" {self.unit}" if self.unit != "1" else ""
         today += unit if today else ""
         if self.parameter:

@@ -9,12 +9,11 @@ import numpy as np
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.diagnosis.experiment.limits import MotionLimits
+from cogging.diagnosis.thresholds import MOTION
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
-
-LASTING = 0.02  # s, over which the machine's acceleration is averaged: held commands and noise make it jump
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float
     position = log.true_position if log.true_position is not None else log.position
     velocity = log.true_velocity if log.true_velocity is not None else np.gradient(position, log.time)
     step = float(np.median(np.diff(log.time)))
-    window = max(1, round(LASTING / step))
+    window = max(1, round(MOTION.lasting / step))
     acceleration = moving_average(np.gradient(velocity, log.time), window)
     taken = {
         "velocity": max(_largest(asked_velocity), _largest(velocity)) / limits.velocity,

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from cogging.calls import PATHS, takes
+from cogging.diagnosis.thresholds import MOTION
 from cogging.file_schema import LIMITS, LIMITS_NEEDED
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.shown import quoted
 from cogging.values import ByValue
-
-RISE = 0.01  # s, in which the acceleration may rise to its limit where no jerk is stated
-SHORTEST, LONGEST = 2.0, 600.0  # s, of a motion: below it no row is left between its turns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,8 +52,8 @@ class MotionLimits(ByValue):
             if not is_number(value) or not 0.0 < value <= LARGEST:
                 raise FieldError("", name, f"must be a number above 0, at most {LARGEST:g}, got {quoted(value)}")
             object.__setattr__(self, name, float(value))
-        if not SHORTEST <= self.duration <= LONGEST:
-            rule = f"must be from {SHORTEST:g} to {LONGEST:g} s"
+        if not MOTION.duration_min <= self.duration <= MOTION.duration_max:
+            rule = f"must be from {MOTION.duration_min:g} to {MOTION.duration_max:g} s"
             raise FieldError("", "duration", f"{rule}, got {quoted(self.duration)}")
         if self.travel is not None:
             object.__setattr__(self, "travel", _travel(self.travel))
@@ -122,7 +120,7 @@ class MotionLimits(ByValue):
             raise FieldError("", "travel", f"must be inside the model's, {low:g} to {high:g} m, got {list(travel)}")
         own = 0.0 if model.controller is None else model.controller.command_limit
         command = min(self.command or math.inf, own or math.inf)
-        jerk = self.acceleration / RISE if self.jerk is None else self.jerk
+        jerk = self.acceleration / MOTION.jerk_rise if self.jerk is None else self.jerk
         return MotionLimits(
             self.velocity, self.acceleration, self.duration, travel, jerk, command if math.isfinite(command) else None
         )

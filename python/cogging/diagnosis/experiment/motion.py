@@ -10,13 +10,7 @@ import numpy as np
 from cogging._core import PointToPoint, PointToPointParameters, Sampled
 from cogging.arrays import FloatArray
 from cogging.diagnosis.experiment.limits import MotionLimits
-
-SHARE = 0.9  # of velocity, acceleration and jerk that a reference takes: its machine does a little more
-MARGIN = 0.02  # of the travel, kept from each end
-RATE = 2000.0  # Hz, of a reference's samples at most: it is cubic between them
-FIRST = 0.1  # s, of rest before the first move
-REST = 0.03  # s, after a move
-SHORTEST = 1e-9  # of the travel: what is shorter is no move
+from cogging.diagnosis.thresholds import MOTION
 
 
 @dataclass(frozen=True)
@@ -51,7 +45,7 @@ class Track:
 
     def __init__(self, limits: MotionLimits, rate: float, duration: float, start: float | None = None) -> None:
         low, high = limits.travel or (0.0, 0.0)
-        margin = MARGIN * (high - low)
+        margin = MOTION.travel_margin * (high - low)
         self.limits, self.low, self.high = limits, low + margin, high - margin
         self.slow_down(1.0)
         self.rate, self.rows = rate, max(3, int(np.floor(duration * rate)) + 1)
@@ -61,9 +55,9 @@ class Track:
 
     def slow_down(self, scale: float) -> None:
         """Take a share of what the limits allow from here on."""
-        self.velocity = scale * SHARE * self.limits.velocity
-        self.acceleration = scale * SHARE * self.limits.acceleration
-        self.jerk = scale * SHARE * (self.limits.jerk or np.inf)
+        self.velocity = scale * MOTION.reference_share * self.limits.velocity
+        self.acceleration = scale * MOTION.reference_share * self.limits.acceleration
+        self.jerk = scale * MOTION.reference_share * (self.limits.jerk or np.inf)
 
     @property
     def left(self) -> float:
@@ -84,7 +78,7 @@ class Track:
         """Move to a position (m) at shares of the limits; False, and no move, where less time than `until` is left."""
         goal = min(max(goal, self.low), self.high)
         distance = goal - self.place
-        if abs(distance) < SHORTEST * (self.high - self.low):
+        if abs(distance) < MOTION.move_min * (self.high - self.low):
             return True
         parameters = PointToPointParameters(
             start=self.place,
@@ -115,7 +109,7 @@ class Track:
             False, and nothing added, where no time or no room is left.
         """
         count = round(seconds * self.rate)
-        if count < 10 or self.used + count > self.rows:
+        if count < MOTION.ride_rows or self.used + count > self.rows:
             return False
         t = np.arange(count + 1) / self.rate
         end = float(t[-1])
@@ -138,7 +132,7 @@ class Track:
             sizes.append(0.8 * abs(across) / end / max(float(np.abs(moved[0][middle]).max()), 1e-300))
         room = min(float((base - self.low).min()), float((self.high - base).min()))
         factor = min(*sizes, reach / largest, max(room, 0.0) / largest)
-        if factor * largest < SHORTEST * (self.high - self.low):
+        if factor * largest < MOTION.move_min * (self.high - self.low):
             return False
         position = base + factor * swing
         velocity, acceleration, _ = self._derivatives(position)
@@ -203,7 +197,7 @@ def strokes(track: Track, p: Mapping[str, float]) -> None:
                 if done % steps == 0:
                     return
                 break
-            track.rest(p.get("rest", REST))
+            track.rest(p.get("rest", MOTION.rest_between))
         done += 1
 
 
@@ -213,10 +207,10 @@ def creep(track: Track, p: Mapping[str, float]) -> None:
         return
     speed, step = p.get("speed", 0.02), p.get("step", 0.02) * (track.high - track.low)
     forward, done = 1.0, 0
-    while track.left > 0.05:
-        length = -0.4 * step if done % 3 == 2 else step
+    while track.left > MOTION.creep_left:
+        length = -0.4 * step if done % MOTION.creep_back == MOTION.creep_back - 1 else step
         goal = track.place + forward * length
-        if not track.low < goal < track.high or done % 12 == 11:
+        if not track.low < goal < track.high or done % MOTION.creep_turn == MOTION.creep_turn - 1:
             forward = -forward
             goal = track.place + forward * abs(length)
         if not track.move(goal, speed):
@@ -245,7 +239,7 @@ def swings(track: Track, p: Mapping[str, float]) -> None:
     low, high = p.get("low", 1.0), min(p.get("high", 10.0), 0.2 * track.rate)
     reach = 0.5 * p.get("reach", 0.3) * (track.high - track.low)
     seconds = min(4.0, track.left - 0.02)
-    while track.left > 0.5:
+    while track.left > MOTION.swings_left:
         length = min(seconds, track.left - 0.01)
 
         def shape(t: FloatArray, length: float = length) -> FloatArray:
@@ -266,7 +260,7 @@ def steps(track: Track, p: Mapping[str, float]) -> None:
         for sign in (1.0, -1.0, -1.0, 1.0) * 3:
             if not track.move(track.place + sign * length):
                 return
-            track.rest(p.get("rest", REST))
+            track.rest(p.get("rest", MOTION.rest_between))
 
 
 def random_moves(track: Track, p: Mapping[str, float]) -> None:
@@ -280,7 +274,7 @@ def random_moves(track: Track, p: Mapping[str, float]) -> None:
                 return
             if not track.move(goal):
                 return
-        track.rest(REST)
+        track.rest(MOTION.rest_between)
 
 
 def dwell(track: Track, p: Mapping[str, float]) -> None:
@@ -300,7 +294,7 @@ def _rides(track: Track, shape: Callable[[FloatArray], FloatArray], reach: float
         if not track.ride(shape, seconds, 0.1 * span, side * across):
             return
         side = -side
-        track.rest(REST)
+        track.rest(MOTION.rest_between)
 
 
 KINDS: dict[str, Callable[[Track, Mapping[str, float]], None]] = {
@@ -347,7 +341,7 @@ def planned(elements: tuple[Element, ...], limits: MotionLimits, rate: float, sc
         scale: of speed, acceleration and jerk, beside that of each element.
     """
     track = Track(limits, rate, limits.duration)
-    track.rest(FIRST)
+    track.rest(MOTION.first_rest)
     rows = track.rows
     for number, element in enumerate(elements, start=1):
         track.rows = track.used + (rows - track.used) // (len(elements) - number + 1)

@@ -12,15 +12,15 @@ from cogging.diagnosis.candidates.movable import effect_parameters
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.observation import evidence_of, gram_of
+from cogging.diagnosis.thresholds import EXPERIMENT, WHITENING
 from cogging.estimation.statistics import student
 from cogging.estimation.whitening import NothingCounts
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
 
-QUANTILE = student(1e6)  # of a 95 % interval, in standard deviations
-VAGUE = 10.0  # standard deviations of a parameter about which nothing is known, in its own size
-SLOW_SHAPES = 6  # columns of slow friction, which a fit has not
+QUANTILE = student(EXPERIMENT.interval_rows)  # of a 95 % interval, in standard deviations
+SLOW_SHAPES = len(WHITENING.friction_decays) + len(WHITENING.friction_tails)  # slow friction, which a fit has not
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Narrowing:
         entries = []
         for path, half, before in zip(self.paths, halves, QUANTILE / size, strict=True):
             stated = path in self.model.intervals and np.isfinite(self.model.intervals[path]).all()
-            told = stated or half < 0.5 * before
+            told = stated or half < EXPERIMENT.determined * before
             entries.append(
                 Expectation(
                     path,
@@ -109,4 +109,4 @@ class Narrowing:
         if np.isfinite([low, high]).all() and high > low:
             return float((0.5 * (high - low) / QUANTILE) ** -2)
         parameter = parameters_of(self.model, together=True)[path]
-        return float((VAGUE * (abs(parameter.value) or scales.of(parameter.unit))) ** -2)
+        return float((EXPERIMENT.vague * (abs(parameter.value) or scales.of(parameter.unit))) ** -2)

@@ -17,15 +17,12 @@ from cogging.diagnosis.evidence.gather import slow_friction, weighed
 from cogging.diagnosis.evidence.noise_filter import periodogram_length
 from cogging.diagnosis.evidence.null import sources_of
 from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.thresholds import EXPERIMENT
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.estimation.gauss_newton import columns_of
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
-
-TURNS = (0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 13.0, 21.0)  # of a wave in the travel, that are looked at
-CYCLES = (1.0, 3.0, 10.0, 30.0, 100.0)  # of a tone in the motion
-SINGULAR = 1e-6  # of unit columns: what is nearer to each other than that is one column
 
 
 def evidence_of(log: Log, model: Model, paths: Sequence[str], rest: float, truth: Model) -> tuple[Evidence, FloatArray]:
@@ -107,7 +104,7 @@ def freed(gram: FloatArray, free: Sequence[int]) -> FloatArray:
     index = np.asarray(free, dtype=int)
     inner, outer = gram[np.ix_(index, index)], gram[index]
     size = np.sqrt(np.maximum(np.diag(inner), 1e-300))
-    inverse = np.linalg.pinv(inner / np.outer(size, size), rcond=SINGULAR, hermitian=True)
+    inverse = np.linalg.pinv(inner / np.outer(size, size), rcond=EXPERIMENT.column_singular, hermitian=True)
     scaled = outer / size[:, None]
     return np.asarray(gram - scaled.T @ inverse @ scaled)
 
@@ -120,12 +117,12 @@ def looked_for(evidence: Evidence, law: Effect, other: Effect | None = None) -> 
     low, high = wave_range(evidence, law)
     if is_spatial_wave(law):
         ends = place(evidence)
-        values = [turns / (ends[1] - ends[0]) for turns in TURNS]
+        values = [turns / (ends[1] - ends[0]) for turns in EXPERIMENT.turns_tried]
         if period is not None:
             near = np.array([-0.5, -0.25, 0.0, 0.25, 0.5]) / (ends[1] - ends[0])
             values += [float(one) for one in 1.0 / period + near if one > 0.0]
         return [wave_of(evidence, law, 1.0 / value) for value in values if low <= value <= high]
-    values = [cycles / evidence.scales.time for cycles in CYCLES]
+    values = [cycles / evidence.scales.time for cycles in EXPERIMENT.cycles_tried]
     return [wave_of(evidence, law, value) for value in values if low <= value <= high]
 
 

@@ -24,13 +24,11 @@ from cogging.diagnosis.experiment.result_file import read_json
 from cogging.diagnosis.experiment.rivals import CHANGES
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.state import Search
+from cogging.diagnosis.thresholds import EXPERIMENT
 from cogging.effects.effect import Effect
 from cogging.files import FieldError, InputError
 
 PLANNED = Kind((ExperimentPlan, Mapping, type(None), *PATH), "an ExperimentPlan or the path of its reference file")
-SHORT = 2.0 / 3.0  # of an expected distance between rivals, which must be there: sizes were known no better
-SCATTER = 1.0  # standard deviation of a distance, which it may be short by besides
-WIDER = 2.0  # times: a limit or an interval that is wider than expected by more did not come true
 
 
 def read_plan(planned: ExperimentPlan | Mapping[str, Any] | str | os.PathLike[str] | None) -> list[Expectation]:
@@ -83,7 +81,7 @@ def outcomes(expected: Sequence[Expectation], found: Search) -> tuple[Outcome, .
             told.append(_apart(one, [other.name for other in expected], evidence, vocabulary))
             continue
         measured = limits.get(one.name) if one.parameter else halves.get(one.name)
-        came = None if measured is None or one.expected is None else measured <= WIDER * one.expected
+        came = None if measured is None or one.expected is None else measured <= EXPERIMENT.came_wider * one.expected
         told.append(Outcome(one.name, "", one.unit, one.expected, measured, came))
     return tuple(told)
 
@@ -115,7 +113,7 @@ def _apart(one: Expectation, planned: Sequence[str], evidence: Evidence, vocabul
     measured = round(float(np.sign(difference) * np.sqrt(abs(difference))), 3)
     if one.expected is None:
         return Outcome(*names, one.unit, None, measured, None)
-    came = abs(measured) >= SHORT * one.expected - SCATTER
+    came = abs(measured) >= EXPERIMENT.came_short * one.expected - EXPERIMENT.distance_scatter
     return Outcome(*names, one.unit, one.expected, measured, came)
 
 

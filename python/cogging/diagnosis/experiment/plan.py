@@ -23,7 +23,7 @@ from cogging.diagnosis.experiment.result_file import read_result
 from cogging.diagnosis.experiment.rivals import Found, found_in
 from cogging.diagnosis.experiment.separation import Separation, within
 from cogging.diagnosis.result import Diagnosis
-from cogging.diagnosis.thresholds import OBSERVER
+from cogging.diagnosis.thresholds import EXPERIMENT, OBSERVER
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.innovations import Innovations
@@ -35,11 +35,6 @@ from cogging.simulation.arguments import MODEL
 
 LIMITS = Kind((MotionLimits, *PATH), "a MotionLimits or the path of a limits file")
 RESULT = Kind((Diagnosis, Mapping, type(None), *PATH), "a Diagnosis, what its JSON holds, or the path of that JSON")
-REST = 3e-3  # of the largest speed, below which diagnose counts no rows
-QUIET = 0.01  # of the force that the acceleration takes: noise of a model that states none and has no encoder's step
-BELIEVED = 10.0  # times: a measured floor that is farther off the model's noise is of something else
-POLE = 60.0  # 1/s, of the loop that tracks where a model states none
-TRACKED = 1000.0  # Hz, of that loop
 
 
 class NoMotion(ValueError):
@@ -169,7 +164,7 @@ def _questions(
     result: Any,
 ) -> list[Question]:
     """What the motion is to answer."""
-    rest = max(model.axis.coulomb_width, REST * limits.velocity)
+    rest = max(model.axis.coulomb_width, OBSERVER.rest_of_speed * limits.velocity)
     if goal == "separate":
         return [Separation.of(found, one, model, vocabulary, rest) for one in found if one.alternatives]
     for one in found:
@@ -184,10 +179,11 @@ def _with_loop(model: Model, controller: AnyController | None, notes: list[str])
     """The model with a controller: its own, or a PID that tracks."""
     if controller is not None or model.controller is not None:
         return model
-    kp, ki, kd = pid_gains([-POLE] * 3, model.axis.mass)
-    tracking = PidParameters(sample_rate=TRACKED, kp=kp, ki=ki, kd=kd, mass=model.axis.mass, viscous=model.axis.viscous)
+    pole, rate = EXPERIMENT.tracking_pole, EXPERIMENT.tracking_rate
+    kp, ki, kd = pid_gains([-pole] * 3, model.axis.mass)
+    tracking = PidParameters(sample_rate=rate, kp=kp, ki=ki, kd=kd, mass=model.axis.mass, viscous=model.axis.viscous)
     notes.append(
-        f"the model states no controller: planned with a PID of three poles at {POLE:g} 1/s at {TRACKED:g} Hz; "
+        f"the model states no controller: planned with a PID of three poles at {pole:g} 1/s at {rate:g} Hz; "
         "what yours makes of the motion may exceed the limits"
     )
     return model.replace(controller=tracking, controller_type="pid")
@@ -201,7 +197,7 @@ def _with_noise(model: Model, result: Any, limits: MotionLimits, notes: list[str
     floor = float(floor) if isinstance(floor, int | float) and np.isfinite(floor) and floor > 0.0 else 0.0
     silent = model.noise.force == 0.0 and model.encoder.resolution == 0.0 and model.encoder.noise == 0.0
     if silent:
-        force = floor or QUIET * model.axis.mass * limits.acceleration
+        force = floor or EXPERIMENT.quiet_force * model.axis.mass * limits.acceleration
         source = "as the result's floor" if floor else "1 % of the force of the largest acceleration"
         notes.append(
             f"the model states neither noise nor the encoder's resolution: {force:.3g} V rms assumed, {source}"
@@ -225,4 +221,5 @@ def _loudness(machine: Machine, log: Any, floor: float, signal: str) -> float:
     if difference is None:
         return 1.0
     rms = float(np.sqrt(np.mean(difference**2)))
-    return float(np.clip((floor / rms) ** 2, 1.0 / BELIEVED, BELIEVED)) if rms > 0.0 else 1.0
+    most = EXPERIMENT.loudness_max
+    return float(np.clip((floor / rms) ** 2, 1.0 / most, most)) if rms > 0.0 else 1.0

@@ -13,22 +13,23 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.feasibility import Run, run_on
 from cogging.diagnosis.experiment.limits import MotionLimits
-from cogging.diagnosis.experiment.motion import RATE, Element, dictionary, planned
+from cogging.diagnosis.experiment.motion import Element, dictionary, planned
+from cogging.diagnosis.thresholds import MOTION, PROPOSAL
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
 from cogging.threads import on_threads
 
-PARTS = 3  # motions one after another in a plan
-PART_MIN = 2.0  # s, of each
-SCALES = (1.0, 0.7, 0.5, 0.35, 0.2)  # of speed and acceleration, until a machine keeps to its limits
-PASSES = 4  # of the exchange
-WHOLE = 4  # combinations that are simulated as a whole
-MOVES = 12  # evaluations of the refinement
-STEP = 0.35  # of the logarithm of a parameter, at which it begins
 #: Parameters that a refinement moves, and between which values.
-MOVED = {"speed": (0.002, 1.0), "reach": (0.02, 1.0), "step": (2e-4, 0.3), "acceleration": (0.05, 1.0)}
-MOVED |= {"low": (0.3, 60.0), "high": (1.0, 400.0), "slowest": (0.02, 0.9)}
+MOVED = {
+    "speed": PROPOSAL.speed_range,
+    "reach": PROPOSAL.reach_range,
+    "step": PROPOSAL.step_range,
+    "acceleration": PROPOSAL.acceleration_range,
+    "low": PROPOSAL.low_range,
+    "high": PROPOSAL.high_range,
+    "slowest": PROPOSAL.slowest_range,
+}
 
 
 class Question(Protocol):
@@ -78,7 +79,7 @@ class Machine:
     def rate(self) -> float:
         """Of a reference's samples, Hz."""
         controller = self.model.make_controller() if self.controller is None else self.controller
-        return min(controller.sample_rate, RATE)
+        return min(controller.sample_rate, MOTION.reference_rate)
 
     def run(self, elements: tuple[Element, ...], seconds: float, scale: float = 1.0) -> tuple[Sampled, Run | None]:
         """The motion of some elements, and its run; None where the axis does not move or the loop diverges."""
@@ -89,7 +90,7 @@ class Machine:
 
     def feasible(self, elements: tuple[Element, ...], seconds: float) -> tuple[float, Sampled, Run] | None:
         """The largest scale at which the machine keeps to its limits, with motion and run; None where there is none."""
-        for scale in SCALES:
+        for scale in PROPOSAL.slower:
             motion, run = self.run(elements, seconds, scale)
             if run is not None and run.worst <= 1.0:
                 return scale, motion, run
@@ -135,11 +136,11 @@ def propose(machine: Machine, questions: Sequence[Question], begin: Callable[[st
     is found by exchanging one element at a time (Fedorov 1972). The best few are simulated as a whole, and the numbers
     of the best are moved (Nelder and Mead 1965).
     """
-    count = max(1, min(PARTS, int(machine.limits.duration / PART_MIN)))
+    count = max(1, min(PROPOSAL.parts, int(machine.limits.duration / PROPOSAL.part_min)))
     parts = list(_parts(machine, questions, machine.limits.duration / count, begin))
     best: Proposal | None = None
     for number, elements in enumerate(_unlike(_combinations(parts, questions, count)), start=1):
-        begin(f"whole motion {number} of {WHOLE}")
+        begin(f"whole motion {number} of {PROPOSAL.whole_motions}")
         best = _better(best, _whole(machine, questions, elements))
     return None if best is None else _refined(machine, questions, best, begin)
 
@@ -185,9 +186,9 @@ def _combinations(parts: Sequence[Part], questions: Sequence[Question], count: i
         return known[key]
 
     alone = sorted(range(len(parts)), key=lambda i: -valued([i] * count))
-    for start in alone[:WHOLE]:
+    for start in alone[: PROPOSAL.whole_motions]:
         chosen = [start] * count
-        for _ in range(PASSES):
+        for _ in range(PROPOSAL.exchange_passes):
             before = valued(chosen)
             for slot in range(count):
                 trials = [[*chosen[:slot], i, *chosen[slot + 1 :]] for i in range(len(parts))]
@@ -205,7 +206,7 @@ def _unlike(ranked: Sequence[tuple[Element, ...]]) -> list[tuple[Element, ...]]:
     for elements in ranked:
         if all(sum(one not in other for one in elements) > min(1, len(elements) - 1) for other in chosen):
             chosen.append(elements)
-        if len(chosen) == WHOLE:
+        if len(chosen) == PROPOSAL.whole_motions:
             break
     return chosen
 
@@ -243,7 +244,7 @@ def _refined(machine: Machine, questions: Sequence[Question], best: Proposal, be
     def cost(logarithms: FloatArray) -> float:
         nonlocal best, tried
         tried += 1
-        begin(f"refinement {tried} of {MOVES}")
+        begin(f"refinement {tried} of {PROPOSAL.refinements}")
         trial = _whole(machine, questions, _moved(best.elements, places, logarithms))
         if trial is None:
             return 1e6
@@ -251,14 +252,16 @@ def _refined(machine: Machine, questions: Sequence[Question], best: Proposal, be
         return -trial.worth
 
     # One direction a parameter would take a simplex that alone is all that there is time for.
-    directions = _directions(len(places), min(len(places), MOVES // 3))
+    directions = _directions(len(places), min(len(places), PROPOSAL.refinements // 3))
     minimize(
         lambda weights: cost(start + weights @ directions),
         np.zeros(len(directions)),
         method="Nelder-Mead",
         options={
-            "maxfev": MOVES,
-            "initial_simplex": np.vstack([np.zeros(len(directions)), STEP * np.eye(len(directions))]),
+            "maxfev": PROPOSAL.refinements,
+            "initial_simplex": np.vstack(
+                [np.zeros(len(directions)), PROPOSAL.refinement_step * np.eye(len(directions))]
+            ),
         },
     )
     return best

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cogging.diagnosis.result import Diagnosis
+from cogging.diagnosis.thresholds import EXPERIMENT
 from cogging.effects.effect import Effect, SplineKnots, Travel, kind_of
 from cogging.files import FieldError
 from cogging.model.model import Model, is_number
@@ -16,7 +17,6 @@ from cogging.shown import quoted
 
 #: Changes of the axis that are named like effects, with the field of the axis.
 CHANGES = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
-ORDER = 3  # of the splines of an amplitude along the travel, as diagnose looks for it
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,12 @@ def _effect(law: Effect, table: Any, model: Model, place: str) -> Effect:
     knots, ends = kind_of(law, SplineKnots), kind_of(law, Travel)
     if knots is not None and np.isfinite([low, high]).all() and knots.pitch not in fields:
         lists = [len(value) for value in fields.values() if isinstance(value, list)]
-        count = max(lists, default=ORDER + 1)
-        fields |= {knots.pitch: (high - low) / max(count - ORDER + 1, 1), knots.order: ORDER, knots.origin: low}
+        count = max(lists, default=EXPERIMENT.spline_order + 1)
+        fields |= {
+            knots.pitch: (high - low) / max(count - EXPERIMENT.spline_order + 1, 1),
+            knots.order: EXPERIMENT.spline_order,
+            knots.origin: low,
+        }
     if ends is not None and np.isfinite([low, high]).all():
         fields[ends.ends] = [low, high]
     try:

@@ -14,7 +14,7 @@ from cogging.diagnosis.candidates.scan import begun, scan, sharpen
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import nuisances
-from cogging.diagnosis.experiment.expectation import TOLD_APART, Expectation
+from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.observation import (
     as_residual,
     evidence_of,
@@ -25,15 +25,11 @@ from cogging.diagnosis.experiment.observation import (
     louder,
 )
 from cogging.diagnosis.experiment.rivals import CHANGES, Found, with_others
+from cogging.diagnosis.thresholds import EXPERIMENT
 from cogging.effects.effect import Effect, Window, kind_of
 from cogging.estimation.whitening import NothingCounts
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-ENOUGH = (3.0 * TOLD_APART) ** 2  # lambda, beyond which more is worth hardly anything
-NEAR = (0.7, 0.85, 1.18, 1.4)  # times a shape that is a size, at which it is looked for too
-BESIDE = 1.2  # times: how far from a shape in the list its effect is taken to be in proportion to it
-TIMES = (0.3, 0.7)  # of a motion, between which a disturbance acts that else would not come in it
 
 
 @dataclass(frozen=True)
@@ -100,7 +96,7 @@ class Separation:
 
     def utility(self, gram: FloatArray) -> float:
         """What a motion is worth: large where the worst pair stands far apart; from the sum of grams."""
-        return pooled(list(self.squares(gram).values()), ENOUGH)
+        return pooled(list(self.squares(gram).values()), _enough())
 
     def squares(self, gram: FloatArray) -> dict[str, float]:
         """lambda of each pair by the alternative's name, over the shapes that were looked for."""
@@ -124,7 +120,7 @@ class Separation:
     def worth(self, log: Log, gram: FloatArray) -> float:
         """What a whole motion is worth, the shapes of the alternatives searched through on its log."""
         squares = self._searched(log)
-        return pooled(list(squares.values()), ENOUGH) if squares else self.utility(gram)
+        return pooled(list(squares.values()), _enough()) if squares else self.utility(gram)
 
     def expectations(self, log: Log) -> list[Expectation]:
         """How far each pair would stand apart on a log, the alternative's shape searched through."""
@@ -195,8 +191,11 @@ def within(model: Model, seconds: float) -> Model:
     effects = []
     for effect in model.effects:
         window = kind_of(effect, Window)
-        if window is not None and getattr(effect, window.start) > 0.8 * seconds:
-            fields = {window.start: TIMES[0] * seconds, window.stop: TIMES[1] * seconds}
+        if window is not None and getattr(effect, window.start) > EXPERIMENT.window_late * seconds:
+            fields = {
+                window.start: EXPERIMENT.window_moved[0] * seconds,
+                window.stop: EXPERIMENT.window_moved[1] * seconds,
+            }
             effect = effect.replace(**fields)
         elif window is not None:
             effect = effect.replace(**{window.stop: min(getattr(effect, window.stop), 0.95 * seconds)})
@@ -210,7 +209,10 @@ def about(candidate: Candidate) -> list[Candidate]:
     for field, value in candidate.shape.items():
         role = candidate.law.ROLES[field]
         if role["role"] == "shape" and isinstance(value, float) and (role["logarithmic"] or role["neutral"] == 0.0):
-            found += [replace(candidate, shape={**candidate.shape, field: factor * value}) for factor in NEAR]
+            found += [
+                replace(candidate, shape={**candidate.shape, field: factor * value})
+                for factor in EXPERIMENT.shapes_near
+            ]
     return found
 
 
@@ -219,8 +221,14 @@ def _of_fixed_size(gram: FloatArray) -> float:
     signal, both, size = float(gram[0, 0]), float(gram[0, 1]), float(gram[1, 1])
     if size <= 0.0:
         return signal
-    factor = float(np.clip(-both / size, 1.0 / BESIDE, BESIDE))  # what an effect adds takes from the residual
+    most = EXPERIMENT.shape_beside
+    factor = float(np.clip(-both / size, 1.0 / most, most))  # what an effect adds takes from the residual
     return signal + 2.0 * factor * both + factor**2 * size
+
+
+def _enough() -> float:
+    """lambda, beyond which more is worth hardly anything."""
+    return (EXPERIMENT.enough_apart * EXPERIMENT.told_apart) ** 2
 
 
 def pooled(squares: Sequence[float], enough: float = np.inf) -> float:

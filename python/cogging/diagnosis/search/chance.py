@@ -8,18 +8,22 @@ import numpy as np
 from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION, SEARCH
+from cogging.diagnosis.thresholds import CHANCE, CHOICE, CONFIRMATION, SEARCH
 
-NORMAL = ndtri((np.arange(21) + 0.5) / 21)  # equally likely values of a normal variable
-NOISE = ndtri((np.arange(4) + 0.5) / 4)  # the same, of the level of the noise
-NOISE = NOISE / np.sqrt(np.mean(NOISE**2))
-OTHERS = np.array([0.2, 0.7])  # equally likely chances of the other degrees of freedom
-GRID = np.geomspace(1.0, 1e5, 120)  # of T
-LAMBDAS = np.geomspace(2.0, 2e3, 28)  # at which the chance is computed
-TINY = 1e-300  # a chance that is as good as none
-FIRM = 0.05  # spread, below which it is as good as none
-#: As in Confirmation: deviations by which a ratio may be less or more than 1, its least deviation and its least value.
-LESS, MORE, AT_LEAST, HALF = 3.0, 10.0, 0.15, 0.5
+
+def _equally_likely(count: int) -> FloatArray:
+    """Equally likely values of a normal variable."""
+    return np.asarray(ndtri((np.arange(count) + 0.5) / count))
+
+
+def _of_deviation_one(values: FloatArray) -> FloatArray:
+    return np.asarray(values / np.sqrt(np.mean(values**2)))
+
+
+NORMAL = _equally_likely(CHANCE.noise_values)
+NOISE = _of_deviation_one(_equally_likely(CHANCE.level_values))  # of the level of the noise
+GRID = np.geomspace(*CHANCE.statistics)  # of T
+LAMBDAS = np.geomspace(*CHANCE.lambdas)  # at which the chance is computed
 
 
 @dataclass(frozen=True)
@@ -66,22 +70,24 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
     noise too is told from few lines: the promise is taken for larger or smaller than it is.
     """
     root, z = np.sqrt(LAMBDAS)[:, None, None, None, None], NORMAL[:, None, None, None]
-    w = (chdtri(one.freedom - 1, OTHERS) if one.freedom > 1 else np.zeros(1))[:, None, None]
+    w = (chdtri(one.freedom - 1, np.array(CHANCE.other_chances)) if one.freedom > 1 else np.zeros(1))[:, None, None]
     statistic = (root + z) ** 2 + w
     louder = statistic * np.exp(_levels(one.spread))[:, None]
-    levels = np.minimum(np.log(np.maximum(chdtrc(one.freedom, one.bounded), TINY)) + np.log(one.trials), 0.0)
+    levels = np.minimum(np.log(np.maximum(chdtrc(one.freedom, one.bounded), 1e-300)) + np.log(one.trials), 0.0)
     shown, level = np.interp(louder, GRID, one.bounded), np.interp(louder, GRID, levels)
     strong = (level <= CHOICE.detected) & (shown >= worth.own) & (statistic >= one.least)
     if one.other is None:
         return np.asarray(strong.mean(axis=(1, 2, 3, 4)))
     mean, deviation = (root**2 + root * z) / statistic, 1.0 / np.sqrt(np.maximum(statistic * one.other, 1e-12))
     promised = np.exp(_levels(one.spread_there)) / deviation**2
-    allowed = np.hypot(1.0 / np.sqrt(promised), AT_LEAST)
-    low = np.maximum(HALF, 1.0 - LESS * allowed)
+    allowed = np.hypot(1.0 / np.sqrt(promised), CONFIRMATION.amplitude_error)
+    low = np.maximum(CHANCE.ratio_gains, 1.0 - CONFIRMATION.less_refutes * allowed)
     together = np.sqrt(np.maximum(_needed_there(level), worth.other) / promised)
     hinted = (level > CHOICE.detected) & (level <= SEARCH.hinted) & (statistic >= one.least)
     low = np.where(strong, low, np.where(hinted, np.maximum(low, together), np.inf))
-    confirmed = np.maximum(ndtr((mean - low) / deviation) - ndtr((mean - 1.0 - MORE * allowed) / deviation), 0.0)
+    confirmed = np.maximum(
+        ndtr((mean - low) / deviation) - ndtr((mean - 1.0 - CONFIRMATION.more_refutes * allowed) / deviation), 0.0
+    )
     alone = strong & (level <= one.needed)
     answer = np.where(promised >= CONFIRMATION.informative, confirmed + (1.0 - confirmed) * (alone & one.once), alone)
     return np.asarray(answer.mean(axis=(1, 2, 3, 4)))
@@ -89,7 +95,7 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
 
 def _levels(spread: float) -> FloatArray:
     """Equally likely logarithms of the level of the noise."""
-    return spread * NOISE if spread > FIRM else np.zeros(1)
+    return spread * NOISE if spread > CHANCE.level_firm else np.zeros(1)
 
 
 def _needed_there(level: FloatArray) -> FloatArray:

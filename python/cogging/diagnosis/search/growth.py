@@ -10,17 +10,12 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Candidate, candidates
-from cogging.diagnosis.candidates.sizes import SHARE, Size, directions, is_share
+from cogging.diagnosis.candidates.sizes import Size, directions, is_share
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.search.chance import GRID, Powers, Visibility
-from cogging.diagnosis.thresholds import CHOICE, FINDING
+from cogging.diagnosis.thresholds import CHOICE, FINDING, LIMIT, SCORE_TEST
 from cogging.effects.effect import Effect
-
-SEEN = 2e-3  # of a column, that re-tuning must leave (as in Evidence.test)
-UNSEEN = -50.0  # ln noncentrality of what these logs do not see
-GROUPS = 12  # shapes of an effect that has its size in the shape, at most
-TYPICAL = 50.0  # noncentrality of an effect of about the size of its limit
 
 Noise = tuple[float, float, FloatArray]  # spread, spread_there and bounded of a Visibility
 
@@ -75,7 +70,7 @@ def _columns(evidence: Evidence, basis: FloatArray, shapes: Sequence[Candidate])
     result = []
     for columns in evidence.whitened_each(tables(evidence, shapes)):
         left = columns - (columns @ basis.T) @ basis
-        kept = np.einsum("ij,ij->i", left, left) > SEEN**2 * np.einsum("ij,ij->i", columns, columns)
+        kept = np.einsum("ij,ij->i", left, left) > SCORE_TEST.untuned_share**2 * np.einsum("ij,ij->i", columns, columns)
         result.append(left * kept[:, None])
     return result
 
@@ -90,7 +85,7 @@ def growth_of_amplitudes(view: View, law: Effect, shapes: Sequence[Candidate], t
         gram_there = np.zeros_like(gram) if view.other is None else other @ other.T / view.other.overdispersion
         noise, freedom = _noise(view, columns, other), _freedom(gram)
         turned = directions(candidate)
-        powers = np.maximum(np.einsum("mi,ij,mj->m", turned, gram, turned), np.exp(UNSEEN))
+        powers = np.maximum(np.einsum("mi,ij,mj->m", turned, gram, turned), np.exp(LIMIT.unseen))
         ratio = float(np.mean(np.einsum("mi,ij,mj->m", turned, gram_there, turned) / powers))
         visibility = _visibility(view, law, trials, freedom, noise, ratio, float(np.mean(powers)))
         grown += [Growth(candidate, np.zeros(1), np.array([np.log(power)]), visibility) for power in powers]
@@ -104,7 +99,7 @@ def growth_of_shapes(view: View, law: Effect, shapes: Sequence[Candidate], trial
         rest = {field: value for field, value in candidate.shape.items() if field != size.field}
         groups.setdefault(str(rest), []).append(candidate)
     grid = list(candidates(view.evidence, law))
-    chosen = list(groups.values())[:: -(-len(groups) // GROUPS)]
+    chosen = list(groups.values())[:: -(-len(groups) // LIMIT.growth_groups)]
     sign = 1.0 if size.grows else -1.0
     grown = []
     for group in chosen:
@@ -116,8 +111,8 @@ def growth_of_shapes(view: View, law: Effect, shapes: Sequence[Candidate], trial
         else:
             powers = _reached(own, _columns(view.evidence, view.basis, grid))
         powers = powers * _share_factor(group[0], size) / view.evidence.overdispersion
-        powers = np.maximum.accumulate(np.maximum(powers, np.exp(UNSEEN)))
-        typical = int(np.argmin(np.abs(np.log(powers / TYPICAL))))
+        powers = np.maximum.accumulate(np.maximum(powers, np.exp(LIMIT.unseen)))
+        typical = int(np.argmin(np.abs(np.log(powers / LIMIT.typical))))
         ratio, other = 0.0, own[typical]
         if view.other is not None:
             other = _columns(view.other, view.other.basis, [group[typical]])[0]
@@ -149,10 +144,10 @@ def _reached(columns: Sequence[FloatArray], tried: Sequence[FloatArray]) -> Floa
 
 
 def _share_factor(candidate: Candidate, size: Size) -> float:
-    """By how much the noncentrality grows when shares that are no size are SHARE, not what was tried."""
+    """By how much the noncentrality grows when shares that are no size are LIMIT.share_behind, not what was tried."""
     roles = candidate.law.ROLES
     shares = [value for f, value in candidate.shape.items() if f != size.field and is_share(roles[f])]
-    return float(np.prod([(SHARE / value) ** 2 for value in shares]))
+    return float(np.prod([(LIMIT.share_behind / value) ** 2 for value in shares]))
 
 
 def _visibility(
@@ -178,7 +173,9 @@ def _freedom(gram: FloatArray) -> int:
     seen = size > 0.0
     if not seen.any():
         return 1
-    return int((np.linalg.eigvalsh(gram[np.ix_(seen, seen)] / np.outer(size[seen], size[seen])) > 1e-4).sum())
+    return int(
+        (np.linalg.eigvalsh(gram[np.ix_(seen, seen)] / np.outer(size[seen], size[seen])) > SCORE_TEST.column_rank).sum()
+    )
 
 
 def _noise(view: View, columns: FloatArray, other: FloatArray) -> Noise:
