@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
-from cogging.diagnosis.large.balance import balances_of
+from cogging.diagnosis.large.balance import balances_of, is_load
 from cogging.diagnosis.residual.shapes import coordinates
 from cogging.diagnosis.thresholds import GAP, OBSERVER
 from cogging.estimation.innovations import Innovations
@@ -102,7 +102,7 @@ def source_of(log: Log, model: Model) -> Innovations:
 
 def has_balance(model: Model) -> bool:
     """Whether a model has a force balance: no state of its own but that of a load that hangs on the motor."""
-    return all("state" not in effect.HOOKS or effect.NAME == "flexible_mode" for effect in model.effects)
+    return all("state" not in effect.HOOKS or is_load(effect) for effect in model.effects)
 
 
 def _balanced(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]:

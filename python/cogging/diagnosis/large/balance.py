@@ -62,7 +62,7 @@ class LogBalance:
         table = dynamics.of(models)
         for i, model in enumerate(models):
             for effect in model.effects:
-                if effect.NAME == "flexible_mode":
+                if is_load(effect):
                     table[i] += dynamics.filtered(self._borne_by_load(model.axis.mass, effect)[None, :])[0]
             if as_command:
                 table[i] = self._as_command(table[i], model)
@@ -200,6 +200,12 @@ class Balances:
     def under(self, model: Model) -> Balances:
         """The same logs under another model."""
         return Balances(model, self.sources)
+
+
+def is_load(effect: Effect) -> bool:
+    """Whether an effect is a load that hangs on the motor by a spring: its only states are that load's."""
+    fields = {"frequency", "damping_ratio", "mass_ratio"}
+    return "state" in effect.HOOKS and fields == set(effect.ROLES)
 
 
 def balances_of(logs: Sequence[Log], model: Model) -> Balances:

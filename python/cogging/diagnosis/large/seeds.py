@@ -12,7 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
 from cogging.diagnosis.candidates.waves import is_wave, plain_wave
-from cogging.diagnosis.large.balance import WEAKENING, Balances
+from cogging.diagnosis.large.balance import WEAKENING, Balances, is_load
 from cogging.diagnosis.large.levels import Levels
 from cogging.diagnosis.large.spectrum import peaks, sharpened
 from cogging.diagnosis.thresholds import ALLOWANCE, SEED, SPECTRUM
@@ -51,12 +51,12 @@ def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) 
     found = [*_waves(balances, levels, waves)]
     for law in others:
         # No period but the known ones: several plain waves look like one that changes along the travel.
-        if law.NAME != "empirical_force":
-            found += judged(balances, levels, list(candidates(balances, law)))
+        found += judged(balances, levels, list(candidates(balances, law)))
         if acts_in_interval(law):
             found += _intervals(balances, levels, law)
-    if "flexible_mode" in vocabulary:
-        found += _resonances(balances, levels, vocabulary["flexible_mode"])
+    for law in vocabulary.values():
+        if is_load(law) and not any("state" in effect.HOOKS for effect in balances.model.effects):
+            found += _resonances(balances, levels, law)
     for name in {seed.name for seed in found}:
         first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
         best[name] = min((as_it_is(balances, levels, seed) for seed in first), key=lambda seed: seed.left)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cogging.diagnosis.candidates.waves import is_spatial_wave
 from cogging.diagnosis.entries import NamedEffect
 from cogging.diagnosis.large.search import LargeTerm
 from cogging.diagnosis.naming.effect_range import where_of
@@ -50,14 +51,11 @@ def confidence_of(added: Added, term: LargeTerm, start: float) -> float:
 
 def map_note(added: Sequence[Effect], model: Model) -> str | None:
     """That waves along the travel are harmonics of one pitch: a map of the cogging; None where they are not."""
-    periods = [float(getattr(effect, "period", 0.0)) for effect in added if effect.NAME == "cogging_harmonic"]
+    waves = [effect for effect in added if is_spatial_wave(effect) and set(effect.HOOKS) == {"force"}]
+    periods = [float(getattr(effect, "period", 0.0)) for effect in waves]
     if len(periods) < LARGE.map_harmonics or model.cogging is not None:
         return None
-    sizes = [
-        float(np.hypot(getattr(effect, "sine", 0.0), getattr(effect, "cosine", 0.0)))
-        for effect in added
-        if effect.NAME == "cogging_harmonic"
-    ]
+    sizes = [float(np.hypot(getattr(effect, "sine", 0.0), getattr(effect, "cosine", 0.0))) for effect in waves]
     pitch = common_pitch(periods)
     if pitch is None:
         return None
