@@ -454,6 +454,7 @@ class AllowanceThresholds:
 
     stated: float = 4.2  # stated deviations: beyond them a level has changed, as in LEVEL_CHANGE [tuned]
     unstated: float = 3.0  # factor: either way, where nobody states how well a level is known [assumed]
+    far: float = 2.0  # times an end: a level that re-tuning takes farther stands for something else [assumed]
     let_go: float = 30.0  # times an end of what is allowed: a level that is let go may be so far off [assumed]
     at_end: float = 1e-6  # 1: relative; so near to an end of what is allowed a level stands at it [exact]
 

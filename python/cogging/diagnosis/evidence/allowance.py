@@ -29,6 +29,11 @@ class Allowance:
         room = ALLOWANCE.at_end * abs(value)
         return self.floors.get(path, -float("inf")) - room <= value <= self.ceilings.get(path, float("inf")) + room
 
+    def far_outside(self, path: str, value: float) -> bool:
+        """Whether a value is beyond what is allowed by more than a level itself is likely to have changed."""
+        low, high = self.floors.get(path, 0.0), self.ceilings.get(path, float("inf"))
+        return value > ALLOWANCE.far * high or value < low / ALLOWANCE.far
+
     def nearest(self, path: str, value: float) -> float:
         """The allowed value that is nearest to one."""
         return min(max(value, self.floors.get(path, -float("inf"))), self.ceilings.get(path, float("inf")))
@@ -56,7 +61,7 @@ def allowance(model: Model) -> Allowance:
     """How far mass, viscous and Coulomb friction may be from what a model states.
 
     Within some of its stated deviations (ALLOWANCE.stated); not at all where it is stated to be exact; within a factor
-    where nothing is stated (ALLOWANCE.unstated). A friction of zero of which nothing is stated is not known at all.
+    where nothing is stated (ALLOWANCE.unstated). A friction of zero that is not stated to be exact is not known at all.
     """
     floors: dict[str, float] = {}
     ceilings: dict[str, float] = {}
@@ -67,7 +72,7 @@ def allowance(model: Model) -> Allowance:
         if stated == 0.0:
             exact.append(path)
             floors[path] = ceilings[path] = value
-        elif stated is not None:
+        elif stated is not None and value > 0.0:
             floors[path] = max(0.0, value * (1.0 - ALLOWANCE.stated * stated), value / 1e3 if name == "mass" else 0.0)
             ceilings[path] = value * (1.0 + ALLOWANCE.stated * stated)
         elif value > 0.0:

@@ -101,12 +101,12 @@ def begin(task: Task) -> State:
 
 
 def leaves_allowance(model: Model, nominal: Estimate) -> bool:
-    """Whether re-tuning takes mass or friction farther than the model states that they may be off.
+    """Whether re-tuning takes mass or friction much farther than the model states that they may be off.
 
     Then something was taken for them, unless they have changed.
     """
     allowed = allowance(model)
-    return any(not allowed.inside(path, value) for path, value in zip(nominal.paths, nominal.values, strict=True))
+    return any(allowed.far_outside(path, value) for path, value in zip(nominal.paths, nominal.values, strict=True))
 
 
 def large_effects(task: Task, *, any_size: bool = False) -> Large | None:
