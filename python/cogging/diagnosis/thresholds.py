@@ -489,6 +489,7 @@ class SeedThresholds:
     peaks: int = 3  # 1: of a spectrum, that are looked at exactly [cost]
     looked_at: int = 3  # 1: seeds of a name, that are tried at their own size [cost]
     tried_together: int = 64  # 1: effects that are tried at once [cost]
+    amplitude_room: float = 2.0  # times what an effect says: an amplitude that is no force may be so large [assumed]
     counts: float = 3.0  # counts of the encoder: an error of its reading has at least; rounding makes less [assumed]
     finite: tuple[float, ...] = (0.25, 4.0)  # times the size tried: of an effect that its shape makes [assumed]
     damping_ratios: tuple[float, ...] = (0.01, 0.05, 0.2)  # 1: of a load that hangs on the motor [assumed]

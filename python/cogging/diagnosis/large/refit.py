@@ -13,7 +13,8 @@ from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.large.balance import Balances
-from cogging.diagnosis.thresholds import ALLOWANCE, LARGE
+from cogging.diagnosis.large.seeds import amplitude_ends
+from cogging.diagnosis.thresholds import LARGE
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, role_of, with_values
 
@@ -73,12 +74,11 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
 def amplitude_limits(model: Model, balances: Balances, given: int) -> dict[str, tuple[float, float]]:
     """Between what the amplitudes of the effects that were added stay: no force is larger than the largest command."""
     sizes = quantities(balances)
-    sizes["friction"] *= ALLOWANCE.unstated
     limits: dict[str, tuple[float, float]] = {}
     for prefix, effect in effect_paths(model.effects)[given:]:
         for name, role in effect.ROLES.items():
             if role["role"] == "amplitude":
-                ends = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
+                ends = amplitude_ends(role, sizes)
                 value = getattr(effect, name)
                 places = [f"[{i}]" for i in range(len(value))] if isinstance(value, list) else [""]
                 limits |= {f"{prefix}.{name}{place}": ends for place in places}

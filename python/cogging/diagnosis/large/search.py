@@ -109,6 +109,11 @@ class Large:
         return tuple(term for term in self.terms if term.trial.effect is not None)
 
     @property
+    def let_go(self) -> frozenset[str]:
+        """Paths of levels that are no more held to what is stated of them."""
+        return frozenset(term.trial.path for term in self.terms if term.trial.path is not None)
+
+    @property
     def left(self) -> float:
         """ln of the power left here and on other motion, plus what the parameters must be worth."""
         left = 2.0 * float(np.log(self.balances.rms)) + LARGE.parameter * sum(t.trial.parameters for t in self.terms)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -148,15 +149,13 @@ def _tables(balances: Balances, tried: list[Candidate]) -> list[FloatArray]:
 
 def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: FloatArray) -> Seed | None:
     if not candidate.amplitudes:
-        ends = np.array([SEED.finite[0]]), np.array([SEED.finite[1]])
-        weights, left = levels.fitted(columns, np.zeros(1), ends[1])
+        weights, left = levels.fitted(columns, np.zeros(1), np.array([SEED.finite[1]]))
         if weights[-1] < SEED.finite[0]:
             return None
         return Seed(_resized(candidate, float(weights[-1])), (), left)
     sizes, roles = quantities(balances), candidate.law.ROLES
-    sizes["friction"] *= ALLOWANCE.unstated  # the model's own level may be as far off
-    low = np.array([roles[field]["low"] * sizes[roles[field]["quantity"]] for field, _ in candidate.amplitudes])
-    high = np.array([roles[field]["high"] * sizes[roles[field]["quantity"]] for field, _ in candidate.amplitudes])
+    ends = [amplitude_ends(roles[field], sizes) for field, _ in candidate.amplitudes]
+    low, high = np.array([low for low, _ in ends]), np.array([high for _, high in ends])
     weights, left = levels.fitted(columns, low, high)
     amplitudes = weights[len(levels.paths) :]
     count = balances.model.encoder.resolution
@@ -165,6 +164,16 @@ def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: Fl
         if short or float(np.linalg.norm(amplitudes)) < SEED.counts * count:
             return None
     return Seed(candidate, tuple(float(a) for a in amplitudes), left)
+
+
+def amplitude_ends(role: Mapping[str, Any], sizes: Mapping[str, float]) -> tuple[float, float]:
+    """Between what an amplitude lies: no force is larger than the largest command, others may make less of it.
+
+    A level of friction is measured against the model's, which may be as far off as nobody states (ALLOWANCE.unstated).
+    """
+    quantity = role["quantity"]
+    room = 1.0 if quantity == "force" else ALLOWANCE.unstated if quantity == "friction" else SEED.amplitude_room
+    return room * role["low"] * sizes[quantity], room * role["high"] * sizes[quantity]
 
 
 def as_it_is(balances: Balances, levels: Levels, seed: Seed) -> Seed:

@@ -32,6 +32,8 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         name = path.removeprefix("axis.")
         if name not in ("mass", "viscous", "coulomb"):
             continue
+        if search_.large is not None and path not in search_.large.let_go:
+            continue  # it is held as far as the statement goes: nothing was found about it
         prior = getattr(model.axis, name)
         if prior <= LEVEL_CHANGE.vanishing * search_.evidence.scales.of(known[path].unit):
             continue  # a deviation relative to nothing says nothing
