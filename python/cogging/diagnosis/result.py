@@ -106,10 +106,9 @@ class Diagnosis(ByValue):
             for name in ("mass", "viscous", "coulomb")
         }
 
-    def _retuned_text(self) -> list[str]:
-        """What re-tuning made of mass and friction."""
-        told = [_level_text(path, level) for path, level in self._levels().items()]
-        return [f"re-tuned: {'; '.join(told)}"] if told else []
+    def retuned_text(self) -> str:
+        """What re-tuning made of mass and friction, in words; empty where nothing was measured."""
+        return "; ".join(_level_text(path, level) for path, level in self._levels().items())
 
     def html(self, *, title: str = "") -> str:
         """The report as a text: one HTML page with its figures inside.
@@ -142,7 +141,8 @@ class Diagnosis(ByValue):
 
     def text(self) -> str:
         """The result for the screen."""
-        lines = [f"verdict: {self.verdict}", *self._retuned_text()]
+        retuned = self.retuned_text()
+        lines = [f"verdict: {self.verdict}", *([f"re-tuned: {retuned}"] if retuned else [])]
         if self.mismatch is not None:
             lines.append(f"  {self.mismatch['text']}")
         for effect in self.effects:

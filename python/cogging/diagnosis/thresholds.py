@@ -454,7 +454,7 @@ class AllowanceThresholds:
 
     stated: float = 4.2  # stated deviations: beyond them a level has changed, as in LEVEL_CHANGE [tuned]
     unstated: float = 3.0  # factor: either way, where nobody states how well a level is known [assumed]
-    far: float = 2.0  # times an end: a level that re-tuning takes farther stands for something else [assumed]
+    far: float = 1.5  # times an end: a level that re-tuning takes farther stands for something else [assumed]
     let_go: float = 30.0  # times an end of what is allowed: a level that is let go may be so far off [assumed]
     at_end: float = 1e-6  # 1: relative; so near to an end of what is allowed a level stands at it [exact]
 
@@ -471,6 +471,7 @@ class BalanceThresholds:
     filter_reach: float = 0.5  # periods of the cut-off: so far the filter brings what friction does at rest [assumed]
     rows_left: float = 0.3  # of the rows in motion: fewer away from rest, and those near it count too [assumed]
     gain_min: float = 0.05  # 1: a gain of the command is taken to be at least, where a fit tries a smaller one [exact]
+    turn_max: float = 1.5  # rad: half a turn of a resonance in a sample is less than a quarter turn [exact]
     column_size: float = 1e-12  # of the residual: a column that is smaller does nothing [exact]
     no_room: float = 1e-9  # of a column's size: between the ends of what does not move [exact]
 

@@ -121,7 +121,9 @@ class LogBalance:
         """Acceleration of a load that hangs on the motor, m/s^2, (n,); `antiresonance` in Hz."""
         from scipy.signal import bilinear, lfilter
 
-        w = 2.0 * np.pi * antiresonance
+        step = self.balance.dynamics.sample_time
+        # The bilinear transform bends frequencies: at this one it shall be right.
+        w = 2.0 / step * np.tan(min(np.pi * antiresonance * step, BALANCE.turn_max))
         numerator, denominator = [2.0 * damping_ratio * w, w * w], [1.0, 2.0 * damping_ratio * w, w * w]
         dynamics = self.balance.dynamics
         b, a = bilinear(numerator, denominator, 1.0 / dynamics.sample_time)

@@ -79,6 +79,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "ledger": result.ledger,
         "placebo": result.placebo,
         "limits": _limits(result),
+        "retuned": result.retuned_text(),
         "notes": result.notes,
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
