@@ -13,7 +13,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import ndtr
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
@@ -160,6 +159,8 @@ def _level(deviation: float | None, model: Model, name: str) -> Limit:
     own = deviation / prior
     least = LEVEL_CHANGE.changed * float(np.hypot(own, stated))
     sizes = np.maximum(least + own * np.linspace(-LIMIT.normal_tail, LIMIT.normal_tail, 121), 0.0)
+    from scipy.special import ndtr
+
     chance = ndtr((sizes - least) / max(own, 1e-12))
     curve = replace(none, sizes=tuple(sizes.tolist()), chances=tuple(chance.tolist()))
     value = least + LIMIT.chance_quantile * own

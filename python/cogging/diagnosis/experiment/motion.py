@@ -185,7 +185,7 @@ def _even_ramp(s: FloatArray) -> FloatArray:
 def strokes(track: Track, p: Mapping[str, float]) -> None:
     """There and back over a share of the travel about a place, at speeds that fall by a ratio from stroke to stroke."""
     half = 0.5 * p.get("reach", 1.0)
-    center = min(max(p.get("center", 0.5), half), 1.0 - half)
+    center = min(max(p.get("middle", 0.5), half), 1.0 - half)
     speed, steps, done = p.get("speed", 1.0), max(1, round(p.get("speeds", 1.0))), 0
     ends = (track.at(center - half), track.at(center + half))
     if not track.move(ends[0]):
@@ -203,7 +203,7 @@ def strokes(track: Track, p: Mapping[str, float]) -> None:
 
 def creep(track: Track, p: Mapping[str, float]) -> None:
     """Slowly forward with small reversals, then the same way back."""
-    if not track.move(track.at(p.get("center", 0.5)), 0.5):
+    if not track.move(track.at(p.get("middle", 0.5)), 0.5):
         return
     speed, step = p.get("speed", 0.02), p.get("step", 0.02) * (track.high - track.low)
     forward, done = 1.0, 0
@@ -234,7 +234,7 @@ def multisine(track: Track, p: Mapping[str, float]) -> None:
 
 def swings(track: Track, p: Mapping[str, float]) -> None:
     """A sine in place, its frequency rising through a band."""
-    if not track.move(track.at(p.get("center", 0.5)), 0.5):
+    if not track.move(track.at(p.get("middle", 0.5)), 0.5):
         return
     low, high = p.get("low", 1.0), min(p.get("high", 10.0), 0.2 * track.rate)
     reach = 0.5 * p.get("reach", 0.3) * (track.high - track.low)
@@ -315,8 +315,8 @@ def dictionary() -> Iterator[Element]:
     yield Element("strokes", {"reach": 1.0, "speed": 1.0, "speeds": 4.0, "ratio": 0.4})
     yield Element("strokes", {"reach": 1.0, "speed": 0.4, "acceleration": 0.2})
     for reach, center in ((0.25, 0.5), (0.25, 0.125), (0.25, 0.875), (0.06, 0.5)):
-        yield Element("strokes", {"reach": reach, "speed": 1.0, "center": center})
-    yield Element("strokes", {"reach": 0.3, "speed": 0.1, "center": 0.5})
+        yield Element("strokes", {"reach": reach, "speed": 1.0, "middle": center})
+    yield Element("strokes", {"reach": 0.3, "speed": 0.1, "middle": 0.5})
     for speed, step in ((0.05, 0.02), (0.02, 0.01), (0.01, 0.003), (0.004, 0.001)):
         yield Element("creep", {"speed": speed, "step": step})
     for low, high, speed in ((1.0, 10.0, 0.3), (5.0, 50.0, 0.2), (20.0, 200.0, 0.1), (20.0, 200.0, 0.3)):

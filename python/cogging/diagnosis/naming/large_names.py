@@ -13,7 +13,7 @@ from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.naming.names import values_of
 from cogging.diagnosis.search.state import Added, Search
 from cogging.diagnosis.thresholds import LARGE, NAME
-from cogging.effects.effect import Effect
+from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths
 
@@ -52,10 +52,11 @@ def confidence_of(added: Added, term: LargeTerm, start: float) -> float:
 def map_note(added: Sequence[Effect], model: Model) -> str | None:
     """That waves along the travel are harmonics of one pitch: a map of the cogging; None where they are not."""
     waves = [effect for effect in added if is_spatial_wave(effect) and set(effect.HOOKS) == {"force"}]
-    periods = [float(getattr(effect, "period", 0.0)) for effect in waves]
+    kinds = [(effect, kind) for effect in waves if (kind := kind_of(effect, Wave)) is not None]
+    periods = [float(getattr(effect, kind.shape)) for effect, kind in kinds]
     if len(periods) < LARGE.map_harmonics or model.cogging is not None:
         return None
-    sizes = [float(np.hypot(getattr(effect, "sine", 0.0), getattr(effect, "cosine", 0.0))) for effect in waves]
+    sizes = [float(np.hypot(getattr(effect, kind.sine), getattr(effect, kind.cosine))) for effect, kind in kinds]
     pitch = common_pitch(periods)
     if pitch is None:
         return None

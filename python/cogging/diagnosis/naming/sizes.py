@@ -10,6 +10,7 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.diagnosis.entries import NamedEffect
 from cogging.diagnosis.large.balance import Balances
+from cogging.effects.effect import Wave, kind_of
 from cogging.model.model import Model
 
 
@@ -23,16 +24,18 @@ def largest_first(effects: Sequence[NamedEffect], balances: Balances, final: Mod
         stated: model as it was read.
     """
     whole = balances.under(final)
-    ordered = [_largest_term_first(effect) for effect in effects]
+    ordered = [_largest_term_first(effect, final) for effect in effects]
     return sorted(ordered, key=lambda effect: -_size(effect, whole, stated))
 
 
-def _largest_term_first(effect: NamedEffect) -> NamedEffect:
+def _largest_term_first(effect: NamedEffect, final: Model) -> NamedEffect:
     """The effect with its terms, where it has several waves, in the order of their amplitudes."""
-    terms = [effect.parameters, *effect.further]
-    if not effect.further or not all({"sine", "cosine"} <= set(term) for term in terms):
+    wave = next((kind for one in final.effects if effect.name == one.NAME and (kind := kind_of(one, Wave))), None)
+    if not effect.further or wave is None:
         return effect
-    terms.sort(key=lambda term: -float(np.linalg.norm([np.ravel(term[part].value) for part in ("sine", "cosine")])))
+    parts = (wave.sine, wave.cosine)
+    terms = [effect.parameters, *effect.further]
+    terms.sort(key=lambda term: -float(np.linalg.norm([np.ravel(term[part].value) for part in parts])))
     return replace(effect, parameters=terms[0], further=tuple(terms[1:]))
 
 

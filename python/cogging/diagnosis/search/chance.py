@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
-from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.thresholds import CHANCE, CHOICE, CONFIRMATION, SEARCH
@@ -13,7 +13,8 @@ from cogging.diagnosis.thresholds import CHANCE, CHOICE, CONFIRMATION, SEARCH
 
 def _equally_likely(count: int) -> FloatArray:
     """Equally likely values of a normal variable."""
-    return np.asarray(ndtri((np.arange(count) + 0.5) / count))
+    normal = NormalDist()
+    return np.array([normal.inv_cdf((i + 0.5) / count) for i in range(count)])
 
 
 def _of_deviation_one(values: FloatArray) -> FloatArray:
@@ -69,6 +70,8 @@ def chances(one: Visibility, worth: Powers) -> FloatArray:
     motion shows the ratio (lambda + sqrt(lambda) z) / T, with the deviation that its noise gives it. The level of that
     noise too is told from few lines: the promise is taken for larger or smaller than it is.
     """
+    from scipy.special import chdtrc, chdtri, ndtr
+
     root, z = np.sqrt(LAMBDAS)[:, None, None, None, None], NORMAL[:, None, None, None]
     w = (chdtri(one.freedom - 1, np.array(CHANCE.other_chances)) if one.freedom > 1 else np.zeros(1))[:, None, None]
     statistic = (root + z) ** 2 + w
@@ -100,5 +103,7 @@ def _levels(spread: float) -> FloatArray:
 
 def _needed_there(level: FloatArray) -> FloatArray:
     """T, of one degree of freedom and one sign, that the other motion must show beside a log p-value on these."""
+    from scipy.special import ndtri
+
     wanted = np.minimum(CHOICE.joint - level, np.log(0.5))
     return np.asarray(ndtri(np.exp(wanted)) ** 2)

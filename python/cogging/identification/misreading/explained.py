@@ -26,6 +26,7 @@ def stated_bounds(model: Model) -> Bounds:
     return bounds
 
 
+@np.errstate(all="ignore")  # wild numbers are refused by those who compute with them
 def explained_share(logs: Sequence[Log], model: Model) -> float | None:
     """Share of the command's power in motion that a model explains with mass and friction as uncertain as stated.
 

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from cogging.identification.misreading.by_balance import misread_by_balance, the_likelier
 from cogging.identification.misreading.by_columns import misread_columns
 from cogging.identification.misreading.by_controller import misread_by_controller
@@ -56,6 +58,7 @@ class Misreading:
         return {**vars(self), "alternatives": list(self.alternatives), "logs": list(self.logs)}
 
 
+@np.errstate(all="ignore")  # wild numbers are refused by those who compute with them
 def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = None) -> Misreading | None:
     """What simple misreadings would do to logs that a model does not explain; a clear winner only.
 
