@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -19,8 +20,13 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of
 
-QUANTILE = student(EXPERIMENT.interval_rows)  # of a 95 % interval, in standard deviations
 SLOW_SHAPES = len(WHITENING.friction_decays) + len(WHITENING.friction_tails)  # slow friction, which a fit has not
+
+
+@cache
+def quantile() -> float:
+    """Half of a 95 % interval in standard deviations."""
+    return student(EXPERIMENT.interval_rows)
 
 
 @dataclass(frozen=True)
@@ -85,10 +91,10 @@ class Narrowing:
             return []
         size = np.sqrt(np.diag(self.prior))
         inverse = np.linalg.inv((gram + self.prior) / np.outer(size, size))
-        halves = QUANTILE * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
+        halves = quantile() * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
         known = parameters_of(self.model, together=True)
         entries = []
-        for path, half, before in zip(self.paths, halves, QUANTILE / size, strict=True):
+        for path, half, before in zip(self.paths, halves, quantile() / size, strict=True):
             stated = path in self.model.intervals and np.isfinite(self.model.intervals[path]).all()
             told = stated or half < EXPERIMENT.determined * before
             entries.append(
@@ -107,6 +113,6 @@ class Narrowing:
         """Information on a parameter before the motion: of its 95 % interval, else next to none."""
         low, high = self.model.intervals.get(path, (-np.inf, np.inf))
         if np.isfinite([low, high]).all() and high > low:
-            return float((0.5 * (high - low) / QUANTILE) ** -2)
+            return float((0.5 * (high - low) / quantile()) ** -2)
         parameter = parameters_of(self.model, together=True)[path]
         return float((EXPERIMENT.vague * (abs(parameter.value) or scales.of(parameter.unit))) ** -2)
