@@ -505,6 +505,7 @@ class LargeThresholds:
     """Which large effects are added, and when the search for small ones takes over."""
 
     large: float = 0.2  # of the rms command: what a model leaves unexplained is large from here [assumed]
+    least: float = 0.04  # of the rms command: less is small even where levels went far to explain it [assumed]
     large_still: float = 0.02  # of the rms command: down to there further terms are sought after one [assumed]
     above_noise: float = 2.0  # times what the encoder makes of the balance: the same [assumed]
     power_taken: float = 0.15  # of the power that is left: a large effect takes away at least [assumed]

@@ -147,7 +147,7 @@ def search_large(
     start = refitted(balances, allowed, given)
     elsewhere = None if confirm is None else with_levels_of_its_own(confirm.under(start.model), allowed)
     empty = Large(given, allowed, start, elsewhere, start, elsewhere, allowed)
-    if not (any_size or is_large(empty)):
+    if not (is_large(empty) or (any_size and start.rms > LARGE.least * start.command)):
         return None
     progress("large effects, 1")
     best, rivals = best_start(empty, vocabulary, progress)
