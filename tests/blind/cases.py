@@ -21,11 +21,12 @@ LAMBDAS = (10.0, 30.0, 100.0, 300.0, 1000.0)
 TOLERANCE = 0.1  # of lambda
 ATTEMPTS = 25
 SECTION = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
+SMOOTH_LAWS = ("tanh", "algebraic", "arctangent", "mixture", "ramp")
 #: Effects that need rigid friction or one mass: which friction laws their machines may have.
 LAWS_OF = {
     "presliding_friction": ("bristle",),
-    "backlash": ("tanh", "algebraic", "arctangent"),
-    "flexible_mode": ("tanh", "algebraic", "arctangent"),
+    "backlash": SMOOTH_LAWS,
+    "flexible_mode": SMOOTH_LAWS,
 }
 
 

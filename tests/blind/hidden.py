@@ -40,16 +40,9 @@ class Hidden:
     tolerated: tuple[str, ...] = ()
 
 
-def wave(x: np.ndarray, period: float, phase: float, shape: str = "usual") -> np.ndarray:
-    """A unit wave over x: a sine, or flattened, triangular, or with two harmonics."""
-    angle = 2 * np.pi * x / period + phase
-    if shape == "flattened":
-        return np.tanh(2.5 * np.sin(angle)) / np.tanh(2.5)
-    if shape == "triangular":
-        return 2 / np.pi * np.arcsin(np.sin(angle))
-    if shape == "harmonics":
-        return np.sin(angle) + 0.5 * np.sin(2 * angle + 1.0) + 0.25 * np.sin(3 * angle + 2.0)
-    return np.sin(angle)
+def wave(x: np.ndarray, period: float, phase: float, form: Callable[[np.ndarray], np.ndarray] = np.sin) -> np.ndarray:
+    """A wave over x: a form of its angle, a sine or one of shapes.any_wave."""
+    return form(2 * np.pi * x / period + phase)
 
 
 def quadratures(period_field: str, period: float, unit: str, phase: float, size: float, key: str = "m") -> Parameters:

@@ -11,7 +11,8 @@ from scipy.interpolate import BSpline
 
 from . import truth
 from .motions import Motion, draw_motion
-from .noises import COLOURS, draw_noise
+from .noises import DRAWN_COLOURS, draw_noise
+from .shapes import any_profile
 from .truth import Plan
 
 #: Families of nulls: each forces one trait, all else is drawn.
@@ -139,8 +140,13 @@ def draw_machine(
     elif family == "wide_friction":
         width = log_uniform(rng, 3e-3, 8e-3)
     if law is None:
-        laws = {"sticking": ["stick"], "bristles": ["bristle"], "other_friction": ["tanh", "algebraic"]}
-        law = str(rng.choice(laws.get(family, ["tanh", "algebraic", "arctangent", "arctangent", "bristle", "stick"])))
+        laws = {
+            "sticking": ["stick"],
+            "bristles": ["bristle"],
+            "other_friction": ["tanh", "algebraic", "mixture", "ramp"],
+        }
+        usual = ["tanh", "algebraic", "arctangent", "arctangent", "mixture", "ramp", "bristle", "stick"]
+        law = str(rng.choice(laws.get(family, usual)))
     substeps = max(10, int(np.ceil(1 / rate / 5e-5)))
     if family == "fine_steps":
         substeps *= 4
@@ -172,6 +178,7 @@ def draw_machine(
     scalars: dict[str, float] = {
         **true_of,
         "width": width,
+        "share": rng.uniform(0.3, 0.9),
         "resolution": resolution,
         "bristle": min(resolution * log_uniform(rng, 0.05, 0.5), 1e-7),  # m; stiffer than any encoder sees
         "bristle_damping": 0.0,
@@ -205,10 +212,10 @@ def draw_machine(
     share = np.array([1.0 / (1 + i) ** rng.uniform(0.3, 1.5) for i in range(len(harmonics))])
     drifting = rng.random() < 0.5
     depth = rng.uniform(0.1, 0.3) if drifting else 0.0
-    waves, shift = rng.uniform(0.3, 1.2), rng.uniform(0, 2 * np.pi)
+    profile = any_profile(rng)
 
     def drift(x: np.ndarray) -> np.ndarray:
-        return 1 + depth * np.sin(2 * np.pi * waves * (x - travel[0]) / length + shift)
+        return 1 + depth * profile((x - travel[0]) / length)
 
     colours = {"coloured_noise": ["second_order"], "pink_noise": ["pink"], "heavy_tails": ["heavy_tails"]}
     machine = Machine(
@@ -227,7 +234,7 @@ def draw_machine(
         sine=size * share * np.cos(angle),
         cosine=size * share * np.sin(angle),
         drift=drift,
-        colour=str(rng.choice(colours.get(family, list(COLOURS)))),
+        colour=str(rng.choice(colours.get(family, list(DRAWN_COLOURS)))),
         noise_rms=peak * log_uniform(rng, 5e-4, 5e-3),
         noise_corner=log_uniform(rng, 15.0, min(200.0, rate / 8)),
         encoder_noise=resolution * float(rng.choice([0.0, rng.uniform(0.1, 1.0)])),

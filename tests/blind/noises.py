@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 
 #: Families of force noise.
 COLOURS = ("first_order", "second_order", "pink", "heavy_tails", "broad")
+DRAWN_COLOURS = (*COLOURS, "mixture")  # and one that is never the same twice
 
 
 def draw_noise(
@@ -29,6 +30,14 @@ def draw_noise(
             _first_order(rng.standard_normal(count + lead), f, sample_time)
             for f in (0.5 * corner / 10, 0.5 * corner / 2, 2 * corner)
         )
+    elif colour == "mixture":  # of some resonances and slopes, wide and narrow
+        shaped = np.zeros(count + lead)
+        for _ in range(int(rng.integers(2, 5))):
+            frequency = corner * np.exp(rng.uniform(-1.5, 1.0))
+            damping, size = rng.uniform(0.15, 0.9), rng.uniform(0.3, 1.0)
+            pole = np.exp((-damping + 1j * np.sqrt(1 - damping**2)) * 2 * np.pi * frequency * sample_time)
+            part = lfilter([1.0], np.poly([pole, pole.conjugate()]).real, rng.standard_normal(count + lead))
+            shaped += size * part / part.std()
     elif colour == "broad":
         shaped = 0.5 * white + _first_order(rng.standard_normal(count + lead), corner, sample_time)
     else:

@@ -12,7 +12,6 @@ from .hidden import Hidden, add_map, add_row, set_scalars, shares, times
 from .machines import Machine, log_uniform
 from .motions import Motion
 from .truth import Plan
-from .vocabulary import largest_command
 
 
 def _sign(rng: np.random.Generator) -> float:
@@ -50,15 +49,6 @@ def held_packets(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
         plan.rows[:, truth.R_HELD] = draws < amplitude
 
     return Hidden("held_packets", "usual", 0.05, 5e-4, 0.7, apply)
-
-
-def soft_saturation(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    """force = limit tanh(command / limit); the amplitude is peak / limit."""
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan["saturation_soft"] = machine.peak / amplitude
-
-    return Hidden("soft_saturation", "usual", 0.2, 5e-3, 1.0, apply, tolerated=("command_saturation",))
 
 
 def warming_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
@@ -165,16 +155,6 @@ def random_walk_force(rng: np.random.Generator, machine: Machine, motion: Motion
     return Hidden("random_walk_force", "usual", 3e-3 * peak, 1e-5 * peak, 0.3 * peak, add_row("force", walk))
 
 
-def asymmetric_saturation(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    """Only one direction of the command is cut."""
-    name, full = str(rng.choice(["saturation_up", "saturation_down"])), largest_command(machine, motion)
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan[name] = full * (1.1 - amplitude)
-
-    return Hidden("asymmetric_saturation", "usual", 0.2, 0.01, 0.8, apply, tolerated=("command_saturation",))
-
-
 def speed_dependent_gain(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """The force constant falls with speed."""
     sign = float(rng.choice([-1, -1, 1]))
@@ -202,7 +182,6 @@ OUTSIDE: dict[str, Callable[[np.random.Generator, Machine, Motion], Hidden]] = {
         missing_counts,
         intermittent_rub,
         held_packets,
-        soft_saturation,
         warming_friction,
         eddy_cogging,
         position_dependent_viscous,
@@ -212,7 +191,6 @@ OUTSIDE: dict[str, Callable[[np.random.Generator, Machine, Motion], Hidden]] = {
         hysteretic_spring,
         clock_glitch,
         random_walk_force,
-        asymmetric_saturation,
         speed_dependent_gain,
         encoder_slip,
     )

@@ -19,10 +19,12 @@ _SCALARS = """
 mass viscous coulomb width law bristle bristle_damping resolution x_start v_start
 controller rate kp ki kd kv ff_mass ff_viscous ff_coulomb ff_width ff_measured limit
 coulomb_asymmetry viscous_asymmetry stribeck stribeck_velocity stribeck_exponent stribeck_shape drag drag_exponent
-delay lag second_lag saturation_up saturation_down saturation_soft dead_zone
+delay lag second_lag lag_damping saturation_up saturation_down saturation_soft saturation_knee
+dead_zone dead_zone_shape
 coupling load_ratio mode_frequency mode_damping hardening gap
 hysteresis hysteresis_length hysteresis_period gain_speed
-encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular lost_at lost_counts grid_step
+encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular
+encoder_harmonics encoder_turn lost_at lost_counts grid_step share
 """
 #: Scalars of a plan, by name; each is one place of the vector that the compiled loop reads.
 SCALARS = _SCALARS.split()
@@ -30,11 +32,12 @@ SCALARS = _SCALARS.split()
     MASS, VISCOUS, COULOMB, WIDTH, LAW, BRISTLE, BRISTLE_DAMPING, RESOLUTION, X_START, V_START,
     CONTROLLER, RATE, KP, KI, KD, KV, FF_MASS, FF_VISCOUS, FF_COULOMB, FF_WIDTH, FF_MEASURED, LIMIT,
     COULOMB_ASYMMETRY, VISCOUS_ASYMMETRY, STRIBECK, STRIBECK_VELOCITY, STRIBECK_EXPONENT, STRIBECK_SHAPE, DRAG,
-    DRAG_EXPONENT, DELAY, LAG, SECOND_LAG, SATURATION_UP, SATURATION_DOWN, SATURATION_SOFT, DEAD_ZONE,
+    DRAG_EXPONENT, DELAY, LAG, SECOND_LAG, LAG_DAMPING, SATURATION_UP, SATURATION_DOWN, SATURATION_SOFT,
+    SATURATION_KNEE, DEAD_ZONE, DEAD_ZONE_SHAPE,
     COUPLING, LOAD_RATIO, MODE_FREQUENCY, MODE_DAMPING, HARDENING, GAP,
     HYSTERESIS, HYSTERESIS_LENGTH, HYSTERESIS_PERIOD, GAIN_SPEED,
-    ENCODER_SCALE, ENCODER_ORIGIN, ENCODER_PERIOD, ENCODER_SINE, ENCODER_COSINE, ENCODER_TRIANGULAR, LOST_AT,
-    LOST_COUNTS, MAP_STEP,
+    ENCODER_SCALE, ENCODER_ORIGIN, ENCODER_PERIOD, ENCODER_SINE, ENCODER_COSINE, ENCODER_TRIANGULAR,
+    ENCODER_HARMONICS, ENCODER_TURN, LOST_AT, LOST_COUNTS, MAP_STEP, SHARE,
 ) = range(len(SCALARS))  # fmt: skip
 
 #: Rows of a plan over the samples: reference, force (noise included), additions to gain, viscous and Coulomb, what is
@@ -47,8 +50,11 @@ MAPS = ("force", "coulomb", "viscous", "gain", "reluctance")
 M_FORCE, M_COULOMB, M_VISCOUS, M_GAIN, M_RELUCTANCE = range(len(MAPS))
 
 #: Friction laws: what stands for the sign of the velocity.
-LAWS = ("tanh", "algebraic", "arctangent", "bristle", "stick")
-TANH, ALGEBRAIC, ARCTANGENT, BRISTLES, STICK = range(len(LAWS))
+LAWS = ("tanh", "algebraic", "arctangent", "bristle", "stick", "mixture", "ramp")
+TANH, ALGEBRAIC, ARCTANGENT, BRISTLES, STICK, MIXTURE, RAMP = range(len(LAWS))
+#: How friction above Coulomb falls with speed, and what becomes of small commands: forms of one cause.
+STRIBECK_SHAPES = ("usual", "rational", "hyperbolic", "two_speeds")
+DEAD_ZONES = ("usual", "one_sided", "rounded")
 PID, CASCADE = 0, 1
 RIGID, FLEXIBLE, BACKLASH = 0, 1, 2
 GRID_STEP = 4e-5  # m, of the maps where none is given; cubic interpolation between
@@ -91,6 +97,7 @@ class Plan:
         scalars[[SATURATION_UP, SATURATION_DOWN]] = np.inf
         scalars[[DRAG_EXPONENT, STRIBECK_VELOCITY, STRIBECK_EXPONENT]] = 2.0, 0.01, 2.0
         scalars[[WIDTH, ENCODER_PERIOD, HYSTERESIS_LENGTH, BRISTLE]] = 1e-3, 1.0, 1e-3, 1e-6
+        scalars[SATURATION_KNEE] = 2.0
         return cls(
             scalars=scalars,
             instants=instants.copy(),
@@ -172,9 +179,13 @@ class Run:
 
 
 @njit(cache=True, error_model="numpy")
-def _smooth_sign(law, v, width):
+def _smooth_sign(law, v, width, share):
     if law == TANH:
         return np.tanh(v / width)
+    if law == MIXTURE:  # of a narrow and a wide one
+        return share * np.tanh(v / width) + (1.0 - share) * v / (abs(v) + 4.0 * width)
+    if law == RAMP:  # with a corner
+        return min(max(v / width, -1.0), 1.0)
     if law == ALGEBRAIC:
         return v / np.sqrt(v * v + width * width)
     return 2.0 / np.pi * np.arctan(v / width)
@@ -229,18 +240,26 @@ def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
         ratio = abs(v) / p[STRIBECK_VELOCITY]
         if p[STRIBECK_SHAPE] == 0.0:
             level += p[STRIBECK] * np.exp(-(ratio ** p[STRIBECK_EXPONENT]))
-        else:
+        elif p[STRIBECK_SHAPE] == 1.0:
             level += p[STRIBECK] / (1.0 + ratio * ratio)
+        elif p[STRIBECK_SHAPE] == 2.0:
+            level += p[STRIBECK] / np.cosh(ratio)
+        else:
+            level += p[STRIBECK] * (0.6 * np.exp(-ratio) + 0.4 * np.exp(-ratio / 4.0))
     return total, level
 
 
 @njit(cache=True, error_model="numpy")
 def _actuator(p, u):
-    if p[SATURATION_SOFT] > 0.0:
-        u = p[SATURATION_SOFT] * np.tanh(u / p[SATURATION_SOFT])
+    if p[SATURATION_SOFT] > 0.0:  # the larger the exponent, the sharper the knee
+        n = p[SATURATION_KNEE]
+        u = u / (1.0 + abs(u / p[SATURATION_SOFT]) ** n) ** (1.0 / n)
     u = min(max(u, -p[SATURATION_DOWN]), p[SATURATION_UP])
     if p[DEAD_ZONE] > 0.0:
-        u = np.sign(u) * max(abs(u) - p[DEAD_ZONE], 0.0)
+        if p[DEAD_ZONE_SHAPE] == 2.0:
+            u = u - p[DEAD_ZONE] * np.tanh(u / p[DEAD_ZONE])
+        elif p[DEAD_ZONE_SHAPE] == 0.0 or u > 0.0:
+            u = np.sign(u) * max(abs(u) - p[DEAD_ZONE], 0.0)
     return u
 
 
@@ -249,6 +268,16 @@ def _relaxed(state, v, length, h):
     """Bristle or hysteresis state after h at constant velocity: z' = v - |v| z / length, solved exactly."""
     goal = length * np.sign(v)
     return goal + (state - goal) * np.exp(-abs(v) * h / length)
+
+
+@njit(cache=True, error_model="numpy")
+def _swung(d, slope, time, damping, h):
+    """Deviation and its derivative after h: time^2 d'' + 2 damping time d' + d = 0, for a damping below 1."""
+    rate = damping / time
+    turn = np.sqrt(1.0 - damping * damping) / time
+    fall, sine, cosine = np.exp(-rate * h), np.sin(turn * h), np.cos(turn * h)
+    after = fall * (d * cosine + (slope + rate * d) / turn * sine)
+    return after, fall * (slope * cosine - ((rate * rate + turn * turn) * d + rate * slope) / turn * sine)
 
 
 @njit(cache=True, error_model="numpy")
@@ -263,7 +292,7 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
     xl, vl = x, v
     engaged = 0
     bristle, hysteresis = 0.0, 0.0
-    lag_1, lag_2 = 0.0, 0.0
+    lag_1, lag_2, lag_slope = 0.0, 0.0, 0.0
     lost = 0.0
     error_sum, error_before, reading_before = 0.0, 0.0, 0.0
     stiffness = 0.0
@@ -290,6 +319,11 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 y += amplitude * 2.0 / np.pi * np.arcsin(np.sin(phase + shift))
             else:
                 y += p[ENCODER_SINE] * np.sin(phase) + p[ENCODER_COSINE] * np.cos(phase)
+            if p[ENCODER_HARMONICS] > 0.0:
+                amplitude = np.hypot(p[ENCODER_SINE], p[ENCODER_COSINE])
+                for order in range(2, 5):
+                    turned = order * phase + (order - 1) * p[ENCODER_TURN]
+                    y += amplitude * p[ENCODER_HARMONICS] ** (order - 1) * np.sin(turned)
         if p[RESOLUTION] > 0.0:
             y = p[RESOLUTION] * np.rint(y / p[RESOLUTION])
         readings[k], positions[k], velocities[k] = y, x, v
@@ -342,7 +376,11 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 if k == 0 and j == 0:
                     lag_1 = u_now
                     u_0 = u_now
-                lag_1 += (u_now - lag_1) * (1.0 - np.exp(-h / p[LAG]))
+                if p[LAG_DAMPING] > 0.0:  # two poles that are no real ones, solved exactly for a command that is held
+                    lag_1, lag_slope = _swung(lag_1 - u_now, lag_slope, p[LAG], p[LAG_DAMPING], h)
+                    lag_1 += u_now
+                else:
+                    lag_1 += (u_now - lag_1) * (1.0 - np.exp(-h / p[LAG]))
                 u_1 = lag_1
                 if p[SECOND_LAG] > 0.0:
                     if k == 0 and j == 0:
@@ -371,7 +409,7 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
                 friction += p[BRISTLE_DAMPING] * (v - abs(v) * share)
             else:
-                share = _smooth_sign(law, v, p[WIDTH])
+                share = _smooth_sign(law, v, p[WIDTH], p[SHARE])
                 friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
             inertia = m_motor
             if p[COUPLING] == BACKLASH and engaged != 0:
@@ -407,7 +445,7 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
                 friction += p[BRISTLE_DAMPING] * (vp - abs(vp) * share)
             else:
-                share = _smooth_sign(law, vp, p[WIDTH])
+                share = _smooth_sign(law, vp, p[WIDTH], p[SHARE])
                 friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
             a_1 = (total - friction) / inertia
             v_new = v + 0.5 * h * (a_0 + a_1)

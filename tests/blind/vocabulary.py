@@ -10,10 +10,12 @@ from . import truth
 from .hidden import Hidden, Parameters, add_map, add_row, quadratures, set_scalars, shares, times, wave
 from .machines import Machine, log_uniform
 from .motions import Motion
+from .shapes import any_decay, any_profile, any_pulse, any_rise, any_spring, any_wave
 from .truth import Plan
 
 Draw = Callable[[np.random.Generator, Machine, Motion], Hidden]
-ODD = 0.35  # share of cases with another shape than the usual
+ODD = 0.6  # share of cases with another shape than the usual
+DRAWN = "drawn"  # a shape of shapes.py, no two the same
 
 
 def _shape(rng: np.random.Generator, *others: str) -> str:
@@ -47,16 +49,19 @@ def constant_force(rng: np.random.Generator, machine: Machine, motion: Motion) -
 
 def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, sign, peak, length = (
-        _shape(rng, "hardening"),
+        _shape(rng, DRAWN),
         float(rng.choice([-1, 1, 1, 1])),
         machine.peak,
         _length(machine),
     )
     center = machine.travel[0] + length * rng.uniform(0.1, 0.9)
+    spring = any_spring(rng)
 
     def pull(plan: Plan) -> np.ndarray:
-        d = (plan.positions - center) / length
-        return -sign * (d + 2 * d**3 if shape == "hardening" else d)
+        if shape == DRAWN:
+            s = np.clip(shares(plan, machine), 0.0, 1.0)
+            return -sign * (spring(s) - spring(np.array([(center - machine.travel[0]) / length])))
+        return -sign * (plan.positions - center) / length
 
     def parameters(a: float) -> Parameters:
         return {} if shape != "usual" else {"stiffness": (sign * a / length, "V/m", 1.0), "center": (center, "m", None)}
@@ -65,14 +70,16 @@ def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
 
 
 def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, peak = _shape(rng, "bell"), _sign(rng), machine.peak
-    decay = _length(machine) * rng.uniform(0.03, 0.12)
+    shape, sign, peak = _shape(rng, DRAWN), _sign(rng), machine.peak
+    decay, fall = _length(machine) * rng.uniform(0.03, 0.12), any_decay(rng)
+    # the two ends of a machine are not alike, and often one alone has a magnet's edge or a stop near
+    left_side, right_side = [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (1.0, rng.uniform(0.3, 0.9))][int(rng.integers(4))]
 
     def push(plan: Plan) -> np.ndarray:
         left = (plan.positions - machine.travel[0]) / decay
         right = (machine.travel[1] - plan.positions) / decay
-        if shape == "bell":
-            return sign * (np.exp(-((right / 1.5) ** 2)) - np.exp(-((left / 1.5) ** 2)))
+        if shape == DRAWN:
+            return sign * (right_side * fall(right) - left_side * fall(left))
         return sign * (np.exp(-right) - np.exp(-left))
 
     def parameters(a: float) -> Parameters:
@@ -89,29 +96,29 @@ def _free_period(rng: np.random.Generator, machine: Machine) -> float:
 
 
 def cogging_harmonic(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, phase, peak = _shape(rng, "harmonics", "flattened"), rng.uniform(0, 2 * np.pi), machine.peak
-    period = _free_period(rng, machine)
+    shape, phase, peak = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), machine.peak
+    period, form = _free_period(rng, machine), any_wave(rng)
     return Hidden(
         "cogging_harmonic",
         shape,
         2e-3 * peak,
         1e-5 * peak,
         0.3 * peak,
-        add_map("force", lambda plan: -wave(plan.positions, period, phase, shape)),
+        add_map("force", lambda plan: -wave(plan.positions, period, phase, form if shape == DRAWN else np.sin)),
         lambda a: quadratures("period", period, "V", phase, a) if shape == "usual" else {},
     )
 
 
 def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape = _shape(rng, "bump", "unknown_period")
+    shape = _shape(rng, DRAWN, DRAWN, "unknown_period")
     index, phase, peak = int(rng.integers(len(machine.periods))), rng.uniform(0, 2 * np.pi), machine.peak
     period = _free_period(rng, machine) if shape == "unknown_period" else machine.periods[index]
-    waves, shift, place = rng.uniform(0.4, 1.3), rng.uniform(0, 2 * np.pi), rng.uniform(0.2, 0.8)
+    waves, shift, profile = rng.uniform(0.4, 1.3), rng.uniform(0, 2 * np.pi), any_profile(rng)
 
     def force(plan: Plan) -> np.ndarray:
         s = shares(plan, machine)
-        if shape == "bump":
-            envelope = np.exp(-(((s - place) / 0.15) ** 2))
+        if shape == DRAWN:
+            envelope = profile(s)
         elif shape == "unknown_period":
             envelope = 1 + 0.8 * np.sin(2 * np.pi * waves * s + shift)
         else:
@@ -164,13 +171,13 @@ def viscous_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion
 
 
 def stribeck_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, level = _shape(rng, "rational"), machine.scalars["coulomb"]
+    shape, level = _shape(rng, "rational", "hyperbolic", "two_speeds"), machine.scalars["coulomb"]
     speed, exponent = log_uniform(rng, 3e-3, 0.05), float(rng.choice([1.0, 2.0, rng.uniform(0.7, 2.5)]))
     apply = set_scalars(
         "stribeck",
         stribeck_velocity=speed,
         stribeck_exponent=exponent,
-        stribeck_shape=1.0 if shape == "rational" else 0.0,
+        stribeck_shape=float(truth.STRIBECK_SHAPES.index(shape)),
     )
 
     def parameters(a: float) -> Parameters:
@@ -199,18 +206,16 @@ def presliding_friction(rng: np.random.Generator, machine: Machine, motion: Moti
 
 
 def position_dependent_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, level = _shape(rng, "bump", "wave"), _sign(rng), machine.scalars["coulomb"]
+    shape, sign, level = _shape(rng, DRAWN), _sign(rng), machine.scalars["coulomb"]
     nodes = np.array([0.0, *np.sort(rng.uniform(0.15, 0.85, int(rng.integers(1, 4)))), 1.0])
     heights = rng.uniform(-1.0, 1.0, len(nodes))
     heights = (heights - heights.mean()) / np.abs(heights - heights.mean()).max()
-    place, waves = rng.uniform(0.2, 0.8), rng.uniform(0.8, 2.0)
+    profile = any_profile(rng)
 
     def extra(plan: Plan) -> np.ndarray:
         s = shares(plan, machine)
-        if shape == "bump":
-            return sign * np.exp(-(((s - place) / 0.12) ** 2))
-        if shape == "wave":
-            return sign * np.sin(2 * np.pi * waves * s + 7 * place)
+        if shape == DRAWN:
+            return sign * profile(s)
         return sign * np.interp(s, nodes, heights)
 
     return Hidden(
@@ -239,7 +244,7 @@ def quadratic_drag(rng: np.random.Generator, machine: Machine, motion: Motion) -
 
 
 def force_constant_ripple(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, phase = _shape(rng, "harmonics"), rng.uniform(0, 2 * np.pi)
+    shape, phase, form = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), any_wave(rng)
     period = machine.pitch * float(rng.choice([1.0, 0.5, rng.uniform(0.6, 1.7)]))
     return Hidden(
         "force_constant_ripple",
@@ -247,20 +252,19 @@ def force_constant_ripple(rng: np.random.Generator, machine: Machine, motion: Mo
         5e-3,
         1e-5,
         0.3,
-        add_map("gain", lambda plan: wave(plan.positions, period, phase, shape)),
+        add_map("gain", lambda plan: wave(plan.positions, period, phase, form if shape == DRAWN else np.sin)),
         lambda a: quadratures("period", period, "", phase, a) if shape == "usual" else {},
     )
 
 
 def force_constant_drift(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, tau = _shape(rng, "linear", "square_root"), _sign(rng), rng.uniform(2.0, 8.0)
+    shape, sign, tau = _shape(rng, DRAWN), _sign(rng), rng.uniform(2.0, 8.0)
+    rise = any_rise(rng)
 
     def change(plan: Plan) -> np.ndarray:
         t = times(plan)
-        if shape == "linear":
-            return sign * t / t[-1]
-        if shape == "square_root":
-            return sign * np.sqrt(t / t[-1])
+        if shape == DRAWN:
+            return sign * rise(t / t[-1])
         return sign * (1 - np.exp(-t / tau))
 
     return Hidden(
@@ -288,11 +292,13 @@ def command_delay(rng: np.random.Generator, machine: Machine, motion: Motion) ->
 
 
 def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, ratio = _shape(rng, "two_lags"), rng.uniform(0.3, 1.0)
+    shape, ratio = _shape(rng, "two_lags", "second_order"), rng.uniform(0.3, 1.0)
+    damping = rng.uniform(0.4, 0.95)
 
     def apply(plan: Plan, amplitude: float) -> None:
         plan["lag"] = amplitude
         plan["second_lag"] = ratio * amplitude if shape == "two_lags" else 0.0
+        plan["lag_damping"] = damping if shape == "second_order" else 0.0
 
     return Hidden(
         "actuator_lag",
@@ -319,43 +325,55 @@ def largest_command(machine: Machine, motion: Motion) -> float:
 
 
 def command_saturation(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    """The amplitude is the share of the largest command of the motion that is cut."""
-    full = largest_command(machine, motion)
+    """The amplitude is the share of the largest command of the motion that is cut; for a soft one, largest / limit."""
+    shape, full = _shape(rng, "one_sided", "soft", "knee"), largest_command(machine, motion)
+    side, knee = str(rng.choice(["saturation_up", "saturation_down"])), rng.uniform(3.0, 12.0)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["saturation_up"] = plan["saturation_down"] = full * (1.1 - amplitude)
+        limit = full * (1.1 - amplitude)
+        if shape == "soft":
+            plan["saturation_soft"], plan["saturation_knee"] = full / amplitude, 2.0
+        elif shape == "knee":
+            plan["saturation_soft"], plan["saturation_knee"] = limit, knee
+        elif shape == "one_sided":
+            plan[side] = limit
+        else:
+            plan["saturation_up"] = plan["saturation_down"] = limit
 
     return Hidden(
         "command_saturation",
-        "usual",
+        shape,
         0.2,
         0.01,
         0.7,
         apply,
-        lambda a: {"limit": (full * (1.1 - a), "V", None)},
+        lambda a: {"limit": (full * (1.1 - a), "V", None)} if shape == "usual" else {},
     )
 
 
 def command_dead_zone(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    level = machine.scalars["coulomb"]
+    shape, level = _shape(rng, "one_sided", "rounded"), machine.scalars["coulomb"]
     return Hidden(
         "command_dead_zone",
-        "usual",
+        shape,
         0.05 * level,
         1e-5 * level,
         0.15 * machine.peak,
-        set_scalars("dead_zone"),
-        lambda a: {"width": (a, "V", None)},
+        set_scalars("dead_zone", dead_zone_shape=float(truth.DEAD_ZONES.index(shape))),
+        lambda a: {"width": (a, "V", None)} if shape == "usual" else {},
     )
 
 
 def encoder_periodic_error(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, phase, period = _shape(rng, "triangular"), rng.uniform(0, 2 * np.pi), log_uniform(rng, 5e-4, 0.03)
+    shape, phase = _shape(rng, "triangular", "harmonics"), rng.uniform(0, 2 * np.pi)
+    period, second, turn = log_uniform(rng, 5e-4, 0.03), rng.uniform(0.2, 0.6), rng.uniform(0, 2 * np.pi)
 
     def apply(plan: Plan, amplitude: float) -> None:
         plan["encoder_period"] = period
         plan["encoder_sine"], plan["encoder_cosine"] = amplitude * np.cos(phase), amplitude * np.sin(phase)
         plan["encoder_triangular"] = 1.0 if shape == "triangular" else 0.0
+        plan["encoder_harmonics"] = second if shape == "harmonics" else 0.0
+        plan["encoder_turn"] = turn
         plan["x_start"] -= amplitude * np.sin(2 * np.pi * plan["x_start"] / period + phase) * (shape == "usual")
 
     return Hidden(
@@ -395,7 +413,7 @@ def backlash(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidd
 
 def flexible_mode(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, frequency = _shape(rng, "hardening"), log_uniform(rng, 15.0, min(150.0, machine.rate / 10))
-    damping = log_uniform(rng, 0.01, 0.08)
+    damping, hardness = log_uniform(rng, 0.01, 0.08), log_uniform(rng, 0.1, 1.0)
     deflection = machine.acceleration / (2 * np.pi * frequency) ** 2
 
     return Hidden(
@@ -409,7 +427,7 @@ def flexible_mode(rng: np.random.Generator, machine: Machine, motion: Motion) ->
             coupling=truth.FLEXIBLE,
             mode_frequency=frequency,
             mode_damping=damping,
-            hardening=0.5 / deflection**2 if shape == "hardening" else 0.0,
+            hardening=hardness / deflection**2 if shape == "hardening" else 0.0,
         ),
         lambda a: (
             {
@@ -424,14 +442,14 @@ def flexible_mode(rng: np.random.Generator, machine: Machine, motion: Motion) ->
 
 
 def disturbance_step(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, peak = _shape(rng, "ramped"), _sign(rng), machine.peak
+    shape, sign, peak = _shape(rng, DRAWN), _sign(rng), machine.peak
     begin = rng.uniform(0.1, 0.6) * machine.duration
     end = begin + rng.uniform(0.1, 0.35) * machine.duration
-    rise = 0.3 if shape == "ramped" else 1e-6
+    pulse = any_pulse(rng)
 
     def force(plan: Plan) -> np.ndarray:
         t = times(plan)
-        return sign * np.clip((t - begin) / rise, 0, 1) * np.clip((end - t) / rise, 0, 1)
+        return sign * (pulse((t - begin) / (end - begin)) if shape == DRAWN else (t >= begin) & (t <= end))
 
     def parameters(a: float) -> Parameters:
         return {"force": (sign * a, "V", 1.0), "start": (begin, "s", None), "stop": (end, "s", None)}
@@ -448,15 +466,15 @@ def disturbance_step(rng: np.random.Generator, machine: Machine, motion: Motion)
 
 
 def disturbance_tone(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, phase, peak = _shape(rng, "flattened"), rng.uniform(0, 2 * np.pi), machine.peak
-    frequency = log_uniform(rng, 2.0, min(120.0, machine.rate / 12))
+    shape, phase, peak = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), machine.peak
+    frequency, form = log_uniform(rng, 2.0, min(120.0, machine.rate / 12)), any_wave(rng)
     return Hidden(
         "disturbance_tone",
         shape,
         2e-3 * peak,
         1e-6 * peak,
         0.3 * peak,
-        add_row("force", lambda plan: wave(times(plan), 1 / frequency, phase, shape)),
+        add_row("force", lambda plan: wave(times(plan), 1 / frequency, phase, form if shape == DRAWN else np.sin)),
         lambda a: quadratures("frequency", frequency, "V", phase, a, "Hz") if shape == "usual" else {},
     )
 

@@ -16,6 +16,7 @@ from ..truth import Plan
 from .motions import Room
 
 ROWS_MAX = 40_000  # of a log
+LAWS = ("tanh", "algebraic", "arctangent", "bristle", "stick")
 #: What the model says of mass, viscous and Coulomb: nothing (a factor of 3 is meant), or a relative deviation.
 STATEMENTS = ("unstated", "unstated", "loose", "loose", "tight", "exact")
 DEVIATIONS = {"loose": (0.2, 0.5), "tight": (0.02, 0.08), "exact": (0.0, 0.0)}
@@ -92,7 +93,7 @@ class LargeMachine:
 
 
 def draw_machine(
-    rng: np.random.Generator, *, statement: str, friction: float = 1.0, laws: Sequence[str] = truth.LAWS
+    rng: np.random.Generator, *, statement: str, friction: float = 1.0, laws: Sequence[str] = LAWS
 ) -> LargeMachine:
     """Draw a machine of any size; friction: a factor on it, below 1 where little may stand against a motion."""
     rotary = bool(rng.random() < 0.5)
