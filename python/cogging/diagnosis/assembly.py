@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import Discrepancy, discrepancies, floor_of, follows, source_of
-from cogging.diagnosis.entries import Gap, NamedEffect, Step
+from cogging.diagnosis.entries import Gap, NamedEffect, ShapeTerm, Step
 from cogging.diagnosis.evidence.preparation import Prepared
 from cogging.diagnosis.evidence.running_controller import obeys
 from cogging.diagnosis.experiment.separating import separating
@@ -20,7 +20,9 @@ from cogging.diagnosis.location import Location
 from cogging.diagnosis.naming.large_names import map_note, named_large
 from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.masking import masking_notes
-from cogging.diagnosis.naming.names import changed, merged, named
+from cogging.diagnosis.naming.names import changed, merged, named, with_term_of
+from cogging.diagnosis.naming.near_rest import near_rest
+from cogging.diagnosis.naming.shape_terms import with_shape_terms
 from cogging.diagnosis.naming.sizes import largest_first
 from cogging.diagnosis.naming.verdict import unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
@@ -48,6 +50,8 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         model: given model, with the controller that was running.
         replay: whether the loop can be replayed.
     """
+    friction = near_rest(found)
+    found, terms = with_shape_terms(found)
     beyond = [change for change in changes(found, model) if abs(change[3]) > LEVEL_CHANGE.changed]
     retuned, final = file_form(found.tuned, model), with_intervals(file_form(last_model(found), model), found.estimate)
     nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
@@ -57,11 +61,12 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         return assemble(without_what_was_added(found, why), logs, model, replay)
     if measured.given[0] is measured.stated:
         nominal = model  # re-tuning does not pay
-    effects = _effects(found, model, beyond)
+    effects = _effects(found, model, beyond, terms)
     if found.large is not None:
         effects = largest_first(effects, found.large.balances, final, model)
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm))
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
+    final, effects = with_curves(final, effects, found, logs)
     return Diagnosis(
         verdict=verdict(effects, residual_shape, explained=found.large is not None and measured.mostly_explained),
         effects=tuple(effects),
@@ -80,6 +85,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         series=_series(logs.given, measured.given, location) | {"given": model},
         vocabulary=found.vocabulary,
         limits=limits(found, model, bool(logs.confirm)),
+        near_rest=friction,
     )
 
 
@@ -251,15 +257,40 @@ def _series(logs: Sequence[Log], measured: Sequence[Discrepancy], location: Loca
 # Effects --------------------------------------------------------------------------------------------------------------
 
 
-def _effects(found: Search, model: Model, beyond: Sequence[tuple[str, float, float, float]]) -> list[NamedEffect]:
+def _effects(
+    found: Search,
+    model: Model,
+    beyond: Sequence[tuple[str, float, float, float]],
+    terms: Mapping[int, ShapeTerm],
+) -> list[NamedEffect]:
     """What was added, by name, and what of mass and friction has changed."""
     left = [
         shape
         for shape in found.residual_shapes
         if shape.log_p_value < VERDICT.left_over and shape.coordinate != FRICTION_INTERVALS
     ]
-    effects = merged([_named(found, place, left) for place in range(len(found.added))])
+    effects = merged([with_term_of(_named(found, i, left), terms.get(i)) for i in range(len(found.added))])
     return effects + [changed(change, look_alikes(found, model, change[0]), left) for change in beyond]
+
+
+def with_curves(
+    final: Model, effects: Sequence[NamedEffect], found: Search, logs: Prepared
+) -> tuple[Model, list[NamedEffect]]:
+    """The final model with the curves of effects of another shape, and the effects; where one does not pay, without.
+
+    A curve is held as an empirical force: its cause has a name, its law has none.
+    """
+    told = []
+    for effect in effects:
+        term = effect.shape_term
+        if term is not None and term.curve is not None:
+            try:
+                larger = with_term(found, dict(term.curve), final, logs.given, logs.confirm)[0]
+                final = with_intervals(larger, found.estimate)
+            except NoTerm:
+                effect = replace(effect, shape_term=replace(term, curve=None))
+        told.append(effect)
+    return final, told
 
 
 def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:

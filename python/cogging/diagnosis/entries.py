@@ -23,6 +23,76 @@ class Value:
 
 
 @dataclass(frozen=True)
+class ShapeTerm:
+    """The law of a named effect where it is another than the plainest: what it has beside that.
+
+    Attributes:
+        coordinate: name of what it depends on.
+        unit: unit of the coordinate.
+        places: values of the coordinate at which it is told.
+        force: what the plainest law lacks there: V, or the effect's own unit (m of a reading, 1 of a gain).
+        deviation: 1-sigma of each.
+        statistic: T of it beside the plainest law.
+        share: share of the whitened residual's power below 60 Hz that it explains.
+        curve: the same as `coordinate`, `places` and `force` of a function of position or time alone, by which the
+            patched model has it where that pays; None where it is none, or did not pay.
+    """
+
+    coordinate: str
+    unit: str
+    places: list[float]
+    force: list[float]
+    deviation: list[float]
+    statistic: float
+    share: float
+    curve: Mapping[str, Any] | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers for JSON."""
+        return dict(vars(self))
+
+
+@dataclass(frozen=True)
+class NearRest:
+    """Friction near rest that is not the model's, of a law that the logs cannot tell.
+
+    Attributes:
+        statistic: T of the shapes of slow friction beside all that is re-tuned.
+        freedom: degrees of freedom.
+        log_p_value: ln of the probability that noise alone shows as much (`log_chance` in JSON).
+        confirm_log_p_value: the same on the confirm logs; None without.
+        candidates: names of the effects that look like this.
+        experiment: motion that would tell them apart.
+    """
+
+    statistic: float
+    freedom: int
+    log_p_value: float
+    confirm_log_p_value: float | None
+    candidates: tuple[str, ...]
+    experiment: str
+
+    def text(self) -> str:
+        """In words."""
+        return (
+            f"near rest the friction is not the model's (T = {self.statistic:.0f} of {self.freedom} shapes); "
+            "this motion cannot tell which law it follows"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers for JSON."""
+        return {
+            "statistic": self.statistic,
+            "freedom": self.freedom,
+            "log_chance": self.log_p_value,
+            "confirm_log_chance": self.confirm_log_p_value,
+            "candidates": list(self.candidates),
+            "text": self.text(),
+            "experiment": self.experiment,
+        }
+
+
+@dataclass(frozen=True)
 class NamedEffect:
     """An effect that the model lacks.
 
@@ -36,6 +106,7 @@ class NamedEffect:
         log_p_value: ln of the probability that noise alone shows as much (`log_chance` in JSON).
         further: parameters of further terms of the same name (harmonics).
         apart: standard deviations by which these logs tell it from an alternative, by the alternative's name.
+        shape_term: law that it has beside the plainest, where its shape is another; None else.
     """
 
     name: str
@@ -47,10 +118,12 @@ class NamedEffect:
     log_p_value: float
     further: tuple[Mapping[str, Value], ...] = ()
     apart: Mapping[str, float] = field(default_factory=dict)
+    shape_term: ShapeTerm | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The effect as an entry of the JSON result."""
-        return {
+        other = {} if self.shape_term is None else {"shape": "other", "shape_term": self.shape_term.to_dict()}
+        told = {
             "name": self.name,
             "alternatives": list(self.alternatives),
             "confidence": self.confidence,
@@ -61,6 +134,7 @@ class NamedEffect:
             "further": [{name: value.to_dict() for name, value in term.items()} for term in self.further],
             "apart": dict(self.apart),
         }
+        return told | other
 
 
 @dataclass(frozen=True)

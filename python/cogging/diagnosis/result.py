@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Outcome, Placebo, Step
+from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.report.page import html, overview
-from cogging.diagnosis.report.words import limit_lines, step_text, term_text
+from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
@@ -46,6 +46,7 @@ class Diagnosis(ByValue):
             nothing was measured.
         mismatch: column of a log that was read as something it is not, and what to do: of a data_mismatch, else None.
         planned: what became of a planned experiment, one entry an expectation of it; empty without a plan.
+        near_rest: friction near rest that is not the model's, of a law that these logs cannot tell; None else.
     """
 
     verdict: str
@@ -65,6 +66,7 @@ class Diagnosis(ByValue):
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mismatch: Mapping[str, Any] | None = None
     planned: tuple[Outcome, ...] = ()
+    near_rest: NearRest | None = None
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -83,6 +85,7 @@ class Diagnosis(ByValue):
             "separating_experiment": self.separating_experiment,
             "limits": {name: limit.to_dict() for name, limit in self.limits.items()},
             "unseen": {name: limit.why for name, limit in self.limits.items() if limit.value is None},
+            "near_rest": None if self.near_rest is None else self.near_rest.to_dict(),
             "where": list(self.where_text),
             "ledger": [vars(step) for step in self.ledger],
             "placebo": [vars(entry) for entry in self.placebo],
@@ -148,6 +151,8 @@ class Diagnosis(ByValue):
         for effect in self.effects:
             others = f" or {', '.join(effect.alternatives)}" if effect.alternatives else ""
             lines.append(f"  {effect.name}{others}: confidence {effect.confidence:.2f}")
+            if effect.shape_term is not None:
+                lines.append(f"    {other_shape_text(effect.shape_term)}")
             for name, p in effect.parameters.items():
                 lines.append(
                     f"    {name} = {_number(p.value)} {p.unit}, 95 % {_number(p.ci95[0])} to {_number(p.ci95[1])}"
@@ -156,6 +161,8 @@ class Diagnosis(ByValue):
             lines.append(f"  unlisted: {self.unlisted['shape']}")
             if "added" in self.unlisted:
                 lines.append(f"    {term_text(self.unlisted['added'], self.gap.unit)}")
+        if self.near_rest is not None:
+            lines += [f"  {self.near_rest.text()}", f"    what would: {self.near_rest.experiment}"]
         g = self.gap
         as_read = "" if g.given is None else f"{g.given:.4g} {g.unit} as given, "
         lines.append(f"gap ({g.signal}): {as_read}{g.before:.4g} re-tuned, {g.after:.4g} after, floor {g.floor:.4g}")

@@ -314,6 +314,40 @@ class ConfirmationThresholds:
     turn_penalty: float = 4.0  # of 2 ln likelihood: for a phase that is free [assumed]
 
 
+@dataclass(frozen=True)
+class FormThresholds:
+    """Other laws of the same cause."""
+
+    harmonics: tuple[int, ...] = (2, 3, 4, 5)  # 1: of a wave that is no sine [assumed]
+    places: int = 11  # 1: along the travel, of friction and of an amplitude [assumed]
+    end_places: tuple[float, ...] = (0.0, 0.03, 0.07, 0.13, 0.22)  # of the travel: from each end [assumed]
+    around: float = 0.3  # of its length: how far a push may reach beyond its interval [assumed]
+    pushes: int = 9  # 1: moments of a push, and of a gain [assumed]
+    slow: float = 0.6  # of the largest speed: friction that goes with speed is free below [assumed]
+    slow_speeds: int = 6  # 1: of friction, that are free [assumed]
+    powers: tuple[float, ...] = (1.5, 3.0)  # 1: of the speed, beside the square [assumed]
+    bends: tuple[float, ...] = (2.0, 3.0)  # 1: powers of the position of a spring [assumed]
+    large_commands: tuple[float, ...] = (0.4, 0.6, 0.75, 0.9, 1.0)  # of the largest: where they may be cut [assumed]
+    small_commands: tuple[float, ...] = (0.0, 0.7, 1.5, 3.0, 5.0)  # widths: where they may do less [assumed]
+    width_max: float = 0.1  # of the largest command: of a dead zone, for these [assumed]
+    lag_dampings: tuple[float, ...] = (0.5, 0.8, 1.2)  # 1: of a lag of second order [assumed]
+    cost: float = 2.0  # of 2 ln likelihood: for each column of a form, as for an amplitude [assumed]
+    contender: float = 25.0  # score: a finding whose free law comes so near to the best is a rival [assumed]
+    left: float = 0.5  # of the score of what was left: more than that left over, and the law was not it [assumed]
+    shaped_max: int = 2  # 1: effects of a result that have another shape [cost]
+
+
+@dataclass(frozen=True)
+class NearRestThresholds:
+    """Friction near rest that is not the model's."""
+
+    slow_shown: float = -20.0  # ln p: of shapes of slow friction, with confirm logs [assumed]
+    slow_again: float = -12.0  # ln p: the same on the confirm logs [assumed]
+    slow_alone: float = -40.0  # ln p: without confirm logs [assumed]
+    creep_widths: float = 4.0  # widths of friction: creep up to there would tell the laws apart [assumed]
+    creep: float = 0.3  # of the slowest speed that counts: where creep should begin [assumed]
+
+
 # Refit and accept -----------------------------------------------------------------------------------------------------
 
 
@@ -366,6 +400,7 @@ class NameThresholds:
     if_shapes_left: float = 0.75  # factor: something is left that has no name [assumed]
     if_map: float = 0.8  # factor: an error of the map explains as much [assumed]
     if_weak: float = 0.9  # factor: see `weak` [assumed]
+    if_other_shape: float = 0.95  # factor: its law is not the plainest [assumed]
     if_full_name: float = 0.5  # factor: a wave beside a name that has all the terms it may have [assumed]
 
 
@@ -664,6 +699,8 @@ LOCATION = LocationThresholds()
 SEARCH = SearchThresholds()
 CHOICE = ChoiceThresholds()
 CONFIRMATION = ConfirmationThresholds()
+FORM = FormThresholds()
+NEAR_REST = NearRestThresholds()
 REFIT = RefitThresholds()
 ACCEPTANCE = AcceptanceThresholds()
 NAME = NameThresholds()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -101,6 +102,23 @@ def weighed(
     )
 
 
+def with_columns(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> Evidence:
+    """The evidence with further columns among what a fit may move, and filters from what these leave.
+
+    Args:
+        evidence: residuals, columns and filters.
+        tables: what they add to the residuals, V per unit, one (p, n) a log.
+        amplitudes: of them in the residual, (p,).
+    """
+    parts = [
+        replace(part, columns=np.vstack([part.columns, table]))
+        for part, table in zip(evidence.parts, tables, strict=True)
+    ]
+    explained = [amplitudes @ table for table in tables]
+    made = weighed(evidence.model, evidence.sources, parts, explained, evidence.memory)
+    return replace(made, turns=evidence.turns)
+
+
 def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatArray:
     """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
     a = whitening_filter(source, noise)
@@ -114,9 +132,18 @@ def slow_friction(source: Innovations, model: Model) -> FloatArray:
     S(v) is a convention. Where another machine's friction rises sooner or later, the difference fades over some widths,
     as exp(-(v / w)^2) or slower, as v w / (v^2 + w^2) does.
     """
-    velocity = source.along.middle_velocity
-    width = max(model.axis.coulomb_width, source.rest)
+    shapes = slow_shapes(source.along.middle_velocity, slow_width(source, model))
+    return shapes * max(model.axis.coulomb, 1e-12)
+
+
+def slow_width(source: Innovations, model: Model) -> float:
+    """Speed (m/s) by which the shapes of slow friction are scaled."""
+    return max(model.axis.coulomb_width, source.rest)
+
+
+def slow_shapes(velocity: FloatArray, width: float) -> FloatArray:
+    """The shapes of slow friction at velocities (n,), without a size, (6, n)."""
     shapes = [np.sign(velocity) * np.exp(-((velocity / (factor * width)) ** 2)) for factor in WHITENING.friction_decays]
     tails = [factor * width for factor in WHITENING.friction_tails]
     shapes += [2.0 * velocity * w / (velocity**2 + w**2) for w in tails]
-    return np.array(shapes) * max(model.axis.coulomb, 1e-12)
+    return np.array(shapes)

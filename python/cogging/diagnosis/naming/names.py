@@ -12,7 +12,7 @@ from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.movable import conditional_paths, effect_parameters
 from cogging.diagnosis.candidates.signatures import known_periods
 from cogging.diagnosis.candidates.waves import is_wave
-from cogging.diagnosis.entries import NamedEffect, Value
+from cogging.diagnosis.entries import NamedEffect, ShapeTerm, Value
 from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.choice import alike
@@ -138,6 +138,13 @@ def _confidence(added: Added, odds: float, shapes_left: bool) -> float:
     return round(float(np.clip(NAME.surest * chance, NAME.least_sure, NAME.surest)), 3)
 
 
+def with_term_of(effect: NamedEffect, term: ShapeTerm | None) -> NamedEffect:
+    """The effect with the law that it has beside the plainest; as it is where that is none."""
+    if term is None:
+        return effect
+    return replace(effect, shape_term=term, confidence=round(NAME.if_other_shape * effect.confidence, 3))
+
+
 def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
     """One entry a name: several harmonics are one cause. The strongest speaks; the others stand in `further`."""
     result: list[NamedEffect] = []
@@ -145,7 +152,8 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
         for i, known in enumerate(result):
             if known.name == effect.name:
                 first, second = (known, effect) if known.statistic >= effect.statistic else (effect, known)
-                result[i] = replace(first, further=(*known.further, second.parameters))
+                term = first.shape_term or second.shape_term
+                result[i] = replace(first, further=(*known.further, second.parameters), shape_term=term)
                 break
         else:
             result.append(effect)

@@ -12,7 +12,7 @@ from cogging.diagnosis.thresholds import REPORT
 from cogging.effects.effect import Effect
 
 if TYPE_CHECKING:
-    from cogging.diagnosis.entries import Limit, Step
+    from cogging.diagnosis.entries import Limit, ShapeTerm, Step
 
 
 HEADLINES = {
@@ -62,6 +62,14 @@ def term_text(term: Mapping[str, Any], unit: str) -> str:
     if term["confirm_after"] is not None:
         text += f", on the confirm logs {term['confirm_before']:.4g} to {term['confirm_after']:.4g} {unit}"
     return text
+
+
+def other_shape_text(term: ShapeTerm) -> str:
+    """What is said of an effect whose law is not the plainest, and where most of the difference is."""
+    sizes = [abs(f) / d if d > 0.0 and np.isfinite(d) else 0.0 for f, d in zip(term.force, term.deviation, strict=True)]
+    most = int(np.argmax(sizes))
+    told = f"of another shape than its plainest law, T = {term.statistic:.0f} in {term.coordinate}: "
+    return f"{told}{term.force[most]:+.2g} more about {term.places[most]:.3g} {term.unit.removesuffix('1')}".rstrip()
 
 
 def step_text(step: Step, unit: str) -> str:

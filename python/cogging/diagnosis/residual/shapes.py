@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.forms import hats
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
@@ -21,11 +22,6 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 
 ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too
-
-
-def hats(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Linear interpolation between places as columns, (m, n)."""
-    return np.array([np.interp(values, places, one) for one in np.eye(len(places))])
 
 
 def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, FloatArray, FloatArray, FloatArray]]:

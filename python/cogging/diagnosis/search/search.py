@@ -28,6 +28,7 @@ from cogging.diagnosis.search.choice import (
     worths,
 )
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
+from cogging.diagnosis.search.form_rivals import law_instead, with_forms
 from cogging.diagnosis.search.large_start import started, tuned_beside_large
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
@@ -73,6 +74,10 @@ def search(
         choice = choose_next(state, scanned)
         if choice is None:
             return finish(state, scanned)
+        owner = law_instead(choice.finding, state.estimate.model.effects[len(model.effects) :], state.evidence)
+        if owner is not None:
+            state.refused.append((choice.finding, f"another law of {owner} explains as much"))
+            continue
         fitted = refit_with(state, choice.finding)
         tuned = None if fitted is None else tuned_if_it_pays(state, choice, fitted)
         if fitted is not None and tuned is not None:
@@ -265,7 +270,8 @@ def accept(
         choice.rivals[0].score, max(SEARCH.map_rival * SEARCH.rival, CHOICE.form * wrong_map.statistic)
     )
     missing = [*scanned.shapes, *modulated_look_alikes(state.evidence, choice.finding)]
-    state.added.append(Added(choice.finding, choice.rivals, missing, choice.check, tuned, or_map))
+    rivals = with_forms(choice.rivals, scanned.findings, state.evidence, state.confirm_evidence)
+    state.added.append(Added(choice.finding, rivals, missing, choice.check, tuned, or_map))
     state.estimate, state.tuned = fitted, tuned
     state.evidence = gather(fitted, state.evidence.sources, memory=state.evidence.memory)
     state.confirm_evidence = evidence_elsewhere(state)
