@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from cogging._core import DivergedError
-from cogging.diagnosis.discrepancy import Discrepancy, discrepancies, floor_of, follows, source_of
-from cogging.diagnosis.entries import Gap, NamedEffect, ShapeTerm, Step
+from cogging.diagnosis.discrepancy import source_of
+from cogging.diagnosis.entries import NamedEffect, ShapeTerm, Step
 from cogging.diagnosis.evidence.preparation import Prepared
-from cogging.diagnosis.evidence.running_controller import obeys
 from cogging.diagnosis.experiment.separating import separating
+from cogging.diagnosis.gaps import Measured, gap_of, growth, measure, series_of
 from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
-from cogging.diagnosis.location import Location
 from cogging.diagnosis.naming.large_names import map_note, named_large
 from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.masking import masking_notes
@@ -29,13 +26,13 @@ from cogging.diagnosis.patched import with_intervals
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
 from cogging.diagnosis.result import Diagnosis
+from cogging.diagnosis.search.confirmation import as_there
 from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
-from cogging.diagnosis.search.state import Added, Search
-from cogging.diagnosis.thresholds import ACCEPTANCE, GAP, LARGE, LEVEL_CHANGE, LOCATION, VERDICT
+from cogging.diagnosis.search.state import Added, Search, turns_of
+from cogging.diagnosis.thresholds import LEVEL_CHANGE, LOCATION, VERDICT
 from cogging.effects.effect import Effect
-from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
@@ -56,7 +53,8 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     retuned, final = file_form(found.tuned, model), with_intervals(file_form(last_model(found), model), found.estimate)
     nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(file_form(added.model, model) for added in found.added[:-1]), final]
-    measured = measure(logs, models, found.nominal.model, model, replay=replay, balance=found.large is not None)
+    there = as_there_each(models, found)
+    measured = measure(logs, models, there, found.nominal.model, model, replay=replay, balance=found.large is not None)
     if found.added and (why := growth(measured)):
         return assemble(without_what_was_added(found, why), logs, model, replay)
     if measured.given[0] is measured.stated:
@@ -71,7 +69,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         verdict=verdict(effects, residual_shape, explained=found.large is not None and measured.mostly_explained),
         effects=tuple(effects),
         unlisted=residual_shape,
-        gap=_gap(measured, logs.given, final),
+        gap=gap_of(measured, logs.given, final),
         separating_experiment=_separating(effects, found.vocabulary, logs.given),
         model=final,
         nominal=nominal,
@@ -80,9 +78,9 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
             shape_text(shape) for shape in location.shapes if shape.log_p_value < LOCATION.told_with_names
         ),
         ledger=tuple(_ledger(found, measured)),
-        notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes, *_large_notes(found, model)),
+        notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes, *_notes(found, model)),
         placebo=placebos(found),
-        series=_series(logs.given, measured.given, location) | {"given": model},
+        series=series_of(logs.given, measured.given, location) | {"given": model},
         vocabulary=found.vocabulary,
         limits=limits(found, model, bool(logs.confirm)),
         near_rest=friction,
@@ -126,75 +124,10 @@ def with_empirical_term(result: Diagnosis, found: Search, model: Model, logs: Pr
 # Gaps -----------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Measured:
-    """The gaps of several models: nominal, with one effect, with two, and so on.
-
-    Attributes:
-        given: discrepancies on the given logs, one a model.
-        confirm: the same on the confirm logs; None without.
-        notes: sentences on how they could not be measured.
-        stated: discrepancy of the model as it was read, on the given logs.
-    """
-
-    given: list[Discrepancy]
-    confirm: list[Discrepancy] | None
-    notes: tuple[str, ...]
-    stated: Discrepancy
-
-    @property
-    def mostly_explained(self) -> bool:
-        """Whether most of the gap's power is gone with all that was found."""
-        return self.given[-1].rms ** 2 < LARGE.unexplained * self.given[0].rms ** 2
-
-
-def measure(
-    logs: Prepared, models: Sequence[Model], fitted: Model, stated: Model, *, replay: bool, balance: bool
-) -> Measured:
-    """Measure the gaps of models, the last of which is the final one, by the replayed loop where it follows the logs.
-
-    Args:
-        logs: given and confirm logs.
-        models: models whose gaps are measured.
-        fitted: model whose controller the confirm logs must obey to be replayed.
-        stated: model as it was read.
-        replay: whether the loop can be replayed on the given logs.
-        balance: whether the gap is that of the force balance where no loop is replayed.
-    """
-    notes = []
-    given = discrepancies(logs.given, models, replay=replay, balance=balance, stated=stated)
-    if replay and not follows(given[-1], logs.given, models[-1]):
-        replay = False
-        given = discrepancies(logs.given, models, replay=False, balance=balance, stated=stated)
-        notes.append("the replayed loop does not follow the log closely enough to measure with: friction at reversals")
-    loops = replay and all(obeys(log, fitted) for log in logs.confirm)
-    confirm = None
-    if logs.confirm:
-        confirm = discrepancies(logs.confirm, models, replay=loops, balance=balance, stated=stated)
-    if confirm and loops is not replay:
-        notes.append("a confirm log does not obey the controller: its gap is that of an observer's innovations")
-    as_read = _as_read(logs.given, [*models, stated], given[0], replay=replay, balance=balance)
-    if as_read is not None and as_read.rms < given[0].rms:
-        given = [as_read, *given[1:]]  # re-tuning that makes the gap larger is none
-    return Measured(given, confirm, tuple(notes), given[0] if as_read is None else as_read)
-
-
-def growth(measured: Measured) -> str:
-    """By what a gap, or the replayed position, grew with what was added; empty where nothing did."""
-    pairs = [
-        ("gap", measured.given[0].rms, measured.given[-1].rms),
-        ("gap as read", measured.stated.rms, measured.given[-1].rms),
-    ]
-    if measured.confirm:
-        pairs.append(("gap on the other motion", measured.confirm[0].rms, measured.confirm[-1].rms))
-    limit = ACCEPTANCE.position_growth / ACCEPTANCE.gap_growth
-    for logs in (measured.given, measured.confirm or []):
-        if logs and logs[0].position is not None and logs[-1].position is not None:
-            pairs.append(("error of the replayed position", limit * logs[0].position, logs[-1].position))
-    for what, before, after in pairs:
-        if after > ACCEPTANCE.gap_growth * before:
-            return f"with all that was found the {what} grows from {before:.4g} to {after:.4g}"
-    return ""
+def as_there_each(models: Sequence[Model], found: Search) -> list[Model]:
+    """Nominal model, with one effect, with two and so on, as each holds on the other motion."""
+    turns = turns_of(found.added)
+    return [as_there(one, turns[:count]) for count, one in enumerate(models)]
 
 
 def without_what_was_added(found: Search, why: str) -> Search:
@@ -203,55 +136,6 @@ def without_what_was_added(found: Search, why: str) -> Search:
     return replace(
         found, added=[], refused=refused, estimate=found.nominal, evidence=found.nominal_evidence, confirm_evidence=None
     )
-
-
-def _as_read(
-    logs: Sequence[Log], models: Sequence[Model], first: Discrepancy, *, replay: bool, balance: bool
-) -> Discrepancy | None:
-    """The discrepancy of the last of models, measured as that of the first was; None where it cannot be."""
-    try:
-        read = discrepancies(logs, models, replay=replay, balance=balance, stated=models[-1])[-1]
-    except (DivergedError, ValueError):
-        return None
-    return read if read.signal == first.signal else None
-
-
-def _gap(measured: Measured, logs: Sequence[Log], final: Model) -> Gap:
-    before, after = measured.given[0], measured.given[-1]
-    return Gap(
-        "V",
-        min(floor_of(after, logs, final), after.rms),
-        before.rms,
-        after.rms,
-        measured.confirm[0].rms if measured.confirm else None,
-        measured.confirm[-1].rms if measured.confirm else None,
-        before.signal,
-        before.position,
-        after.position,
-        measured.stated.rms,
-    )
-
-
-def _series(logs: Sequence[Log], measured: Sequence[Discrepancy], location: Location) -> dict[str, Any]:
-    """Rows of the logs by name, for the figures."""
-    before, after = measured[0], measured[-1]
-    # A replayed gap is part of the logged command: against that, noise alone would look like a gain.
-    replayed = before.signal.startswith("command")
-    velocities = location.series["velocity"]
-    return {
-        "logs": list(logs),
-        "time": [log.time for log in logs],
-        "gap_before": before.series,
-        "gap_after": after.series,
-        "mask": before.masks,
-        "position": [log.position for log in logs],
-        "velocity": velocities,
-        "acceleration": [
-            np.gradient(moving_average(velocity, round(GAP.smoothing / float(np.median(np.diff(log.time))))), log.time)
-            for velocity, log in zip(velocities, logs, strict=True)
-        ],
-        "command": [log.command - (gap if replayed else 0.0) for log, gap in zip(logs, before.series, strict=True)],
-    }
 
 
 # Effects --------------------------------------------------------------------------------------------------------------
@@ -298,12 +182,26 @@ def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
     return named(found, place, left) if term is None else named_large(found, place, term)
 
 
-def _large_notes(found: Search, model: Model) -> list[str]:
-    """What is to be said of large effects."""
-    if found.large is None:
+def _notes(found: Search, model: Model) -> list[str]:
+    """What is to be said of waves that lie elsewhere on the other motion, and of large effects."""
+    note = None if found.large is None else map_note(found.estimate.model.effects[len(model.effects) :], model)
+    return [*_turned_note(found), *([] if note is None else [note])]
+
+
+def _turned_note(found: Search) -> list[str]:
+    """Which waves lie elsewhere on the other motion: the zeros of position or time of the logs differ."""
+    told = []
+    for added, turn in zip(found.added, turns_of(found.added), strict=True):
+        if turn != 0.0:
+            degrees = (np.degrees(turn) + 180.0) % 360.0 - 180.0
+            value = next(iter(added.finding.candidate.shape.values()))
+            told.append(f"{added.finding.name} at {value:.4g} by {degrees:.0f} degrees")
+    if not told:
         return []
-    note = map_note(found.estimate.model.effects[len(model.effects) :], model)
-    return [] if note is None else [note]
+    return [
+        f"the other motion shows waves turned, as where its zero of position or time is another: {', '.join(told)}; "
+        "its gap is told with them so turned"
+    ]
 
 
 def _separating(effects: Sequence[NamedEffect], vocabulary: Mapping[str, Effect], logs: Sequence[Log]) -> str | None:

@@ -149,14 +149,7 @@ class Diagnosis(ByValue):
         if self.mismatch is not None:
             lines.append(f"  {self.mismatch['text']}")
         for effect in self.effects:
-            others = f" or {', '.join(effect.alternatives)}" if effect.alternatives else ""
-            lines.append(f"  {effect.name}{others}: confidence {effect.confidence:.2f}")
-            if effect.shape_term is not None:
-                lines.append(f"    {other_shape_text(effect.shape_term)}")
-            for name, p in effect.parameters.items():
-                lines.append(
-                    f"    {name} = {_number(p.value)} {p.unit}, 95 % {_number(p.ci95[0])} to {_number(p.ci95[1])}"
-                )
+            lines += _effect_lines(effect)
         if self.unlisted is not None:
             lines.append(f"  unlisted: {self.unlisted['shape']}")
             if "added" in self.unlisted:
@@ -184,6 +177,16 @@ class Diagnosis(ByValue):
         lines += [f"planned: {outcome.text()}" for outcome in self.planned]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
+
+
+def _effect_lines(effect: NamedEffect) -> list[str]:
+    others = f" or {', '.join(effect.alternatives)}" if effect.alternatives else ""
+    lines = [f"  {effect.name}{others}: confidence {effect.confidence:.2f}"]
+    if effect.shape_term is not None:
+        lines.append(f"    {other_shape_text(effect.shape_term)}")
+    for name, p in effect.parameters.items():
+        lines.append(f"    {name} = {_number(p.value)} {p.unit}, 95 % {_number(p.ci95[0])} to {_number(p.ci95[1])}")
+    return lines
 
 
 def _level_text(path: str, level: Mapping[str, Any]) -> str:

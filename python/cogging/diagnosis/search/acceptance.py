@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cogging.diagnosis.discrepancy import discrepancies
+from cogging.diagnosis.search.confirmation import as_there
 from cogging.diagnosis.thresholds import ACCEPTANCE
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -18,15 +19,23 @@ def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
 
 
 def that_pays(
-    logs: Sequence[Log], confirm: Sequence[Log], before: Model, tuned: Model, kept: Model, replay: bool = False
+    logs: Sequence[Log],
+    confirm: Sequence[Log],
+    before: Model,
+    tuned: Model,
+    kept: Model,
+    turns: Sequence[float] = (),
+    replay: bool = False,
 ) -> tuple[Model | None, str]:
     """The model with which the gap on the confirm logs does not grow: its levels re-tuned, or as they were before.
 
     Levels that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself may
     then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the replayed
-    loop where it is asked for (`replay`) and can be had.
+    loop where it is asked for (`replay`) and can be had; waves that were added lie on the other motion where it shows
+    them, turned by `turns` (rad, one an added effect, the last of the one in question).
     """
-    other = discrepancies(confirm, [before, tuned, kept], replay=replay)
+    there = [as_there(before, turns[:-1]), as_there(tuned, turns), as_there(kept, turns)]
+    other = discrepancies(confirm, there, replay=replay)
     if other[1].rms <= ACCEPTANCE.gap_growth * other[0].rms:
         return tuned, ""
     if other[2].rms < other[0].rms:

@@ -12,7 +12,7 @@ from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import place
 from cogging.diagnosis.candidates.tables import tables
-from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
+from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave, plain_wave
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
@@ -22,7 +22,7 @@ from cogging.diagnosis.thresholds import CONFIRMATION
 from cogging.estimation.gauss_newton import fit
 from cogging.logs.log import Log
 from cogging.model.model import Model
-from cogging.model.parameters import effect_paths
+from cogging.model.parameters import effect_paths, parameters_of, with_values
 
 
 @dataclass(frozen=True)
@@ -151,3 +151,24 @@ def confirmation(evidence: Evidence | None, finding: Finding) -> Confirmation | 
     if best.refuted and acts_in_interval(law):  # what happened once need not happen again
         return Confirmation(0.0, 0.0, min(best.gain, 0.0))
     return best
+
+
+def as_there(model: Model, turns: Sequence[float]) -> Model:
+    """The model as it holds on the other motion: waves that were added turned, where the zeros of the logs differ.
+
+    Args:
+        model: model whose last effects are those that were added.
+        turns: angle (rad) of each of them in their order, 0 of what is no wave (Confirmation.turn).
+    """
+    values = {}
+    known = parameters_of(model, together=True) if any(turns) else {}
+    for (prefix, effect), turn in zip(
+        effect_paths(model.effects)[len(model.effects) - len(turns) :], turns, strict=True
+    ):
+        wave = plain_wave(effect)
+        if turn == 0.0 or wave is None:
+            continue
+        sine, cosine = (known[f"{prefix}.{field}"].value for field in (wave.sine, wave.cosine))
+        values[f"{prefix}.{wave.sine}"] = np.cos(turn) * sine - np.sin(turn) * cosine
+        values[f"{prefix}.{wave.cosine}"] = np.sin(turn) * sine + np.cos(turn) * cosine
+    return with_values(model, values)

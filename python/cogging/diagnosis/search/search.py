@@ -240,14 +240,14 @@ def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | 
         return beside
     paths = state.nominal.paths
     tuned = with_levels(fitted.model, paths, state.level_sources, state.allowed)
-    turned = choice.check is not None and choice.check.turn != 0.0
-    if not task.confirm or turned:
+    if not task.confirm:
         return tuned
     if state.by_loop is None:
         nominal = state.tuned_nominal
         state.by_loop = task.replay and follows(discrepancies(task.logs, [nominal], replay=True)[0], task.logs, nominal)
     kept = with_levels_of(state.tuned, fitted.model, paths)
-    paying, growth = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, state.by_loop)
+    turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
+    paying, growth = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, turns, replay=state.by_loop)
     if paying is None:
         refuse(state, choice.finding, growth)
     return paying

@@ -54,6 +54,11 @@ class Added:
     large: LargeTerm | None = None
 
 
+def turns_of(added: Sequence[Added]) -> list[float]:
+    """Angle (rad) by which the other motion turns each of what was added; 0 of what is no wave."""
+    return [0.0 if one.confirmation is None else one.confirmation.turn for one in added]
+
+
 @dataclass(frozen=True)
 class Scanned:
     """One scan of the evidence.
@@ -130,6 +135,11 @@ class State:
     def allowed(self) -> Allowance | None:
         """How far mass and friction may move; None: freely, to be tested afterwards."""
         return None if self.large is None else self.large.allowed
+
+    @property
+    def turns(self) -> list[float]:
+        """Angle (rad) by which the other motion turns each of what was added; 0 of what is no wave."""
+        return turns_of(self.added)
 
 
 @dataclass
