@@ -3,7 +3,7 @@
 from cogging import EFFECTS
 from cogging.diagnosis.discrepancy import discrepancies, follows
 from cogging.diagnosis.evidence.null import nuisances
-from cogging.diagnosis.search.acceptance import that_pays, with_levels_of
+from cogging.diagnosis.search.acceptance import that_pays, with_nuisances_of
 from tests.fixtures.moving_axis import machine, record
 
 
@@ -33,6 +33,6 @@ def test_what_an_effect_must_pay_is_measured_by_the_replayed_loop_where_it_follo
 
 def test_levels_of_an_earlier_model_leave_what_was_added():
     before = machine().replace(axis=machine().axis.replace(viscous=4.0, mass=2.1))
-    kept = with_levels_of(before, machine([EFFECTS["cable_spring"](stiffness=1.5)]), nuisances(before))
+    kept = with_nuisances_of(before, machine([EFFECTS["cable_spring"](stiffness=1.5)]), nuisances(before))
     assert kept.axis == before.axis
     assert [effect.NAME for effect in kept.effects] == ["cable_spring"]

@@ -6,7 +6,7 @@ import pytest
 import cogging
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.large.balance import balances_of
-from cogging.diagnosis.large.levels import bounded, levels_of, products_of
+from cogging.diagnosis.large.nuisances import bounded, nuisances_of, products_of
 from cogging.diagnosis.large.search import search_large
 from cogging.diagnosis.large.spectrum import peaks
 from cogging.diagnosis.naming.large_names import common_pitch, map_note
@@ -247,12 +247,12 @@ def test_harmonics_of_one_pitch_are_a_map():
     assert map_note(waves[:2], model) is None
 
 
-def test_the_levels_are_the_free_ones():
+def test_the_nuisances_are_the_free_ones():
     machine = Machine(2, known={"mass": 0.0})
-    levels = levels_of(balances_of([machine.log(seed=1)], machine.model), allowance(machine.model))
-    assert levels.paths == ("axis.viscous", "axis.coulomb")
-    assert np.all(levels.low <= 0.0)
-    assert np.all(levels.high >= 0.0)
+    nuisances = nuisances_of(balances_of([machine.log(seed=1)], machine.model), allowance(machine.model))
+    assert nuisances.paths == ("axis.viscous", "axis.coulomb")
+    assert np.all(nuisances.low <= 0.0)
+    assert np.all(nuisances.high >= 0.0)
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -15,10 +15,10 @@ from cogging.diagnosis.gaps import Measured, gap_of, growth, measure, series_of
 from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.naming.large_names import map_note, named_large
-from cogging.diagnosis.naming.level_changes import changes, look_alikes
 from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.naming.names import changed, merged, named, with_term_of
 from cogging.diagnosis.naming.near_rest import near_rest
+from cogging.diagnosis.naming.parameter_changes import changes, look_alikes
 from cogging.diagnosis.naming.shape_terms import with_shape_terms
 from cogging.diagnosis.naming.sizes import largest_first
 from cogging.diagnosis.naming.verdict import unlisted, verdict
@@ -28,10 +28,10 @@ from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.confirmation import as_there
 from cogging.diagnosis.search.empirical import NoTerm, with_term
-from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.state import Added, Search, turns_of
-from cogging.diagnosis.thresholds import LEVEL_CHANGE, LOCATION, VERDICT
+from cogging.diagnosis.search.tuning import with_nuisances_tuned
+from cogging.diagnosis.thresholds import LOCATION, PARAMETER_CHANGE, VERDICT
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -49,7 +49,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     """
     friction = near_rest(found)
     found, terms = with_shape_terms(found)
-    beyond = [change for change in changes(found, model) if abs(change[3]) > LEVEL_CHANGE.changed]
+    beyond = [change for change in changes(found, model) if abs(change[3]) > PARAMETER_CHANGE.changed]
     retuned, final = file_form(found.tuned, model), with_intervals(file_form(last_model(found), model), found.estimate)
     nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
     models = [nominal, *(file_form(added.model, model) for added in found.added[:-1]), final]
@@ -107,7 +107,7 @@ def _as_stated(found: Search, nominal: Model, model: Model, held: Sequence[str])
     values = {path: parameters_of(model)[path].value for path in held}
     paths = [path for path in found.nominal.paths if path not in held]
     sources = [source_of(source.log, nominal) for source in found.nominal_evidence.sources]
-    return file_form(with_levels(with_values(nominal, values), paths, sources), model)
+    return file_form(with_nuisances_tuned(with_values(nominal, values), paths, sources), model)
 
 
 def with_empirical_term(result: Diagnosis, found: Search, model: Model, logs: Prepared) -> Diagnosis:

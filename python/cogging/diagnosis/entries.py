@@ -238,7 +238,7 @@ class Limit:
     """The smallest size of an effect that the logs would have shown with a chance of 95 %.
 
     Attributes:
-        parameter: field that is the size, or the first of several; `change` of a level, new / old - 1.
+        parameter: field that is the size, or the first of several; `change` of a parameter, new / old - 1.
         unit: of the size.
         value: the size; None where this motion cannot show it.
         why: why there is no value; empty where there is one.

@@ -19,17 +19,17 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.candidates.sizes import Size, is_sought, likely_shapes, range_of, size_of, told_shape
 from cogging.diagnosis.entries import Limit
+from cogging.diagnosis.evidence.allowance import AXIS_PARAMETERS
 from cogging.diagnosis.evidence.score_test import orthonormal
-from cogging.diagnosis.naming.level_changes import level_estimates
+from cogging.diagnosis.naming.parameter_changes import parameter_estimates
 from cogging.diagnosis.residual.shapes import low_power
 from cogging.diagnosis.search.chance import LAMBDAS, Powers, chances
 from cogging.diagnosis.search.growth import Growth, View, growth_of_amplitudes, growth_of_shapes
 from cogging.diagnosis.search.state import Search
-from cogging.diagnosis.thresholds import CHOICE, LEVEL_CHANGE, LIMIT
+from cogging.diagnosis.thresholds import CHOICE, LIMIT, PARAMETER_CHANGE
 from cogging.effects.effect import Effect
 from cogging.model.model import Model
 
-LEVELS = ("mass", "viscous", "coulomb")
 UNMEASURED = "nothing was measured"
 
 
@@ -38,7 +38,7 @@ def limits(found: Search, model: Model, confirmed: bool) -> dict[str, Limit]:
 
     Args:
         found: search, whose last model the limits are told of: beside what was found.
-        model: given model, with what it states to know of its levels.
+        model: given model, with what it states to know of its nuisances.
         confirmed: whether there were logs of other motion.
     """
     evidence, other = found.evidence, found.confirm_evidence
@@ -54,7 +54,7 @@ def limits(found: Search, model: Model, confirmed: bool) -> dict[str, Limit]:
     laws = [law for law in found.vocabulary.values() if is_sought(law)]
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         told = dict(zip((law.NAME for law in laws), threads.map(one, laws), strict=True))
-    return told | level_limits(found, model)
+    return told | change_limits(found, model)
 
 
 def unmeasured(vocabulary: Mapping[str, Effect]) -> dict[str, Limit]:
@@ -64,7 +64,7 @@ def unmeasured(vocabulary: Mapping[str, Effect]) -> dict[str, Limit]:
         size = size_of(law)
         if is_sought(law) and size is not None:
             none[law.NAME] = Limit(size.field, size.unit, None, UNMEASURED, size.meaning, not size.grows)
-    return none | {f"{name}_change": Limit("change", "1", why=UNMEASURED) for name in LEVELS}
+    return none | {f"{name}_change": Limit("change", "1", why=UNMEASURED) for name in AXIS_PARAMETERS}
 
 
 def _basis_without(found: Search, law: Effect) -> FloatArray:
@@ -135,20 +135,20 @@ def solved(grown: Sequence[Growth], worth: Powers, none: Limit, strengths: Float
     return replace(curve, value=float(sizes[int(np.searchsorted(chance, LIMIT.chance_shown))]))
 
 
-# Levels ---------------------------------------------------------------------------------------------------------------
+# Changes of the axis --------------------------------------------------------------------------------------------------
 
 
-def level_limits(found: Search, model: Model) -> dict[str, Limit]:
+def change_limits(found: Search, model: Model) -> dict[str, Limit]:
     """The smallest changes of mass, viscous and Coulomb friction that would have been told.
 
-    A change is told where it is LEVEL_CHANGE.changed deviations, found and stated, from what the model states.
+    A change is told where it is PARAMETER_CHANGE.changed deviations, found and stated, from what the model states.
     """
-    _, deviations, _ = level_estimates(found.evidence, found.estimate)
+    _, deviations, _ = parameter_estimates(found.evidence, found.estimate)
     known = {path: float(one) for path, one in zip(found.estimate.paths, deviations, strict=False)}
-    return {f"{name}_change": _level(known.get(f"axis.{name}"), model, name) for name in LEVELS}
+    return {f"{name}_change": _change_limit(known.get(f"axis.{name}"), model, name) for name in AXIS_PARAMETERS}
 
 
-def _level(deviation: float | None, model: Model, name: str) -> Limit:
+def _change_limit(deviation: float | None, model: Model, name: str) -> Limit:
     none, prior, stated = Limit("change", "1"), float(getattr(model.axis, name)), model.uncertainty.get(name)
     if stated is None:
         return replace(none, why="the model does not state how well it knows it")
@@ -157,13 +157,13 @@ def _level(deviation: float | None, model: Model, name: str) -> Limit:
     if not np.isfinite(deviation):
         return replace(none, why="these logs do not tell it from what else is re-tuned")
     own = deviation / prior
-    least = LEVEL_CHANGE.changed * float(np.hypot(own, stated))
+    least = PARAMETER_CHANGE.changed * float(np.hypot(own, stated))
     sizes = np.maximum(least + own * np.linspace(-LIMIT.normal_tail, LIMIT.normal_tail, 121), 0.0)
     from scipy.special import ndtr
 
     chance = ndtr((sizes - least) / max(own, 1e-12))
     curve = replace(none, sizes=tuple(sizes.tolist()), chances=tuple(chance.tolist()))
     value = least + LIMIT.chance_quantile * own
-    if value > LIMIT.level_factor:
-        return replace(curve, why=f"it would have to be beyond {LIMIT.level_factor:g}")
+    if value > LIMIT.change_factor:
+        return replace(curve, why=f"it would have to be beyond {LIMIT.change_factor:g}")
     return replace(curve, value=value)

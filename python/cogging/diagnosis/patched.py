@@ -19,7 +19,7 @@ def with_intervals(model: Model, estimate: Estimate) -> Model:
         if path not in known:
             continue
         value = known[path].value
-        # Levels tuned to the gap itself differ from the fit's where the model is not quite right: part of the doubt.
+        # Nuisances tuned to the gap itself differ from the fit's where the model is not quite right: part of the doubt.
         half = float(np.hypot(width, SIGMAS_95 * (value - fitted)))
         if not np.isfinite(half) or path in conditional:
             intervals[path] = (-np.inf, np.inf)

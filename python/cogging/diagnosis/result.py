@@ -77,7 +77,7 @@ class Diagnosis(ByValue):
         """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""
         told = {
             "verdict": self.verdict,
-            "nominal": self._levels(),
+            "nominal": self._retuned_parameters(),
             "effects": [effect.to_dict() for effect in self.effects],
             "mismatch": None if self.mismatch is None else dict(self.mismatch),
             "unlisted": None if self.unlisted is None else dict(self.unlisted),
@@ -94,7 +94,7 @@ class Diagnosis(ByValue):
         }
         return {name: finite(value) for name, value in told.items()}
 
-    def _levels(self) -> dict[str, dict[str, Any]]:
+    def _retuned_parameters(self) -> dict[str, dict[str, Any]]:
         """Mass and friction of the re-tuned model beside what was stated of them, by path."""
         stated = self.series.get("given")
         if not isinstance(stated, Model):
@@ -111,7 +111,7 @@ class Diagnosis(ByValue):
 
     def retuned_text(self) -> str:
         """What re-tuning made of mass and friction, in words; empty where nothing was measured."""
-        return "; ".join(_level_text(path, level) for path, level in self._levels().items())
+        return "; ".join(_parameter_text(path, told) for path, told in self._retuned_parameters().items())
 
     def html(self, *, title: str = "") -> str:
         """The report as a text: one HTML page with its figures inside.
@@ -189,10 +189,10 @@ def _effect_lines(effect: NamedEffect) -> list[str]:
     return lines
 
 
-def _level_text(path: str, level: Mapping[str, Any]) -> str:
-    sure = level["uncertainty"]
+def _parameter_text(path: str, told: Mapping[str, Any]) -> str:
+    sure = told["uncertainty"]
     known = "not stated how well" if sure is None else "stated to be exact" if sure == 0.0 else f"+- {100 * sure:.3g} %"
-    return f"{path.removeprefix('axis.')} {level['stated']:.4g} to {level['value']:.4g} {level['unit']} ({known})"
+    return f"{path.removeprefix('axis.')} {told['stated']:.4g} to {told['value']:.4g} {told['unit']} ({known})"
 
 
 def _number(value: float | Sequence[float | None] | None) -> str:

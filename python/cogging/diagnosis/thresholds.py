@@ -360,9 +360,9 @@ class RefitThresholds:
     floor_of_range: float = 0.5  # of the lowest value that is looked for: shapes stay above [assumed]
     floor_of_high: float = 1e-4  # of the highest: the same where the lowest is nothing [assumed]
     ceiling_of_range: float = 2.0  # of the highest value that is looked for: shapes stay below [assumed]
-    level_iterations: int = 3  # 1: of tuning levels to the gap [cost]
-    level_halvings: int = 4  # 1: of a step that makes the gap larger [cost]
-    level_gain: float = 1e-3  # of the squared gap: a smaller gain ends the tuning [cost]
+    tuning_iterations: int = 3  # 1: of tuning nuisances to the gap [cost]
+    tuning_halvings: int = 4  # 1: of a step that makes the gap larger [cost]
+    tuning_gain: float = 1e-3  # of the squared gap: a smaller gain ends the tuning [cost]
 
 
 @dataclass(frozen=True)
@@ -405,7 +405,7 @@ class NameThresholds:
 
 
 @dataclass(frozen=True)
-class LevelChangeThresholds:
+class ParameterChangeThresholds:
     """Mass and friction beyond what is stated; effects that vanish; ranges."""
 
     changed: float = 4.2  # deviations, stated and found together: beyond, mass or friction has changed [assumed]
@@ -487,11 +487,11 @@ class ReportThresholds:
 class AllowanceThresholds:
     """How far re-tuning may move mass and friction."""
 
-    stated: float = 4.2  # stated deviations: beyond them a level has changed, as in LEVEL_CHANGE [tuned]
-    unstated: float = 3.0  # factor: either way, where nobody states how well a level is known [assumed]
-    far: float = 1.5  # times an end: a level that re-tuning takes farther stands for something else [assumed]
-    let_go: float = 30.0  # times an end of what is allowed: a level that is let go may be so far off [assumed]
-    at_end: float = 1e-6  # 1: relative; so near to an end of what is allowed a level stands at it [exact]
+    stated: float = 4.2  # stated deviations: beyond them a parameter has changed, as in PARAMETER_CHANGE [tuned]
+    unstated: float = 3.0  # factor: either way, where nobody states how well a parameter is known [assumed]
+    far: float = 1.5  # times an end: a parameter that re-tuning takes farther stands for something else [assumed]
+    let_go: float = 30.0  # times an end of what is allowed: a parameter that is let go may be so far off [assumed]
+    at_end: float = 1e-6  # 1: relative; so near to an end of what is allowed a parameter stands at it [exact]
 
 
 @dataclass(frozen=True)
@@ -540,7 +540,7 @@ class LargeThresholds:
     """Which large effects are added, and when the search for small ones takes over."""
 
     large: float = 0.2  # of the rms command: what a model leaves unexplained is large from here [assumed]
-    least: float = 0.04  # of the rms command: less is small even where levels went far to explain it [assumed]
+    least: float = 0.04  # of the rms command: less is small even where nuisances went far to explain it [assumed]
     large_still: float = 0.02  # of the rms command: down to there further terms are sought after one [assumed]
     above_noise: float = 2.0  # times what the encoder makes of the balance: the same [assumed]
     power_taken: float = 0.15  # of the power that is left: a large effect takes away at least [assumed]
@@ -592,7 +592,7 @@ class LimitThresholds:
     normal_tail: float = 6.0  # deviations: beyond them a normal variable is as good as never [exact]
     size_step: float = 0.02  # of ln size: in which the limit is looked for [cost]
     size_depth: float = 16.0  # of ln size: how far below the largest it is looked for [assumed]
-    level_factor: float = 2.0  # 1: relative change of a level, beyond which a machine is another [assumed]
+    change_factor: float = 2.0  # 1: relative change of a parameter, beyond which a machine is another [assumed]
     middle: tuple[float, float] = (0.25, 0.75)  # of a range: between which a shape is expected [assumed]
     middle_values: int = 3  # 1: that have a middle, at least [exact]
     likely_waves: int = 8  # 1: periods, or frequencies, of a wave [cost]
@@ -704,7 +704,7 @@ NEAR_REST = NearRestThresholds()
 REFIT = RefitThresholds()
 ACCEPTANCE = AcceptanceThresholds()
 NAME = NameThresholds()
-LEVEL_CHANGE = LevelChangeThresholds()
+PARAMETER_CHANGE = ParameterChangeThresholds()
 VERDICT = VerdictThresholds()
 GAP = GapThresholds()
 REPORT = ReportThresholds()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cogging.diagnosis.thresholds import ALLOWANCE
 from cogging.model.model import Model
 
-LEVELS = ("mass", "viscous", "coulomb")
+AXIS_PARAMETERS = ("mass", "viscous", "coulomb")
 
 
 @dataclass(frozen=True)
@@ -16,8 +16,8 @@ class Allowance:
     """What the statement of a model leaves open.
 
     Attributes:
-        floors, ceilings: ends of each level by path, in its unit.
-        exact: paths of levels that are stated to be exact.
+        floors, ceilings: ends of each parameter by path, in its unit.
+        exact: paths of nuisances that are stated to be exact.
     """
 
     floors: Mapping[str, float]
@@ -30,7 +30,7 @@ class Allowance:
         return self.floors.get(path, -float("inf")) - room <= value <= self.ceilings.get(path, float("inf")) + room
 
     def far_outside(self, path: str, value: float) -> bool:
-        """Whether a value is beyond what is allowed by more than a level itself is likely to have changed."""
+        """Whether a value is beyond what is allowed by more than a parameter itself is likely to have changed."""
         low, high = self.floors.get(path, 0.0), self.ceilings.get(path, float("inf"))
         return value > ALLOWANCE.far * high or value < low / ALLOWANCE.far
 
@@ -45,7 +45,7 @@ class Allowance:
         return value <= low + room or value >= high - room
 
     def without(self, paths: tuple[str, ...]) -> Allowance:
-        """The allowance with some levels let go: farther, but as far as one machine may be from another."""
+        """The allowance with some nuisances let go: farther, but as far as one machine may be from another."""
         far = ALLOWANCE.let_go
         return Allowance(
             {
@@ -66,7 +66,7 @@ def allowance(model: Model) -> Allowance:
     floors: dict[str, float] = {}
     ceilings: dict[str, float] = {}
     exact: list[str] = []
-    for name in LEVELS:
+    for name in AXIS_PARAMETERS:
         path, value, stated = f"axis.{name}", float(getattr(model.axis, name)), model.uncertainty.get(name)
         floors[path] = 0.0
         if stated == 0.0:

@@ -136,7 +136,7 @@ def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:
 
 
 def limits_of(sources: Sequence[Innovations], allowed: Allowance | None) -> tuple[dict[str, float], dict[str, float]]:
-    """Floors and ceilings of a fit by path: of the width of friction, and of levels as far as they are `allowed`."""
+    """Floors and ceilings of a fit by path: of the width of friction, and of nuisances as far as they are `allowed`."""
     floors = width_floor(sources)
     return (floors, {}) if allowed is None else (floors | dict(allowed.floors), dict(allowed.ceilings))
 

@@ -87,7 +87,7 @@ def _found(
 
 
 def _change(table: Any, place: str) -> float:
-    """The relative change of a level.
+    """The relative change of a parameter.
 
     Raises:
         FieldError: there is none, or one below -1.

@@ -1,4 +1,4 @@
-"""Nonlinear least squares of the force balance: levels within what is allowed, amplitudes and shapes of effects."""
+"""Nonlinear least squares of the force balance: nuisances within what is allowed, amplitudes and shapes of effects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
 
     Args:
         balances: logs and the model to start from.
-        allowed: how far its levels may go.
+        allowed: how far its nuisances may go.
         given: effects of the model that were there from the start: of them the amplitudes move, not the shapes.
     """
     from scipy.optimize import least_squares

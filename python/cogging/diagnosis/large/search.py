@@ -9,9 +9,9 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.signatures import Candidate
-from cogging.diagnosis.evidence.allowance import LEVELS, Allowance
+from cogging.diagnosis.evidence.allowance import AXIS_PARAMETERS, Allowance
 from cogging.diagnosis.large.balance import Balances
-from cogging.diagnosis.large.levels import Levels, levels_of
+from cogging.diagnosis.large.nuisances import Nuisances, nuisances_of
 from cogging.diagnosis.large.refit import refitted
 from cogging.diagnosis.large.seeds import Seed, seeds
 from cogging.diagnosis.thresholds import LARGE
@@ -28,10 +28,10 @@ class Trial:
     """A term that is tried.
 
     Attributes:
-        name: name of the effect, or of the change of a level.
-        effect: effect with its amplitudes; None for a change of a level.
+        name: name of the effect, or of the change of a parameter.
+        effect: effect with its amplitudes; None for a change of a parameter.
         candidate: effect and shape; None likewise.
-        path: path of a level that is no more held, alone or beside the effect; None where none is let go.
+        path: path of a parameter that is no more held, alone or beside the effect; None where none is let go.
         parameters: how many numbers it has.
         left: power that it leaves before it is refitted, V^2 times rows.
     """
@@ -57,7 +57,7 @@ class LargeTerm:
         alternatives: names that left about as little.
         before, confirm_before: rms of the balance without it, V.
         balances: logs under the model with it.
-        confirm: confirm logs under it, levels re-tuned; None without.
+        confirm: confirm logs under it, nuisances re-tuned; None without.
     """
 
     trial: Trial
@@ -79,11 +79,11 @@ class Large:
 
     Attributes:
         given: effects that the model had from the start.
-        stated: how far levels may go before anything was found about them.
-        start: logs under the model as it was given, levels re-tuned as far as they are allowed to.
-        confirm_start: confirm logs under it, levels re-tuned likewise; None without.
+        stated: how far nuisances may go before anything was found about them.
+        start: logs under the model as it was given, nuisances re-tuned as far as they are allowed to.
+        confirm_start: confirm logs under it, nuisances re-tuned likewise; None without.
         balances, confirm: the same under the last model.
-        allowed: how far levels may go that nothing was found about.
+        allowed: how far nuisances may go that nothing was found about.
         terms: what was added, in its order.
         refused: what was not, each name with the reason.
     """
@@ -110,7 +110,7 @@ class Large:
 
     @property
     def let_go(self) -> frozenset[str]:
-        """Paths of levels that are no more held to what is stated of them."""
+        """Paths of nuisances that are no more held to what is stated of them."""
         return frozenset(term.trial.path for term in self.terms if term.trial.path is not None)
 
     @property
@@ -138,14 +138,14 @@ def search_large(
     Args:
         balances: logs under the given model.
         confirm: logs of other motion under it; None without.
-        allowed: how far its levels may go.
+        allowed: how far its nuisances may go.
         vocabulary: effects that are tried, by name.
         progress: function that is called with what is being done.
         any_size: whether to look although little is unexplained.
     """
     given = len(balances.model.effects)
     start = refitted(balances, allowed, given)
-    elsewhere = None if confirm is None else with_levels_of_its_own(confirm.under(start.model), allowed)
+    elsewhere = None if confirm is None else with_own_nuisances(confirm.under(start.model), allowed)
     empty = Large(given, allowed, start, elsewhere, start, elsewhere, allowed)
     if not (is_large(empty) or (any_size and start.rms > LARGE.least * start.command)):
         return None
@@ -164,8 +164,8 @@ def best_start(empty: Large, vocabulary: Mapping[str, Effect], progress: Told) -
     Further starts are followed while what is left stays large, and where two first terms leave about as little: what
     one of them lacks, others may make up for.
     """
-    levels = levels_of(empty.balances, empty.allowed)
-    before = levels.alone()[1]
+    nuisances = nuisances_of(empty.balances, empty.allowed)
+    before = nuisances.alone()[1]
     trials = worthwhile(empty, vocabulary)
     best = followed(with_best(empty, trials), vocabulary, progress)
     ends = {best.terms[0].trial.name: best.left} if best.terms else {}
@@ -234,9 +234,9 @@ def is_large(state: Large) -> bool:
 
 def worthwhile(state: Large, vocabulary: Mapping[str, Effect]) -> list[Trial]:
     """Terms that take a good part of what is left, the best first."""
-    levels = levels_of(state.balances, state.allowed)
-    before = levels.alone()[1]
-    found = [*effects_to_try(state, levels, vocabulary), *changes_to_try(state)]
+    nuisances = nuisances_of(state.balances, state.allowed)
+    before = nuisances.alone()[1]
+    found = [*effects_to_try(state, nuisances, vocabulary), *changes_to_try(state)]
     found += with_mass_to_try(state, found, vocabulary)
     least = float(np.log(1.0 - LARGE.power_taken))
     ranked = sorted((one for one in found if one.worth(before) < least), key=lambda one: one.worth(before))
@@ -244,9 +244,9 @@ def worthwhile(state: Large, vocabulary: Mapping[str, Effect]) -> list[Trial]:
     return [one for one in ranked if first[one.name] is one]
 
 
-def effects_to_try(state: Large, levels: Levels, vocabulary: Mapping[str, Effect]) -> list[Trial]:
+def effects_to_try(state: Large, nuisances: Nuisances, vocabulary: Mapping[str, Effect]) -> list[Trial]:
     """The best term of each effect."""
-    return [_trial(seed) for seed in seeds(state.balances, levels, vocabulary)]
+    return [_trial(seed) for seed in seeds(state.balances, nuisances, vocabulary)]
 
 
 def with_mass_to_try(state: Large, alone: Sequence[Trial], vocabulary: Mapping[str, Effect]) -> list[Trial]:
@@ -257,7 +257,7 @@ def with_mass_to_try(state: Large, alone: Sequence[Trial], vocabulary: Mapping[s
     left = {one.name: one.left for one in alone}
     if "mass_change" not in left:
         return []
-    free = levels_of(state.balances, state.allowed.without((MASS,)))
+    free = nuisances_of(state.balances, state.allowed.without((MASS,)))
     found = [_trial(seed, MASS) for seed in seeds(state.balances, free, vocabulary)]
     limit = 1.0 - LARGE.power_taken
     return [one for one in found if one.left < limit * min(left["mass_change"], left.get(one.name, np.inf))]
@@ -277,11 +277,11 @@ def _trial(seed: Seed, path: str | None = None) -> Trial:
 def changes_to_try(state: Large) -> list[Trial]:
     """Mass and friction that are held by what the model states, each let go."""
     found = []
-    for name in LEVELS:
+    for name in AXIS_PARAMETERS:
         path = f"axis.{name}"
         value = float(getattr(state.model.axis, name))
         if path in state.allowed.exact or state.allowed.at_end(path, value):
-            left = levels_of(state.balances, state.allowed.without((path,))).alone()[1]
+            left = nuisances_of(state.balances, state.allowed.without((path,))).alone()[1]
             found.append(Trial(f"{name}_change", None, None, path, 1, left))
     return found
 
@@ -326,7 +326,7 @@ def with_trial(state: Large, trial: Trial) -> Large:
     if trial.effect is not None:
         model = model.replace(effects=(*model.effects, trial.effect))
     after = refitted(state.balances.under(model), allowed, state.given)
-    confirm = None if state.confirm is None else with_levels_of_its_own(state.confirm.under(after.model), allowed)
+    confirm = None if state.confirm is None else with_own_nuisances(state.confirm.under(after.model), allowed)
     before = None if state.confirm is None else state.confirm.rms
     term = LargeTerm(trial, (), state.balances.rms, before, after, confirm)
     return replace(state, balances=after, confirm=confirm, allowed=allowed, terms=(*state.terms, term))
@@ -342,14 +342,14 @@ def objection(state: Large, after: Large) -> str | None:
     return None
 
 
-def with_levels_of_its_own(balances: Balances, allowed: Allowance) -> Balances:
-    """The balances with levels re-tuned on these logs, effects as they are."""
-    levels = levels_of(balances, allowed, effects=False)
-    steps, _ = levels.alone()
+def with_own_nuisances(balances: Balances, allowed: Allowance) -> Balances:
+    """The balances with nuisances re-tuned on these logs, effects as they are."""
+    nuisances = nuisances_of(balances, allowed, effects=False)
+    steps, _ = nuisances.alone()
     known = parameters_of(balances.model, together=True)
     values = {
         path: allowed.nearest(path, known[path].value + float(step))
-        for path, step in zip(levels.paths, steps, strict=True)
+        for path, step in zip(nuisances.paths, steps, strict=True)
     }
     return balances.under(with_values(balances.model, values))
 
@@ -373,6 +373,6 @@ def without_term(state: Large, place: int) -> Large:
     del effects[state.given + sum(one.trial.effect is not None for one in state.terms[:place])]
     less = refitted(state.balances.under(state.model.replace(effects=tuple(effects))), state.allowed, state.given)
     other = None if state.confirm is None else state.confirm.under(less.model)
-    confirm = None if other is None else with_levels_of_its_own(other, state.allowed)
+    confirm = None if other is None else with_own_nuisances(other, state.allowed)
     terms = (*state.terms[:place], *state.terms[place + 1 :])
     return replace(state, balances=less, confirm=confirm, terms=terms)

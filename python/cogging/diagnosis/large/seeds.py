@@ -14,7 +14,7 @@ from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
 from cogging.diagnosis.candidates.waves import is_wave, plain_wave
 from cogging.diagnosis.large.balance import WEAKENING, Balances, is_load
-from cogging.diagnosis.large.levels import Levels
+from cogging.diagnosis.large.nuisances import Nuisances
 from cogging.diagnosis.large.spectrum import peaks, sharpened
 from cogging.diagnosis.thresholds import ALLOWANCE, SEED, SPECTRUM
 from cogging.effects.effect import Effect, Wave, Window, kind_of
@@ -27,7 +27,7 @@ class Seed:
     Attributes:
         candidate: effect and shape.
         amplitudes: its amplitudes, (q,); empty where its shape alone makes it.
-        left: power of the residual that it leaves, levels re-tuned beside it, V^2 times rows.
+        left: power of the residual that it leaves, nuisances re-tuned beside it, V^2 times rows.
     """
 
     candidate: Candidate
@@ -44,33 +44,33 @@ class Seed:
         return self.candidate.effect(self.amplitudes)
 
 
-def seeds(balances: Balances, levels: Levels, vocabulary: Mapping[str, Effect]) -> list[Seed]:
+def seeds(balances: Balances, nuisances: Nuisances, vocabulary: Mapping[str, Effect]) -> list[Seed]:
     """The best term of each name, what leaves least first."""
     best: dict[str, Seed] = {}
     waves = [law for law in vocabulary.values() if is_wave(law)]
     others = [law for law in vocabulary.values() if not is_wave(law) and "state" not in law.HOOKS]
-    found = [*_waves(balances, levels, waves)]
+    found = [*_waves(balances, nuisances, waves)]
     for law in others:
         # No period but the known ones: several plain waves look like one that changes along the travel.
-        found += judged(balances, levels, list(candidates(balances, law)))
+        found += judged(balances, nuisances, list(candidates(balances, law)))
         if acts_in_interval(law):
-            found += _intervals(balances, levels, law)
+            found += _intervals(balances, nuisances, law)
     for law in vocabulary.values():
         if is_load(law) and not any("state" in effect.HOOKS for effect in balances.model.effects):
-            found += _resonances(balances, levels, law)
+            found += _resonances(balances, nuisances, law)
     for name in {seed.name for seed in found}:
         first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
-        best[name] = min((as_it_is(balances, levels, seed) for seed in first), key=lambda seed: seed.left)
+        best[name] = min((as_it_is(balances, nuisances, seed) for seed in first), key=lambda seed: seed.left)
     return sorted(best.values(), key=lambda seed: seed.left)
 
 
-def _intervals(balances: Balances, levels: Levels, law: Effect) -> list[Seed]:
+def _intervals(balances: Balances, nuisances: Nuisances, law: Effect) -> list[Seed]:
     """Forces between two moments of the first log: where its residual has one sign, then edge by edge."""
     window = kind_of(law, Window)
     source = balances.sources[0]
     even = source.balance.dynamics.even - source.balance.dynamics.even[0]
     full = np.zeros(len(even))
-    full[source.mask] = levels.moved(levels.alone()[0])[: int(source.mask.sum())]
+    full[source.mask] = nuisances.moved(nuisances.alone()[0])[: int(source.mask.sum())]
     total, rows = (np.concatenate([[0.0], np.cumsum(row)]) for row in (full, source.mask.astype(float)))
     likely = []
     for length in np.unique(np.geomspace(SEED.interval_min, 0.95, SEED.interval_lengths) * len(even)).astype(int):
@@ -83,7 +83,7 @@ def _intervals(balances: Balances, levels: Levels, law: Effect) -> list[Seed]:
 
     def at(edges: tuple[float, float]) -> Seed | None:
         shape = {**first.shape, window.start: edges[0], window.stop: edges[1]}
-        one = judged(balances, levels, [replace(first, shape=shape)]) if edges[1] > edges[0] else []
+        one = judged(balances, nuisances, [replace(first, shape=shape)]) if edges[1] > edges[0] else []
         return one[0] if one else None
 
     best: Seed | None = None
@@ -108,7 +108,7 @@ def _edge_by_edge(
     return best
 
 
-def judged(balances: Balances, levels: Levels, tried: list[Candidate]) -> list[Seed]:
+def judged(balances: Balances, nuisances: Nuisances, tried: list[Candidate]) -> list[Seed]:
     """Each candidate at its best size; those left out that cannot be simulated or would be no such machine."""
     found: list[Seed] = []
     for first in range(0, len(tried), SEED.tried_together):
@@ -123,7 +123,7 @@ def judged(balances: Balances, levels: Levels, tried: list[Candidate]) -> list[S
                 except (DivergedError, ValueError):
                     tables.append(np.zeros((0, 0)))
         for candidate, columns in zip(part, tables, strict=True):
-            seed = _judge(balances, levels, candidate, columns) if len(columns) else None
+            seed = _judge(balances, nuisances, candidate, columns) if len(columns) else None
             if seed is not None:
                 found.append(seed)
     return found
@@ -147,17 +147,17 @@ def _tables(balances: Balances, tried: list[Candidate]) -> list[FloatArray]:
     return np.split(table, np.cumsum(counts)[:-1])
 
 
-def _judge(balances: Balances, levels: Levels, candidate: Candidate, columns: FloatArray) -> Seed | None:
+def _judge(balances: Balances, nuisances: Nuisances, candidate: Candidate, columns: FloatArray) -> Seed | None:
     if not candidate.amplitudes:
-        weights, left = levels.fitted(columns, np.zeros(1), np.array([SEED.finite[1]]))
+        weights, left = nuisances.fitted(columns, np.zeros(1), np.array([SEED.finite[1]]))
         if weights[-1] < SEED.finite[0]:
             return None
         return Seed(_resized(candidate, float(weights[-1])), (), left)
     sizes, roles = quantities(balances), candidate.law.ROLES
     ends = [amplitude_ends(roles[field], sizes) for field, _ in candidate.amplitudes]
     low, high = np.array([low for low, _ in ends]), np.array([high for _, high in ends])
-    weights, left = levels.fitted(columns, low, high)
-    amplitudes = weights[len(levels.paths) :]
+    weights, left = nuisances.fitted(columns, low, high)
+    amplitudes = weights[len(nuisances.paths) :]
     count = balances.model.encoder.resolution
     if "reading" in candidate.law.HOOKS and len(amplitudes) > 1:
         short = (candidate.period or np.inf) < SPECTRUM.rounding_counts * count
@@ -176,12 +176,12 @@ def amplitude_ends(role: Mapping[str, Any], sizes: Mapping[str, float]) -> tuple
     return room * role["low"] * sizes[quantity], room * role["high"] * sizes[quantity]
 
 
-def as_it_is(balances: Balances, levels: Levels, seed: Seed) -> Seed:
+def as_it_is(balances: Balances, nuisances: Nuisances, seed: Seed) -> Seed:
     """The seed with what it leaves at its own size: what acts through the command is not in proportion to it."""
     if not WEAKENING & set(seed.candidate.law.HOOKS):
         return seed
     column = balances.added([seed.effect()])
-    return replace(seed, left=replace(levels, residual=levels.residual + column[0]).alone()[1])
+    return replace(seed, left=replace(nuisances, residual=nuisances.residual + column[0]).alone()[1])
 
 
 def _resized(candidate: Candidate, factor: float) -> Candidate:
@@ -193,11 +193,11 @@ def _resized(candidate: Candidate, factor: float) -> Candidate:
     return candidate
 
 
-def _waves(balances: Balances, levels: Levels, laws: Iterable[Effect]) -> Iterator[Seed]:
+def _waves(balances: Balances, nuisances: Nuisances, laws: Iterable[Effect]) -> Iterator[Seed]:
     """Waves in place and in time; one along the travel also as every other wave of its period."""
     laws = list(laws)
-    steps, _ = levels.alone()
-    residual = levels.moved(steps)
+    steps, _ = nuisances.alone()
+    residual = nuisances.moved(steps)
     spatial: list[float] = []
     for law in laws:
         wave = plain_wave(law)
@@ -206,7 +206,7 @@ def _waves(balances: Balances, levels: Levels, laws: Iterable[Effect]) -> Iterat
         along = law.ROLES[wave.shape]["quantity"] == "distance"
         found = peaks(balances, residual, SEED.peaks, spatial=along, gained="command_gain" in law.HOOKS)
         for value in found:
-            seed = _sharpest(balances, levels, law, value, along)
+            seed = _sharpest(balances, nuisances, law, value, along)
             if seed is not None:
                 yield seed
                 if along:
@@ -215,14 +215,14 @@ def _waves(balances: Balances, levels: Levels, laws: Iterable[Effect]) -> Iterat
     for law in laws:
         wave = kind_of(law, Wave)
         if wave is not None and law.ROLES[wave.shape]["quantity"] == "distance":
-            yield from judged(balances, levels, [wave_of(balances, law, period) for period in [*spatial, *known]])
+            yield from judged(balances, nuisances, [wave_of(balances, law, period) for period in [*spatial, *known]])
 
 
-def _sharpest(balances: Balances, levels: Levels, law: Effect, value: float, along: bool) -> Seed | None:
+def _sharpest(balances: Balances, nuisances: Nuisances, law: Effect, value: float, along: bool) -> Seed | None:
     span = balances.scales.position if along else balances.scales.time
 
     def seed_at(number: float) -> Seed | None:
-        one = judged(balances, levels, [wave_of(balances, law, 1.0 / number if along else number)])
+        one = judged(balances, nuisances, [wave_of(balances, law, 1.0 / number if along else number)])
         return one[0] if one else None
 
     def explained(number: float) -> float:
@@ -242,7 +242,7 @@ def wave_of(balances: Balances, law: Effect, value: float) -> Candidate:
     return Candidate(law, {wave.shape: value}, ((wave.sine, None), (wave.cosine, None)), (unit, unit))
 
 
-def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[Seed]:
+def _resonances(balances: Balances, nuisances: Nuisances, law: Effect) -> Iterator[Seed]:
     """A load that hangs on the motor: its inertia where it does not follow, its share of the mass free."""
     from scipy.optimize import minimize
 
@@ -251,11 +251,11 @@ def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[See
     if not bottom < top:
         return
     grid = [(f, d) for d in SEED.damping_ratios for f in np.geomspace(bottom, top, SEED.mode_frequencies)]
-    seeds = [seed for f, d in grid if (seed := _resonance(balances, levels, law, float(f), d)) is not None]
+    seeds = [seed for f, d in grid if (seed := _resonance(balances, nuisances, law, float(f), d)) is not None]
 
     def left(logarithms: FloatArray) -> float:
         frequency, damping = np.exp(np.clip(logarithms, np.log([bottom, 1e-3]), np.log([2.0 * top, 0.7])))
-        seed = _resonance(balances, levels, law, float(frequency), float(damping))
+        seed = _resonance(balances, nuisances, law, float(frequency), float(damping))
         return np.inf if seed is None else seed.left
 
     for seed in sorted(seeds, key=lambda one: one.left)[: SEED.sharpened]:
@@ -264,10 +264,12 @@ def _resonances(balances: Balances, levels: Levels, law: Effect) -> Iterator[See
         ends = {"maxfev": SEED.mode_evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
         better = minimize(left, start, method="Nelder-Mead", options=ends)
         frequency, damping = np.exp(better.x)
-        yield _resonance(balances, levels, law, float(frequency), float(damping)) or seed
+        yield _resonance(balances, nuisances, law, float(frequency), float(damping)) or seed
 
 
-def _resonance(balances: Balances, levels: Levels, law: Effect, antiresonance: float, damping: float) -> Seed | None:
+def _resonance(
+    balances: Balances, nuisances: Nuisances, law: Effect, antiresonance: float, damping: float
+) -> Seed | None:
     """A load of the share that leaves least; None where it would have none of the mass, or nearly all."""
     mass = balances.model.axis.mass
     rows = []
@@ -275,8 +277,8 @@ def _resonance(balances: Balances, levels: Levels, law: Effect, antiresonance: f
         dynamics = source.balance.dynamics
         borne = mass * (dynamics.motion.acceleration - source.load_acceleration(antiresonance, damping))
         rows.append(dynamics.filtered(borne[None, :]))
-    weights, left = levels.fitted(balances.joined(rows), np.zeros(1), np.array([np.inf]))
-    moved = weights[levels.paths.index("axis.mass")] if "axis.mass" in levels.paths else 0.0
+    weights, left = nuisances.fitted(balances.joined(rows), np.zeros(1), np.array([np.inf]))
+    moved = weights[nuisances.paths.index("axis.mass")] if "axis.mass" in nuisances.paths else 0.0
     share = float(weights[-1]) * mass / (mass + float(moved))
     if not 0.0 < share < SEED.load_max:
         return None

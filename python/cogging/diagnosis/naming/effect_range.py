@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.diagnosis.thresholds import LEVEL_CHANGE
+from cogging.diagnosis.thresholds import PARAMETER_CHANGE
 from cogging.effects.effect import Effect, laws_of
 
 
@@ -31,9 +31,11 @@ def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
                 order = np.argsort(values)
                 heap = np.cumsum(force[order]) / force.sum()
                 rows = np.cumsum(source.mask[order]) / source.mask.sum()
-                low, high = (min(int(np.searchsorted(heap, tail)), len(order) - 1) for tail in LEVEL_CHANGE.range_tails)
+                low, high = (
+                    min(int(np.searchsorted(heap, tail)), len(order) - 1) for tail in PARAMETER_CHANGE.range_tails
+                )
                 tight = rows[high] - rows[low]
-                if tight < tightest - LEVEL_CHANGE.range_tighter:
+                if tight < tightest - PARAMETER_CHANGE.range_tighter:
                     tightest = tight
                     best = (name, [float(values[order[low]]), float(values[order[high]])])
             return {"coordinate": best[0], "range": best[1]}
@@ -43,4 +45,4 @@ def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
         return {"coordinate": "command", "range": [float(source.log.command.min()), float(source.log.command.max())]}
     if "state" in hooks:
         return {"coordinate": "velocity", "range": [-source.rest, source.rest]}
-    return {"coordinate": "frequency", "range": [LEVEL_CHANGE.dynamics_from, 0.5 / source.scales.sample_time]}
+    return {"coordinate": "frequency", "range": [PARAMETER_CHANGE.dynamics_from, 0.5 / source.scales.sample_time]}

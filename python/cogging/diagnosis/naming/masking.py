@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from cogging.diagnosis.thresholds import LEVEL_CHANGE
+from cogging.diagnosis.thresholds import PARAMETER_CHANGE
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
 
@@ -39,7 +39,7 @@ def _vanished(nominal: Model, final: Model) -> Iterator[tuple[str, str, float, f
         if not sizes:
             continue
         first, second = max(sizes, key=lambda pair: abs(pair[0].value))
-        if 0.0 < max(abs(b.value) for _, b in sizes) < LEVEL_CHANGE.vanished * abs(first.value):
+        if 0.0 < max(abs(b.value) for _, b in sizes) < PARAMETER_CHANGE.vanished * abs(first.value):
             yield effect.NAME, first.unit, first.value, second.value
 
 

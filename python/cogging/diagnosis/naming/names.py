@@ -17,7 +17,7 @@ from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.state import Added, Search
-from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION, LEVEL_CHANGE, NAME, SEARCH
+from cogging.diagnosis.thresholds import CHOICE, CONFIRMATION, NAME, PARAMETER_CHANGE, SEARCH
 from cogging.estimation.gauss_newton import Estimate
 from cogging.model.parameters import effect_paths, parameters_of
 
@@ -163,13 +163,15 @@ def merged(effects: Sequence[NamedEffect]) -> list[NamedEffect]:
 def changed(
     change: tuple[str, float, float, float], alternatives: tuple[str, ...], residual_shapes: Sequence[Shape]
 ) -> NamedEffect:
-    """Mass, viscous or Coulomb friction beyond what the model states (level_changes.changes), as an effect."""
+    """Mass, viscous or Coulomb friction beyond what the model states (parameter_changes.changes), as an effect."""
     name, size, half, beyond = change
     confidence = (
-        LEVEL_CHANGE.sure_of_change if abs(beyond) > LEVEL_CHANGE.change_clear else LEVEL_CHANGE.less_sure_of_change
+        PARAMETER_CHANGE.sure_of_change
+        if abs(beyond) > PARAMETER_CHANGE.change_clear
+        else PARAMETER_CHANGE.less_sure_of_change
     )
     if residual_shapes:
-        confidence *= LEVEL_CHANGE.if_shapes_left_too
+        confidence *= PARAMETER_CHANGE.if_shapes_left_too
     value = Value(size, "1", (size - half, size + half))
     return NamedEffect(
         f"{name}_change",

@@ -49,7 +49,7 @@ def _size(effect: NamedEffect, whole: Balances, stated: Model) -> float:
 
 
 def without(name: str, model: Model, stated: Model) -> Model:
-    """The model without what was added under a name, or with the level that it has changed as it was stated."""
+    """The model without what was added under a name, or with the parameter that it has changed as it was stated."""
     level = name.removesuffix("_change")
     if level != name:
         return model.replace(axis=model.axis.replace(**{level: getattr(stated.axis, level)}))

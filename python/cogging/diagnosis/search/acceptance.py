@@ -12,8 +12,8 @@ from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
 
 
-def with_levels_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
-    """A model with the levels that it had before something was added."""
+def with_nuisances_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
+    """A model with the nuisances that it had before something was added."""
     known = parameters_of(before, together=True)
     return with_values(model, {path: known[path].value for path in paths if not path.startswith("effects.")})
 
@@ -27,12 +27,12 @@ def that_pays(
     turns: Sequence[float] = (),
     replay: bool = False,
 ) -> tuple[Model | None, str]:
-    """The model with which the gap on the confirm logs does not grow: its levels re-tuned, or as they were before.
+    """The model with which the gap on the confirm logs does not grow: its nuisances re-tuned, or as they were before.
 
-    Levels that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself may
-    then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the replayed
-    loop where it is asked for (`replay`) and can be had; waves that were added lie on the other motion where it shows
-    them, turned by `turns` (rad, one an added effect, the last of the one in question).
+    Nuisances that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself
+    may then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the
+    replayed loop where it is asked for (`replay`) and can be had; waves that were added lie on the other motion where
+    it shows them, turned by `turns` (rad, one an added effect, the last of the one in question).
     """
     there = [as_there(before, turns[:-1]), as_there(tuned, turns), as_there(kept, turns)]
     other = discrepancies(confirm, there, replay=replay)

@@ -9,8 +9,8 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import discrepancies, source_of
-from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.state import Search
+from cogging.diagnosis.search.tuning import with_nuisances_tuned
 from cogging.diagnosis.thresholds import ACCEPTANCE
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.logs.log import Log
@@ -62,7 +62,9 @@ def with_term(
     prefix = effect_paths(larger.effects)[-1][0]
     own = [path for path in parameters_of(larger) if path.startswith(f"{prefix}.{knots.levels}[")]
     try:
-        tuned = with_levels(larger, [*found.nominal.paths, *own], [source_of(log, found.nominal.model) for log in logs])
+        tuned = with_nuisances_tuned(
+            larger, [*found.nominal.paths, *own], [source_of(log, found.nominal.model) for log in logs]
+        )
         before, after = (gap.rms for gap in discrepancies(logs, [model, tuned], replay=False))
         elsewhere = [gap.rms for gap in discrepancies(others, [model, tuned], replay=False)] if others else None
     except (DivergedError, ValueError) as error:

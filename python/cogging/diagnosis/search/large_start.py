@@ -17,7 +17,7 @@ from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import sources_of, width_floor
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.large.refit import movable
-from cogging.diagnosis.large.search import Large, LargeTerm, with_levels_of_its_own, without_term
+from cogging.diagnosis.large.search import Large, LargeTerm, with_own_nuisances, without_term
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
 from cogging.diagnosis.search.state import Added, State, Task
 from cogging.diagnosis.thresholds import LARGE
@@ -92,7 +92,7 @@ def fitted(large: Large, sources: Sequence[Innovations]) -> Estimate:
         found = whitened_fit(large, sources)
     except (DivergedError, ValueError):
         return at_start
-    again = with_levels_of_its_own(large.balances.under(found.model), large.allowed)
+    again = with_own_nuisances(large.balances.under(found.model), large.allowed)
     return found if again.rms <= LARGE.growth * large.balances.rms else at_start
 
 
@@ -130,7 +130,7 @@ def confirmation_of(term: LargeTerm) -> Confirmation | None:
 
 
 def tuned_beside_large(state: State, model: Model) -> tuple[Model | None, str]:
-    """The model with its levels tuned; None, and why, where what was added beside large effects does not pay.
+    """The model with its nuisances tuned; None, and why, where what was added beside large effects does not pay.
 
     How far the shape of a large effect is from its law is large too, against noise alone: what is added beside it must
     take a good part of what is left, here and on other motion.
@@ -140,7 +140,7 @@ def tuned_beside_large(state: State, model: Model) -> tuple[Model | None, str]:
     replay = task.replay and state.by_loop is not False
     try:
         if has_balance(model) and not replay:
-            model = with_levels_of_its_own(large.balances.under(model), large.allowed).model
+            model = with_own_nuisances(large.balances.under(model), large.allowed).model
         pairs = [(task.logs, "gap")] + ([(task.confirm, "gap on the other motion")] if task.confirm else [])
         for logs, what in pairs:
             before, after = discrepancies(logs, [state.tuned, model], replay=replay, balance=True, stated=task.model)

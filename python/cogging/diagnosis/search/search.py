@@ -18,7 +18,7 @@ from cogging.diagnosis.large.search import Large, search_large
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import low_power, shapes
-from cogging.diagnosis.search.acceptance import that_pays, with_levels_of
+from cogging.diagnosis.search.acceptance import that_pays, with_nuisances_of
 from cogging.diagnosis.search.choice import (
     choose,
     is_rounding,
@@ -30,9 +30,9 @@ from cogging.diagnosis.search.choice import (
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
 from cogging.diagnosis.search.form_rivals import law_instead, with_forms
 from cogging.diagnosis.search.large_start import started, tuned_beside_large
-from cogging.diagnosis.search.levels import with_levels
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
+from cogging.diagnosis.search.tuning import with_nuisances_tuned
 from cogging.diagnosis.thresholds import CHOICE, SEARCH
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
@@ -98,7 +98,7 @@ def begin(task: Task) -> State:
     if task.free_map:
         nominal, evidence = freed(nominal, evidence)
     sources = [source_of(log, nominal.model) for log in task.logs]
-    tuned = with_levels(nominal.model, nominal.paths, sources)
+    tuned = with_nuisances_tuned(nominal.model, nominal.paths, sources)
     quick = all(source.quick_starts for source in evidence.sources)
     state = State(task, nominal, evidence, tuned, sources, quick, nominal, evidence, tuned)
     state.confirm_evidence = evidence_elsewhere(state)
@@ -231,7 +231,7 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
 
 
 def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | None:
-    """The fitted model with its levels tuned; None, and the effect refused, where the gap on other motion grows."""
+    """The fitted model with its nuisances tuned; None, and the effect refused, where the gap on other motion grows."""
     task = state.task
     if state.large is not None:
         beside, why = tuned_beside_large(state, fitted.model)
@@ -239,13 +239,13 @@ def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | 
             refuse(state, choice.finding, why)
         return beside
     paths = state.nominal.paths
-    tuned = with_levels(fitted.model, paths, state.level_sources, state.allowed)
+    tuned = with_nuisances_tuned(fitted.model, paths, state.tuning_sources, state.allowed)
     if not task.confirm:
         return tuned
     if state.by_loop is None:
         nominal = state.tuned_nominal
         state.by_loop = task.replay and follows(discrepancies(task.logs, [nominal], replay=True)[0], task.logs, nominal)
-    kept = with_levels_of(state.tuned, fitted.model, paths)
+    kept = with_nuisances_of(state.tuned, fitted.model, paths)
     turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
     paying, growth = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, turns, replay=state.by_loop)
     if paying is None:

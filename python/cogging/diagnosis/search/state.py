@@ -40,7 +40,7 @@ class Added:
         rivals: it and what explains about as much, the likeliest first.
         shapes: residual shapes of what was missing before it, and its modulated look-alikes.
         confirmation: its test on other motion; None without.
-        model: model refitted with it, with levels tuned to its gap.
+        model: model refitted with it, with nuisances tuned to its gap.
         or_map: whether errors of the cogging map explain nearly as much.
         large: what the force balance said of it, of a large effect; None else.
     """
@@ -99,12 +99,12 @@ class State:
         task: logs, model and options.
         nominal: fit of the given model.
         nominal_evidence: its evidence.
-        tuned_nominal: nominal model with levels tuned to its gap (with_levels).
-        level_sources: logs to which levels are tuned.
+        tuned_nominal: nominal model with nuisances tuned to its gap (with_nuisances_tuned).
+        tuning_sources: logs to which nuisances are tuned.
         quick: whether rows soon after a quick start count (see fit_null).
         estimate: fit with all that was added.
         evidence: its evidence; once something stands out of it, with filters estimated without that.
-        tuned: last model with levels tuned to its gap.
+        tuned: last model with nuisances tuned to its gap.
         confirm_evidence: evidence of the confirm logs under the last model; None where they cannot be predicted.
         added: accepted effects in their order.
         refused: refused effects, each with the reason.
@@ -118,7 +118,7 @@ class State:
     nominal: Estimate
     nominal_evidence: Evidence
     tuned_nominal: Model
-    level_sources: list[Innovations]
+    tuning_sources: list[Innovations]
     quick: bool
     estimate: Estimate
     evidence: Evidence
@@ -149,7 +149,7 @@ class Search:
     Attributes:
         nominal: fit of the model as it was given.
         nominal_evidence: its evidence.
-        tuned: nominal model with levels tuned to its gap (with_levels).
+        tuned: nominal model with nuisances tuned to its gap (with_nuisances_tuned).
         estimate: fit with all that was added.
         evidence: its evidence.
         added: accepted effects in their order.

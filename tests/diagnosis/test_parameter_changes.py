@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from cogging.diagnosis.naming.level_changes import changes, look_alikes
+from cogging.diagnosis.naming.parameter_changes import changes, look_alikes
 from cogging.diagnosis.search.search import search
 from tests.fixtures.moving_axis import machine, record
 

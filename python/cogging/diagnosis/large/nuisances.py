@@ -16,11 +16,11 @@ from cogging.model.parameters import parameters_of
 
 
 @dataclass(frozen=True)
-class Levels:
-    """Linear least squares of a force balance with bounded levels.
+class Nuisances:
+    """Linear least squares of a force balance over its nuisance parameters, each within bounds.
 
     Attributes:
-        paths: paths of the levels that may move.
+        paths: paths of the nuisances that may move.
         columns: derivatives of the residual by them, V per unit, (p, n).
         low, high: by how much each may move, (p,).
         residual: of the model as it stands, V, (n,).
@@ -39,7 +39,7 @@ class Levels:
         return products_of(rows, rows)
 
     def fitted(self, columns: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, float]:
-        """Amplitudes (p + q,) of the levels and of further columns (q, n) within bounds, and the power that is left."""
+        """Amplitudes (p + q,) of the nuisances and of further columns (q, n) within bounds, and the power left."""
         p, q = len(self.columns), len(columns)
         known = self.products
         products = np.zeros((p + q + 1, p + q + 1))
@@ -58,12 +58,12 @@ class Levels:
         return self.fitted(np.zeros((0, len(self.residual))), np.zeros(0), np.zeros(0))
 
     def moved(self, steps: FloatArray) -> FloatArray:
-        """The residual once the levels have moved by `steps` (p,), V, (n,)."""
+        """The residual once the nuisances have moved by `steps` (p,), V, (n,)."""
         return np.asarray(self.residual + steps @ self.columns)
 
 
-def levels_of(balances: Balances, allowed: Allowance, *, effects: bool = True) -> Levels:
-    """The levels of a model that may move: nuisances, amplitudes of `effects` among them."""
+def nuisances_of(balances: Balances, allowed: Allowance, *, effects: bool = True) -> Nuisances:
+    """What may move beside a term: nuisances of the model, amplitudes of `effects` among them."""
     known = parameters_of(balances.model, together=True)
     paths = [p for p in nuisances(balances.model) if p not in allowed.exact and p != "axis.coulomb_width"]
     paths = [p for p in paths if effects or not p.startswith("effects.")]
@@ -71,7 +71,7 @@ def levels_of(balances: Balances, allowed: Allowance, *, effects: bool = True) -
     low = np.array([allowed.floors.get(path, -np.inf) for path in paths]) - values
     high = np.array([allowed.ceilings.get(path, np.inf) for path in paths]) - values
     columns = balances.columns([known[path] for path in paths])
-    return Levels(tuple(paths), columns, np.minimum(low, 0.0), np.maximum(high, 0.0), balances.residual)
+    return Nuisances(tuple(paths), columns, np.minimum(low, 0.0), np.maximum(high, 0.0), balances.residual)
 
 
 def products_of(rows: FloatArray, others: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.search.state import Search
-from cogging.diagnosis.thresholds import ALLOWANCE, LEVEL_CHANGE, NAME
+from cogging.diagnosis.thresholds import ALLOWANCE, NAME, PARAMETER_CHANGE
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.statistics import student
@@ -23,9 +23,9 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
     """Mass, viscous and Coulomb friction beyond what the model states.
 
     Each as (name, change, half of its 95 % interval, how many deviations, found and stated, it is beyond). Shapes of
-    friction close to rest are nuisances here too: what they take up is no change of the level.
+    friction close to rest are nuisances here too: what they take up is no change of the parameter.
     """
-    values, deviations, halves = level_estimates(search_.evidence, search_.estimate)
+    values, deviations, halves = parameter_estimates(search_.evidence, search_.estimate)
     known = parameters_of(model)
     found = []
     for i, path in enumerate(search_.estimate.paths):
@@ -35,17 +35,17 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         if search_.large is not None and path not in search_.large.let_go:
             continue  # it is held as far as the statement goes: nothing was found about it
         prior = getattr(model.axis, name)
-        if prior <= LEVEL_CHANGE.vanishing * search_.evidence.scales.of(known[path].unit):
+        if prior <= PARAMETER_CHANGE.vanishing * search_.evidence.scales.of(known[path].unit):
             continue  # a deviation relative to nothing says nothing
         if values[i] <= 0.0:
-            continue  # no such machine: the logs do not tell this level from what goes with it
+            continue  # no such machine: the logs do not tell this parameter from what goes with it
         beyond = deviations_beyond(float(values[i]), float(deviations[i]), prior, model.uncertainty.get(name))
         found.append((name, values[i] / prior - 1.0, float(halves[i]) / prior, float(beyond)))
     return found
 
 
 def deviations_beyond(value: float, deviation: float, prior: float, stated: float | None) -> float:
-    """By how many deviations, found and stated, a level is beyond what is stated of it.
+    """By how many deviations, found and stated, a parameter is beyond what is stated of it.
 
     Where nothing is stated it is known to within a factor (ALLOWANCE.unstated): what is beyond that counts.
     """
@@ -60,9 +60,9 @@ def deviations_beyond(value: float, deviation: float, prior: float, stated: floa
 def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
     """Effects of one amplitude that would do to these logs nearly what a change of mass or friction does.
 
-    Beside all else that is free, their columns have a cosine c with that of the level. T (1 - c^2) of the change tells
-    the two apart: of what shares most of it (c^2), one with less than the margin of what is alike (NAME.alike_margin),
-    at an amplitude in its range.
+    Beside all else that is free, their columns have a cosine c with that of the parameter. T (1 - c^2) of the
+    change tells the two apart: of what shares most of it (c^2), one with less than the margin of what is
+    alike (NAME.alike_margin), at an amplitude in its range.
     """
     evidence, estimate = search_.evidence, search_.estimate
     place = estimate.paths.index(f"axis.{name}")
@@ -85,12 +85,12 @@ def look_alikes(search_: Search, model: Model, name: str) -> tuple[str, ...]:
         amplitude = moved * common / its / sizes[role["quantity"]]
         shared = common**2 / (its * power)
         apart = moved**2 * power * (1.0 - shared) / evidence.overdispersion
-        if shared > LEVEL_CHANGE.shared and apart < NAME.alike_margin and role["low"] <= amplitude <= role["high"]:
+        if shared > PARAMETER_CHANGE.shared and apart < NAME.alike_margin and role["low"] <= amplitude <= role["high"]:
             found.append(effect)
     return tuple(found)
 
 
-def level_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray, FloatArray]:
+def parameter_estimates(evidence: Evidence, estimate: Estimate) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Values, 1-sigma and half of the 95 % interval of the free parameters, shapes of slow friction free beside them.
 
     The deviations are those that leaving out blocks gives, or white residuals, whichever are larger.

@@ -17,7 +17,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
 
 
-def with_levels(
+def with_nuisances_tuned(
     model: Model, paths: Sequence[str], sources: Sequence[Innovations], allowed: Allowance | None = None
 ) -> Model:
     """The model after least squares of the innovations over `paths`, effects that were found as they are.
@@ -25,7 +25,7 @@ def with_levels(
     Mass and friction move as far as they are `allowed` to; None: freely, to be tested afterwards.
 
     A fit of whitened residuals weighs high frequencies, where the noise is low: what is slightly wrong there bends the
-    levels, and the gap with them. Models are compared by their gaps, each with the levels that make its own smallest.
+    nuisances, and the gap with them. Models are compared by their gaps, each with nuisances that make its own smallest.
     """
     paths = paths_in(model, paths)
     scales = Scales.largest(source.scales for source in sources)
@@ -38,14 +38,14 @@ def with_levels(
         return sum(float(np.sum(s.of([one])[0, rows] ** 2)) for s, rows in zip(sources, masks, strict=True))
 
     best = gap(model)
-    for _ in range(REFIT.level_iterations):
+    for _ in range(REFIT.tuning_iterations):
         known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, sources, scales)
         right = np.concatenate([r[rows] for r, rows in zip(residuals, masks, strict=True)])
         table = np.concatenate([c[:, rows] for c, rows in zip(columns, masks, strict=True)], axis=1)
         step = -least_squares_of_long_rows(table, right)
-        for halving in range(REFIT.level_halvings):
+        for halving in range(REFIT.tuning_halvings):
             values = {
                 p.path: min(
                     max(p.clipped(p.value + 0.5**halving * s), floors.get(p.path, -np.inf)),
@@ -63,6 +63,6 @@ def with_levels(
         else:
             return model
         gained, best, model = best - after, after, moved
-        if gained < REFIT.level_gain * best:
+        if gained < REFIT.tuning_gain * best:
             break
     return model
