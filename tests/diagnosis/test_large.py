@@ -278,3 +278,13 @@ def test_a_diagnosis_in_the_large(seed):
     for level in ("mass", "viscous", "coulomb"):
         assert limits.inside(f"axis.{level}", getattr(result.nominal.axis, level))
         assert result.to_dict()["nominal"][f"axis.{level}"]["stated"] == getattr(machine.model.axis, level)
+
+
+def test_amplitudes_of_either_sign_are_never_far_outside_what_is_allowed():
+    """Of what the statement says nothing: a known cogging whose sine is negative asks for no large effect."""
+    allowed = allowance(Machine(2).model)
+    assert not any(allowed.far_outside("cogging.sine[0][0]", value) for value in (-1e3, -1e-6, 0.0, 1e3))
+    mass = Machine(2).model.axis.mass
+    assert not allowed.far_outside("axis.mass", mass)
+    assert allowed.far_outside("axis.mass", 100.0 * mass)
+    assert allowed.far_outside("axis.mass", 0.01 * mass)

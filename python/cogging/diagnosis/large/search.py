@@ -147,7 +147,7 @@ def search_large(
     start = refitted(balances, allowed, given)
     elsewhere = None if confirm is None else with_own_nuisances(confirm.under(start.model), allowed)
     empty = Large(given, allowed, start, elsewhere, start, elsewhere, allowed)
-    if not (is_large(empty) or (any_size and start.rms > LARGE.least * start.command)):
+    if not (is_large(empty) or (any_size and start.rms > max(LARGE.least * start.command, start.noise))):
         return None
     progress("large effects, 1")
     best, rivals = best_start(empty, vocabulary, progress)
