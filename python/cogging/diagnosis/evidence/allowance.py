@@ -33,7 +33,8 @@ class Allowance:
         """Whether a value is beyond what is allowed by more than a parameter itself is likely to have changed."""
         if path not in self.floors:
             return False  # amplitudes, of either sign
-        return value > ALLOWANCE.far * self.ceilings.get(path, float("inf")) or value < self.floors[path] / ALLOWANCE.far
+        high = self.ceilings.get(path, float("inf"))
+        return value > ALLOWANCE.far * high or value < self.floors[path] / ALLOWANCE.far
 
     def nearest(self, path: str, value: float) -> float:
         """The allowed value that is nearest to one."""
