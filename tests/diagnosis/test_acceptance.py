@@ -1,5 +1,7 @@
 """Whether an effect pays on other motion."""
 
+import pytest
+
 from cogging import EFFECTS
 from cogging.diagnosis.discrepancy import discrepancies, follows
 from cogging.diagnosis.evidence.null import nuisances
@@ -36,3 +38,14 @@ def test_levels_of_an_earlier_model_leave_what_was_added():
     kept = with_nuisances_of(before, machine([EFFECTS["cable_spring"](stiffness=1.5)]), nuisances(before))
     assert kept.axis == before.axis
     assert [effect.NAME for effect in kept.effects] == ["cable_spring"]
+
+
+@pytest.mark.parametrize("scale", [-2e-3, 1e-3])
+def test_an_encoder_that_errs_is_replayed_as_it_reads(scale):
+    """The error of the replayed position is that of the reading: an effect in the reading may well move the axis."""
+    wrong = EFFECTS["encoder_scale_error"](scale=scale)
+    log = record(machine([wrong]), 13)
+    bare, known = discrepancies([log], [machine(), machine([wrong])], replay=True)
+    assert known.position < 1e-6
+    assert known.position <= 1.1 * bare.position
+    assert known.rms < bare.rms

@@ -131,7 +131,7 @@ def _replayed(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]
         for i, (one, model) in enumerate(zip(replays, models, strict=True)):
             run = one.run(model)
             series[i].append(log.command - run["command"])
-            errors[i].append(_rms([log.position - run["true_position"]], masks[-1:]) ** 2)
+            errors[i].append(_rms([log.position - run["position"]], masks[-1:]) ** 2)
     return [
         Discrepancy(
             _rms(rows, masks),
