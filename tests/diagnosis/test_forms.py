@@ -1,5 +1,7 @@
 """Other laws of the same cause: each holds the plainest one, and acts on nothing else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lti, step
@@ -7,6 +9,7 @@ from scipy.signal import lti, step
 from cogging.diagnosis.candidates.forms import form_of, lagged
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.evidence.score_test import orthonormal
+from cogging.diagnosis.search.form_rivals import with_forms
 from cogging.effects.effect import VOCABULARY
 
 EFFECTS = {
@@ -98,3 +101,16 @@ def test_nothing_in_the_scan_is_left_without_a_decision(quiet_evidence):
     laws = [law for name, law in VOCABULARY.items() if name != "empirical_force"]
     for finding in scan(quiet_evidence, laws):
         assert (form_of(finding.effect(), quiet_evidence) is None) == (finding.name in without)
+
+
+@pytest.mark.parametrize("first", ["cogging_harmonic", "end_effect", "cable_spring", "command_dead_zone"])
+def test_a_free_law_of_the_chosen_one_is_no_word_against_its_rivals(first, quiet_evidence):
+    findings = scan(quiet_evidence, [law for name, law in VOCABULARY.items() if name != "empirical_force"])
+    chosen = replace(next(one for one in findings if one.name == first), score=50.0)
+    rivals = [chosen, *(replace(one, score=49.0 - i) for i, one in enumerate(f for f in findings if f.name != first))]
+    found = with_forms(rivals, findings, quiet_evidence, None)
+    assert found[0].name == first
+    assert found[0].score >= 50.0
+    after = {one.name: one.score for one in found}
+    for rival in rivals[1:]:
+        assert found[0].score - after[rival.name] <= 50.0 - rival.score + 1e-9

@@ -30,12 +30,14 @@ def with_forms(
         evidence: what they were found in.
         confirm: evidence of the confirm logs; None without.
 
-    The chosen one is judged with its own law free too. A form costs FORM.cost for each of its columns.
+    The chosen one is judged with its own law free too: what joins the rivals must come near to that. A
+    form costs FORM.cost for each of its columns.
     """
     chosen = rivals[0]
     best = freed(chosen, evidence, confirm)
     top = max(chosen.score, -np.inf if best is None else best.score)
-    near = {rival.name: rival for rival in rivals[1:]}
+    # What is as near with the plainest laws stays as near: a free law of the chosen one is no word against it.
+    near = {rival.name: replace(rival, score=rival.score + top - chosen.score) for rival in rivals[1:]}
     for finding in findings:
         if finding.name == chosen.name or is_wave(finding.candidate.law):
             continue
