@@ -105,7 +105,8 @@ def test_nothing_in_the_scan_is_left_without_a_decision(quiet_evidence):
 
 @pytest.mark.parametrize("first", ["cogging_harmonic", "end_effect", "cable_spring", "command_dead_zone"])
 def test_a_free_law_of_the_chosen_one_is_no_word_against_its_rivals(first, quiet_evidence):
-    findings = scan(quiet_evidence, [law for name, law in VOCABULARY.items() if name != "empirical_force"])
+    scanned = scan(quiet_evidence, [law for name, law in VOCABULARY.items() if name != "empirical_force"])
+    findings = list({one.name: one for one in scanned}.values())
     chosen = replace(next(one for one in findings if one.name == first), score=50.0)
     rivals = [chosen, *(replace(one, score=49.0 - i) for i, one in enumerate(f for f in findings if f.name != first))]
     found = with_forms(rivals, findings, quiet_evidence, None)
