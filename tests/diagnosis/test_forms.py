@@ -103,7 +103,7 @@ def test_nothing_in_the_scan_is_left_without_a_decision(quiet_evidence):
         assert (form_of(finding.effect(), quiet_evidence) is None) == (finding.name in without)
 
 
-@pytest.mark.parametrize("first", ["cogging_harmonic", "end_effect", "cable_spring", "command_dead_zone"])
+@pytest.mark.parametrize("first", ["cogging_harmonic", "end_effect", "cable_spring", "quadratic_drag"])
 def test_a_free_law_of_the_chosen_one_is_no_word_against_its_rivals(first, quiet_evidence):
     scanned = scan(quiet_evidence, [law for name, law in VOCABULARY.items() if name != "empirical_force"])
     findings = list({one.name: one for one in scanned}.values())
