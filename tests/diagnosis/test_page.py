@@ -1,7 +1,12 @@
 """The report."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from markupsafe import escape
+
+from cogging.diagnosis.entries import NearRest, ShapeTerm
 
 
 def test_a_report_without_its_library_says_what_to_install(found, monkeypatch):
@@ -26,3 +31,34 @@ def test_the_report_says_what_why_and_what_next(found):
     assert found.location.lines()
     assert all(str(escape(line)) in page for line in found.location.lines())
     assert len(found.plot().axes) == 6
+
+
+def test_a_shape_of_its_own_and_friction_near_rest_stand_on_page_and_screen(found):
+    term = ShapeTerm(
+        "position near the ends",
+        "m",
+        [0.0, 0.01, 0.5, 0.49],
+        [0.2, 0.1, -0.3, -0.1],
+        [0.01, 0.02, 0.03, np.inf],
+        812.0,
+        0.3,
+        {"coordinate": "position", "places": [0.0, 0.01], "force": [0.2, 0.1]},
+    )
+    friction = NearRest(93.0, 6, -40.0, -20.0, ("presliding_friction", "stribeck_friction"), "creep at five speeds")
+    told = replace(found, effects=(replace(found.effects[0], shape_term=term),), near_rest=friction)
+    page, text = told.html(), told.text()
+    for words in (
+        "viscous asymmetry of a shape of its own",
+        "of another shape than its plainest law, T = 812 in position near the ends: +0.2 more about 0 m",
+        "What viscous asymmetry has beside its plainest law",
+        "Friction near rest",
+        "this motion cannot tell which law it follows",
+        "presliding friction or stribeck friction",
+        "To tell the friction near rest: creep at five speeds.",
+    ):
+        assert words in page, words
+    assert page.count("data:image/png") == found.html().count("data:image/png") + 1
+    for words in ("of another shape than its plainest law, T = 812", "near rest the friction is not the model's"):
+        assert words in text, words
+        assert words not in found.text()
+    assert "Friction near rest" not in found.html()

@@ -15,6 +15,8 @@ from cogging.model.intervals import SIGMAS_95
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from cogging.diagnosis.entries import ShapeTerm
+
 COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
 
 
@@ -134,6 +136,32 @@ def shapes_figure(shapes: Sequence[Shape]) -> Figure:
         draw_shape(panel, shape)
     for panel in panels[len(shapes) :]:
         panel.remove()
+    return figure
+
+
+def shape_term_figure(term: ShapeTerm) -> Figure:
+    """What an effect has beside its plainest law, with 95 % bars; what is told twice at a place, beside each other."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 2.9), layout="constrained")
+    panel = figure.subplots()
+    panel.axhline(0.0, color="black", linewidth=0.6)
+    force, deviation = np.array(term.force), np.array(term.deviation)
+    told = np.isfinite(deviation)
+    panel.errorbar(
+        np.array(term.places)[told],
+        force[told],
+        SIGMAS_95 * deviation[told],
+        color=COLOURS[1],
+        marker="o",
+        markersize=3,
+        linestyle="none",
+        elinewidth=1.0,
+        capsize=2,
+    )
+    if term.curve is not None:
+        panel.plot(term.curve["places"], term.curve["force"], color=COLOURS[1], linewidth=1.0)
+    panel.set(xlabel=f"{term.coordinate} ({term.unit})", ylabel="beside the plainest law")
     return figure
 
 

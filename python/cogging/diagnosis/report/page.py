@@ -11,13 +11,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.diagnosis.report.figures import coordinates_figure, folded_figure, shapes_figure, time_figure
+from cogging.diagnosis.report.figures import (
+    coordinates_figure,
+    folded_figure,
+    shape_term_figure,
+    shapes_figure,
+    time_figure,
+)
 from cogging.diagnosis.report.words import (
     HEADLINES,
     MEANINGS,
     chance_text,
     law,
     numbers,
+    other_shape_text,
     plain,
     shape_words,
     term_text,
@@ -59,7 +66,7 @@ def html(result: Diagnosis, *, title: str = "") -> str:
 
 
 def _content(result: Diagnosis, title: str) -> dict[str, Any]:
-    names = " and ".join(plain(effect.name) for effect in result.effects) or "something"
+    names = " and ".join(_headline_name(effect) for effect in result.effects) or "something"
     return {
         "title": title,
         "version": importlib.metadata.version("cogging"),
@@ -72,6 +79,7 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "effects": [_effect(result, effect) for effect in result.effects],
         "mismatch": result.mismatch,
         "unlisted": result.unlisted,
+        "near_rest": _near_rest(result),
         "term": _term(result),
         "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in MOMENTS,
         "where": result.location.lines() if result.location is not None else list(result.where_text),
@@ -85,6 +93,22 @@ def _content(result: Diagnosis, title: str) -> dict[str, Any]:
         "model": to_toml(result.model.to_dict()),
         "figures": {"time": "", "coordinates": "", "shapes": "", "folded": "", **_figures(result)},
         "measured": "gap_before" in result.series,
+    }
+
+
+def _headline_name(effect: NamedEffect) -> str:
+    return plain(effect.name) if effect.shape_term is None else f"{plain(effect.name)} of a shape of its own"
+
+
+def _near_rest(result: Diagnosis) -> dict[str, str] | None:
+    """What is said of friction near rest; None where it is the model's, or has a name."""
+    told = result.near_rest
+    if told is None:
+        return None
+    sentence = told.text()
+    return {
+        "sentence": sentence[0].upper() + sentence[1:],
+        "candidates": " or ".join(plain(name) for name in told.candidates),
     }
 
 
@@ -124,6 +148,8 @@ def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
         "chance": chance_text(effect.log_p_value),
         "reasons": reasons,
         "where": where_words(effect.where),
+        "shape": "" if effect.shape_term is None else other_shape_text(effect.shape_term),
+        "shape_figure": "" if effect.shape_term is None else picture(shape_term_figure(effect.shape_term)),
         "alternatives": [
             {"name": name, "words": plain(name), "law": law(result.vocabulary, name)} for name in effect.alternatives
         ],
@@ -153,6 +179,8 @@ def _next(result: Diagnosis) -> list[str]:
     advice = []
     if result.separating_experiment:
         advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
+    if result.near_rest is not None:
+        advice.append(f"To tell the friction near rest: {result.near_rest.experiment}.")
     if result.mismatch is not None:
         advice.append(result.mismatch["advice"])
     elif result.verdict == "controller_mismatch":
