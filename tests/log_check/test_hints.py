@@ -44,6 +44,7 @@ CASES = {
     "at rest": (resting, 0.8, 0.1),
     "missing": (lambda log, much: cut(log, np.arange(len(log)) % 100 >= much), 8, 0),
     "uneven": (jittered, 0.2, 0.001),
+    "if the time is in ms": (lambda log, much: replace(log, time=much * log.time), 1000.0, 10.0),
     "step by": (lambda log, much: replace(log, position=much * np.round(log.position / much)), 1e-6, 1e-7),
 }
 
@@ -68,3 +69,14 @@ def test_diagnose_and_identify_repeat_them(log):
     assert note.startswith("log 2: ")
     found = identify(coarse, model, free=["axis.mass"])
     assert any("readings step by 1e-06 m" in note for note in found.notes)
+
+
+def test_a_log_that_no_fit_can_hold_says_what_the_audit_saw(log):
+    """A time in ms, and no controller or reference that would betray it: whatever ends the call names the option."""
+    model = moving_axis.machine().replace(controller=None, controller_type=None)
+    slow = Log(1e3 * log.time, log.position, log.command)
+    try:
+        told = " ".join(cogging.diagnose(slow, model).notes)
+    except cogging.DivergedError as error:
+        told = str(error)
+    assert "--scale time=0.001" in told

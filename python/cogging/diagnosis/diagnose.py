@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cogging._core import DivergedError
 from cogging.calls import takes
 from cogging.diagnosis.assembly import assemble, with_empirical_term
 from cogging.diagnosis.entries import Gap
@@ -100,6 +101,8 @@ def diagnose(
             found = search(ready.given, model, ready.confirm, begin, loops, vocabulary=vocabulary)
         except NothingCounts as error:
             return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)), vocabulary)
+        except DivergedError as error:
+            raise DivergedError("; ".join((str(error), *ready.notes))) from None
         begin("measuring the gap")
         result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
     wanted = empirical and result.unlisted is not None

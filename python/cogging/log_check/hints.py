@@ -10,11 +10,12 @@ AT_REST = 0.5  # of the rows
 MISSING = 0.005  # of the time, in gaps ...
 PLACES = 5  # ... of which there are so many: fewer are pauses, not lost samples
 JITTER_SHARE, JITTER = 0.05, 0.02  # of the steps that are uneven, and their rms, of the step
+SLOW = 0.1  # s from row to row: what friction and cogging do lies between such rows
 QUANTUM = 1.5  # by which the step of the readings may be larger than the stated one
 
 
 def hints(found: Audit, model: Model) -> list[str]:
-    """Sentences on saturation, rest, lost samples, jitter and a coarse encoder; none where they do not matter.
+    """Sentences on saturation, rest, lost samples, slow or uneven rows and a coarse encoder; none where none matters.
 
     Args:
         found: audit of the log.
@@ -42,6 +43,11 @@ def hints(found: Audit, model: Model) -> list[str]:
             f"{found.gap_longest:.3g} s on end: what happened there is not known"
         )
     step = 1.0 / found.rate
+    if step > SLOW:
+        said.append(
+            f"rows are {step:.3g} s apart, and what friction and cogging do lies between them: give --scale time=0.001 "
+            "if the time is in ms"
+        )
     if found.jitter_share > JITTER_SHARE and found.jitter_rms > JITTER * step:
         said.append(
             f"rows are uneven by {found.jitter_rms:.2g} s rms ({100 * found.jitter_rms / step:.2g} % of a step): "
