@@ -1,0 +1,12 @@
+"""What else runs such loops gives the core's answer; times are for the command."""
+
+import pytest
+from tests.benchmarks import peers
+
+
+@pytest.mark.parametrize("name", [name for name in peers.PEERS if name != "cogging"])
+def test_a_peer_gives_the_same_answer(name):
+    if name not in peers.installed():
+        pytest.skip(f"{name} is not installed")
+    off = peers.differences([name], 4, 121)
+    assert off[name] < 1e-9
