@@ -65,6 +65,8 @@ def format_table(figures: Mapping[str, Any], title: str = "", *, details: bool =
     one("95 % intervals that cover", "coverage")
     one("error / Cramer-Rao, rms", "error_to_bound")
     one("error / Cramer-Rao, robust", "error_to_bound_robust")
+    one("1-sigma that is stated / Cramer-Rao, median", "width_to_bound_median")
+    one("sqrt(lambda / T), median: re-tuned beside it", "information_median")
     one("parameters compared", "error_count")
     lines.append("stated confidence: mean stated, share right")
     for key, entry in figures["calibration"].items():

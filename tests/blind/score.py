@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 CONFIDENT = 0.9
+SIGMAS_95 = 1.959963984540054
 DETECTED = ("named", "ambiguous", "unlisted")
 ALARMS = (*DETECTED, "controller_mismatch", "error")
 BINS = (0.0, 0.5, 0.7, 0.9, 0.97, 1.0)
@@ -60,7 +61,7 @@ class Rate:
         """Wilson's score interval: where the normal test of p against k / n is not refused at 5 %."""
         if not self.count:
             return 0.0, 1.0
-        z2, n, p = 1.959963984540054**2, self.count, self.value
+        z2, n, p = SIGMAS_95**2, self.count, self.value
         center = (p + z2 / (2 * n)) / (1 + z2 / n)
         half = math.sqrt(z2 * (p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n)
         return max(center - half, 0.0), min(center + half, 1.0)
@@ -91,6 +92,8 @@ class Outcome:
             where nothing can be closed. closed_to_floor: (before^2 - after^2) / (before^2 - floor^2), truth's floor.
         worse: the confirm log got worse by more than 1 %; None without one.
         covered: whether each interval holds its truth; errors: (field, error / Cramer-Rao deviation).
+        widths: of each interval of the same, half / 1.96 / Cramer-Rao deviation. information: sqrt(lambda / T) of a
+            single effect that is named alone: by how much what is re-tuned beside it, known to the bound, widens.
     """
 
     case: str
@@ -111,6 +114,8 @@ class Outcome:
     worse: bool | None
     covered: tuple[tuple[str, bool], ...]
     errors: tuple[tuple[str, float], ...]
+    widths: tuple[float, ...]
+    information: float | None
     seconds: float
     key: Mapping[str, Any] = field(repr=False, default_factory=dict)
 
@@ -138,7 +143,7 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
                 wrong.append(entry["name"])
     right = bool(listed) and listed == set(truths) and verdict in DETECTED and listed <= named
     exact = right and verdict == "named" and {entry["name"] for entry in effects} == listed
-    covered, errors = [], []
+    covered, errors, widths = [], [], []
     for entry in effects:
         truth = truths.get(entry["name"])
         for name, known in (truth or {"parameters": {}})["parameters"].items():
@@ -148,6 +153,8 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
             if found.get("ci95") and None not in found["ci95"]:
                 low, high = found["ci95"]
                 covered.append((f"{entry['name']}.{name}", bool(low <= known["value"] <= high)))
+                if known["deviation"]:
+                    widths.append(0.5 * (high - low) / SIGMAS_95 / known["deviation"])
             if known["deviation"]:
                 errors.append((f"{entry['name']}.{name}", (found["value"] - known["value"]) / known["deviation"]))
     closed, to_floor, worse = _gap(key, result.get("gap") or {})
@@ -170,9 +177,18 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
         worse=worse,
         covered=tuple(covered),
         errors=tuple(errors),
+        widths=tuple(widths),
+        information=_information(key, effects),
         seconds=seconds,
         key=key,
     )
+
+
+def _information(key: Mapping[str, Any], effects: list[Mapping[str, Any]]) -> float | None:
+    if key["kind"] != "effect" or len(effects) != 1 or effects[0]["name"] != key["effects"][0]["name"]:
+        return None
+    statistic = effects[0].get("statistic")
+    return math.sqrt(key["effects"][0]["ratio"] / statistic) if statistic else None
 
 
 def _apart(names: set[str], truths: set[str]) -> set[str]:
@@ -257,6 +273,8 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "error_to_bound": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
         "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,
         "error_count": len(errors),
+        "width_to_bound_median": _median([width for o in outcomes if o.right for width in o.widths]),
+        "information_median": _median([o.information for o in single if o.right]),
         "calibration": {
             f"{low:g} to {high:g}": {
                 "stated": float(np.mean(here)) if (here := [c for c, _ in stated if _within(c, low, high)]) else None,

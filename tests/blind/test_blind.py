@@ -297,7 +297,13 @@ def key_of(kind, *names, ratio=100.0, outside=False, tolerated=(), parameters=No
 
 def answer(verdict, *entries, gap=None, parameters=None):
     effects = [
-        {"name": name, "confidence": confidence, "alternatives": list(others), "parameters": parameters or {}}
+        {
+            "name": name,
+            "confidence": confidence,
+            "alternatives": list(others),
+            "parameters": parameters or {},
+            "statistic": 75.0,
+        }
         for name, confidence, *others in entries
     ]
     return {"verdict": verdict, "effects": effects, "gap": gap or {}}
@@ -352,6 +358,8 @@ def test_hand_made_results_get_their_hand_computed_rates():
     assert figures["gap_closed_to_floor_median"] == pytest.approx(1.0)
     assert rate("coverage") == (1, 1)
     assert figures["error_to_bound"] == pytest.approx(1.5)
+    assert figures["width_to_bound_median"] == pytest.approx(0.25 / 1.959964 / 0.1)
+    assert figures["information_median"] == pytest.approx(2.0)  # of lambda 300, T = 75 was seen
     # 0.95: null's step, spring, saturation, both pairs' steps; 0.92 drag; 0.91 spring
     assert (figures["calibration"]["0.9 to 0.97"]["right"].hits, figures["calibration"]["0.9 to 0.97"]["right"].count) \
         == (5, 7)  # fmt: skip
