@@ -38,6 +38,13 @@ def test_other_motion_that_does_not_show_it_silences_it(searched):
     assert near_rest(quiet) is None
 
 
+def test_a_coarse_encoder_silences_it(searched):
+    model = searched["stribeck"].evidence.model
+    coarse = model.replace(encoder=model.encoder.replace(resolution=1e-4))
+    evidence = replace(searched["stribeck"].evidence, model=coarse)
+    assert near_rest(replace(searched["stribeck"], evidence=evidence)) is None
+
+
 def test_a_name_for_friction_at_rest_says_it_already(searched):
     told = searched["stribeck"]
     law = SimpleNamespace(law=VOCABULARY["stribeck_friction"])

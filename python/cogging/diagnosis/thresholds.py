@@ -344,6 +344,7 @@ class NearRestThresholds:
     slow_shown: float = -20.0  # ln p: of shapes of slow friction, with confirm logs [assumed]
     slow_again: float = -12.0  # ln p: the same on the confirm logs [assumed]
     slow_alone: float = -40.0  # ln p: without confirm logs [assumed]
+    rounded: float = 0.15  # of the residual's power: rounding that looks like friction near rest [tuned]
     creep_widths: float = 4.0  # widths of friction: creep up to there would tell the laws apart [assumed]
     creep: float = 0.3  # of the slowest speed that counts: where creep should begin [assumed]
 

@@ -25,6 +25,8 @@ def near_rest(found: Search) -> NearRest | None:
     """
     if any(is_friction_at_rest(added.finding.candidate.law) for added in found.added):
         return None
+    if found.evidence.rounding > NEAR_REST.rounded:
+        return None  # readings that step as slowly as the axis creeps look like friction
     test = slow_test(found.evidence)
     mine = log_survival(test.statistic, test.freedom) if test.freedom else 0.0
     its = None
