@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging.diagnosis.entries import Gap, NamedEffect
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.large.nuisances import bounded, nuisances_of, products_of
 from cogging.diagnosis.large.search import search_large
 from cogging.diagnosis.large.spectrum import peaks
-from cogging.diagnosis.naming.large_names import common_pitch, map_note
+from cogging.diagnosis.naming.large_names import common_pitch, map_note, unsettled
 from cogging.effects.effect import VOCABULARY
 
 RATE = 500.0
@@ -288,3 +289,14 @@ def test_amplitudes_of_either_sign_are_never_far_outside_what_is_allowed():
     assert not allowed.far_outside("axis.mass", mass)
     assert allowed.far_outside("axis.mass", 100.0 * mass)
     assert allowed.far_outside("axis.mass", 0.01 * mass)
+
+
+@pytest.mark.parametrize(
+    ("after", "floor", "sure"), [(0.1, 0.001, True), (0.3, 0.25, True), (0.3, 0.1, False), (0.9, 0.1, False)]
+)
+def test_no_large_name_is_sure_while_much_of_the_gap_is_left(after, floor, sure):
+    gap = Gap("V", floor, 1.0, after, None, None, "force balance")
+    names = [NamedEffect(name, (), 0.97, {}, {}, 900.0, -400.0) for name in ("command_saturation", "mass_change")]
+    saturation, change = unsettled(names, gap)
+    assert (saturation.confidence >= 0.9) is sure
+    assert change.confidence == 0.97

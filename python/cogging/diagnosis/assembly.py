@@ -14,7 +14,7 @@ from cogging.diagnosis.experiment.separating import separating
 from cogging.diagnosis.gaps import Measured, gap_of, growth, measure, series_of
 from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
-from cogging.diagnosis.naming.large_names import map_note, named_large
+from cogging.diagnosis.naming.large_names import map_note, named_large, unsettled
 from cogging.diagnosis.naming.masking import masking_notes
 from cogging.diagnosis.naming.names import changed, merged, named, with_term_of
 from cogging.diagnosis.naming.near_rest import near_rest
@@ -59,9 +59,9 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         return assemble(without_what_was_added(found, why), logs, model, replay)
     if measured.given[0] is measured.stated:
         nominal = model  # re-tuning does not pay
-    effects = _effects(found, model, beyond, terms)
+    effects, gap = _effects(found, model, beyond, terms), gap_of(measured, logs.given, final)
     if found.large is not None:
-        effects = largest_first(effects, found.large.balances, final, model)
+        effects = unsettled(largest_first(effects, found.large.balances, final, model), gap)
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm))
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
     final, effects = with_curves(final, effects, found, logs)
@@ -69,7 +69,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         verdict=verdict(effects, residual_shape, explained=found.large is not None and measured.mostly_explained),
         effects=tuple(effects),
         unlisted=residual_shape,
-        gap=gap_of(measured, logs.given, final),
+        gap=gap,
         separating_experiment=_separating(effects, found.vocabulary, logs.given),
         model=final,
         nominal=nominal,

@@ -561,6 +561,8 @@ class LargeThresholds:
     trials: float = 1000.0  # 1: shapes that were looked at, of all effects [assumed]
     shape_doubt: float = 0.15  # of the first gap: what is found in less may be the shape of a larger one [assumed]
     half_explained: float = 0.5  # of the power: a term that leaves more is not what the gap is most of [assumed]
+    settled: float = 0.2  # of the gap before: with more left, and above noise, no large name is sure [tuned]
+    settled_noise: float = 1.4  # times the floor: what is left above that is more than noise [tuned]
     unexplained: float = 0.1  # of the power of a large gap: with less left, what is left does not name it [assumed]
     map_harmonics: int = 3  # 1: waves that are one map of the cogging, at least [assumed]
     pitch_max: int = 12  # 1: turns of the longest period in a pitch, at most [assumed]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cogging.diagnosis.candidates.waves import is_spatial_wave
-from cogging.diagnosis.entries import NamedEffect
+from cogging.diagnosis.entries import Gap, NamedEffect
 from cogging.diagnosis.large.search import LargeTerm
 from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.naming.names import values_of
@@ -47,6 +48,19 @@ def confidence_of(added: Added, term: LargeTerm, start: float) -> float:
     if (term.balances.rms / term.before) ** 2 > LARGE.half_explained:
         chance *= NAME.if_shapes_left  # most of the gap is something else still
     return round(float(chance), 3)
+
+
+def unsettled(effects: Sequence[NamedEffect], gap: Gap) -> list[NamedEffect]:
+    """The effects with less confidence in each where much of a large gap is left: another cause may take its place.
+
+    A change of mass or friction is told by what it does to the fit, not by the gap.
+    """
+    if gap.after < max(LARGE.settled * gap.before, LARGE.settled_noise * gap.floor):
+        return list(effects)
+    return [
+        one if one.name.endswith("_change") else replace(one, confidence=round(NAME.if_shapes_left * one.confidence, 3))
+        for one in effects
+    ]
 
 
 def map_note(added: Sequence[Effect], model: Model) -> str | None:
