@@ -31,6 +31,7 @@ DIAGNOSIS += [
     "experiment",
     "naming",
     "limits",
+    "gaps",
     "assembly",
     "diagnose",
 ]

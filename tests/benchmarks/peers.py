@@ -384,7 +384,7 @@ def in_a_process(*arguments: object) -> dict[str, float]:
 def table(counts: list[int], rows: int, rounds: int, repeats: int) -> list[str]:
     """Lines of the table: ns a step and ratio to the core for each number of runs."""
     names = installed()
-    off = in_a_process("--compare", min(rows, 501))
+    off = in_a_process("--compare", 8, min(rows, 501))
     wrong = {name: value for name, value in off.items() if value > CLOSE}
     if wrong:
         raise SystemExit(f"answers differ by more than {CLOSE:g} m, nothing is timed: {wrong}")
@@ -415,10 +415,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--alone", nargs=4, metavar=("NAME", "RUNS", "ROWS", "REPEATS"), help=argparse.SUPPRESS)
-    parser.add_argument("--compare", type=int, metavar="ROWS", help=argparse.SUPPRESS)
+    parser.add_argument("--compare", nargs="+", metavar="RUNS ROWS NAMES", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.compare is not None:
-        print(json.dumps(differences(installed(), 8, options.compare)))
+        runs, rows, *names = options.compare
+        print(json.dumps(differences(names or installed(), int(runs), int(rows))))
         return
     if options.alone is not None:
         name, *numbers = options.alone

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
 
 from cogging._core import Prediction
 from cogging.arrays import FloatArray
@@ -255,6 +254,8 @@ def _lagging(effect: Effect) -> Form:
 
 def lagged(command: FloatArray, denominator: Sequence[float], sample_time: float) -> FloatArray:
     """A held command after 1 / denominator(s), the mean over each interval, (n,)."""
+    from scipy.signal import cont2discrete, lfilter
+
     (top,), bottom, _ = cont2discrete(([1.0], list(denominator)), sample_time)
     after = np.asarray(lfilter(top, bottom, command - command[0])) + command[0]
     return np.asarray(0.5 * (after + np.append(after[1:], after[-1])))
