@@ -1,11 +1,13 @@
 """Whether an effect pays on other motion."""
 
+import numpy as np
 import pytest
 
 from cogging import EFFECTS
 from cogging.diagnosis.discrepancy import discrepancies, follows
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.search.acceptance import that_pays, with_nuisances_of
+from cogging.estimation.replay import place_of_reading
 from tests.fixtures.moving_axis import machine, record
 
 
@@ -49,3 +51,16 @@ def test_an_encoder_that_errs_is_replayed_as_it_reads(scale):
     assert known.position < 1e-6
     assert known.position <= 1.1 * bare.position
     assert known.rms < bare.rms
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_replay_begins_where_the_encoder_reads_the_first_reading(seed):
+    random = np.random.default_rng(seed)
+    scale = EFFECTS["encoder_scale_error"](scale=random.uniform(-5e-3, 5e-3))
+    wave = EFFECTS["encoder_periodic_error"](period=random.uniform(2e-3, 0.02), sine=2e-6, cosine=-1e-6)
+    reading = random.uniform(-0.2, 0.3)
+    place = place_of_reading(reading, [scale, EFFECTS["cable_spring"](stiffness=1.0), wave])
+    errors = [float(np.ravel(one.reading_at(position=[place]))[0]) - place for one in (scale, wave)]
+    assert place + sum(errors) == pytest.approx(reading, abs=1e-12)
+    assert abs(place - reading) > 1e-7
+    assert place_of_reading(reading, [EFFECTS["cable_spring"](stiffness=1.0)]) == reading

@@ -10,11 +10,14 @@ import numpy.typing as npt
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.effects.custom import is_serial
+from cogging.effects.effect import Effect
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet, steps_needed
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.threads import on_threads
+
+INVERSIONS = 20  # of what an encoder errs by, which changes little from place to place
 
 
 class Replay:
@@ -58,7 +61,7 @@ class Replay:
             model.make_controller(),
             self.reference,
             duration=self.duration,
-            initial_position=float(self.log.position[0]),
+            initial_position=place_of_reading(float(self.log.position[0]), effects),
             initial_velocity=self.initial_velocity,
             added_command=self.added_command,
             steps_per_sample=steps,
@@ -77,3 +80,12 @@ class Replay:
         if not np.isfinite(commands).all():
             raise DivergedError("the replay diverged")
         return np.asarray(self.log.command - commands)
+
+
+def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:
+    """Where an axis stands whose encoder, with the effects that act on it, reads this (m)."""
+    errs = [effect for effect in effects if "reading" in effect.HOOKS]
+    place = reading
+    for _ in range(INVERSIONS if errs else 0):
+        place = reading - sum(float(np.ravel(effect.reading_at(position=[place]))[0]) - place for effect in errs)
+    return place
