@@ -10,7 +10,7 @@ import numpy.typing as npt
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.effects.custom import is_serial
-from cogging.effects.effect import Effect
+from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet, steps_needed
 from cogging.logs.log import Log
@@ -84,8 +84,9 @@ class Replay:
 
 def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:
     """Where an axis stands whose encoder, with the effects that act on it, reads this (m)."""
-    errs = [effect for effect in effects if "reading" in effect.HOOKS]
+    erring = [laws_of(effect) for effect in effects if "reading" in effect.HOOKS]
     place = reading
-    for _ in range(INVERSIONS if errs else 0):
-        place = reading - sum(float(np.ravel(effect.reading_at(position=[place]))[0]) - place for effect in errs)
+    for _ in range(INVERSIONS if erring else 0):
+        errors = [float(np.ravel(effect.reading_at(position=[place]))[0]) - place for effect in erring]
+        place = reading - sum(errors)
     return place
