@@ -25,6 +25,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -88,6 +89,19 @@ def core(problem: Problem) -> Run:
     return run
 
 
+def after_a_sample(acceleration: Callable, x: Any, v: Any, u: Any) -> tuple[Any, Any]:
+    """Position and velocity one sample later, by a Runge-Kutta step of order 4, of arrays or symbols."""
+    h = 1.0 / RATE
+    a1 = acceleration(x, v, u)
+    v2 = v + 0.5 * h * a1
+    a2 = acceleration(x + 0.5 * h * v, v2, u)
+    v3 = v + 0.5 * h * a2
+    a3 = acceleration(x + 0.5 * h * v2, v3, u)
+    v4 = v + h * a3
+    a4 = acceleration(x + h * v3, v4, u)
+    return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+
+
 def by_numpy(problem: Problem) -> Run:
     """numpy: all runs of one row at once."""
 
@@ -122,14 +136,7 @@ def stepped(problem: Problem, sin: Callable, cos: Callable, arctan: Callable) ->
         rate = (error - (error if before is None else before)) * RATE
         before = error
         u = 0.12 * wanted - kp * error - ki * total - kd * rate
-        a1 = acceleration(x, v, u)
-        v2 = v + 0.5 * h * a1
-        a2 = acceleration(x + 0.5 * h * v, v2, u)
-        v3 = v + 0.5 * h * a2
-        a3 = acceleration(x + 0.5 * h * v2, v3, u)
-        v4 = v + h * a3
-        a4 = acceleration(x + h * v3, v4, u)
-        x, v = x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+        x, v = after_a_sample(acceleration, x, v, u)
     return x, np.sqrt(squares / len(problem.reference))
 
 
@@ -168,14 +175,7 @@ def by_jax(problem: Problem) -> Run:
             error = x - at[0]
             total = total + error * h
             u = 0.12 * at[1] - kp * error - ki * total - kd * (error - before) * RATE
-            a1 = acceleration(x, v, u)
-            v2 = v + 0.5 * h * a1
-            a2 = acceleration(x + 0.5 * h * v, v2, u)
-            v3 = v + 0.5 * h * a2
-            a3 = acceleration(x + 0.5 * h * v2, v3, u)
-            v4 = v + h * a3
-            a4 = acceleration(x + h * v3, v4, u)
-            x, v = x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+            x, v = after_a_sample(acceleration, x, v, u)
             return (x, v, total, error, squares + error * error), None
 
         start = (reference[0, 0], 0.0, 0.0, 0.0, 0.0)
@@ -211,16 +211,8 @@ def by_casadi(problem: Problem) -> Run:
     error = x - at[0]
     summed = total + error * h
     u = 0.12 * at[1] - kp * error - ki * summed - kd * (error - before) * RATE
-    a1 = acceleration(x, v, u)
-    v2 = v + 0.5 * h * a1
-    a2 = acceleration(x + 0.5 * h * v, v2, u)
-    v3 = v + 0.5 * h * a2
-    a3 = acceleration(x + 0.5 * h * v2, v3, u)
-    v4 = v + h * a3
-    a4 = acceleration(x + h * v3, v4, u)
     after = casadi.vertcat(
-        x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4),
-        v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4),
+        *after_a_sample(acceleration, x, v, u),
         summed,
         error,
         squares + error * error,

@@ -33,11 +33,7 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
     paths = movable(model, allowed, given)
     known = parameters_of(model, together=True)
     start = np.array([known[path].value for path in paths])
-    floors, ceilings = shape_limits(model, balances)
-    for path, (least, most) in amplitude_limits(model, balances, given).items():
-        floors[path], ceilings[path] = max(floors.get(path, least), least), min(ceilings.get(path, most), most)
-    low = np.array([max(allowed.floors.get(p, -np.inf), floors.get(p, -np.inf)) for p in paths])
-    high = np.array([min(allowed.ceilings.get(p, np.inf), ceilings.get(p, np.inf)) for p in paths])
+    low, high = _ends(balances, allowed, given, paths)
     paths, start, low, high = _that_move(paths, np.clip(start, low, high), low, high)
     if not paths:
         return balances
@@ -69,6 +65,16 @@ def refitted(balances: Balances, allowed: Allowance, given: int) -> Balances:
     except (DivergedError, ValueError, np.linalg.LinAlgError):
         return balances
     return better if better.rms < balances.rms else balances
+
+
+def _ends(balances: Balances, allowed: Allowance, given: int, paths: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+    """Between what each of the paths may move: as the model's statement, its shapes and its largest command allow."""
+    floors, ceilings = shape_limits(balances.model, balances)
+    for path, (least, most) in amplitude_limits(balances.model, balances, given).items():
+        floors[path], ceilings[path] = max(floors.get(path, least), least), min(ceilings.get(path, most), most)
+    low = np.array([max(allowed.floors.get(p, -np.inf), floors.get(p, -np.inf)) for p in paths])
+    high = np.array([min(allowed.ceilings.get(p, np.inf), ceilings.get(p, np.inf)) for p in paths])
+    return low, high
 
 
 def amplitude_limits(model: Model, balances: Balances, given: int) -> dict[str, tuple[float, float]]:
