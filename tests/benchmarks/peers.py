@@ -7,8 +7,7 @@ Runge-Kutta step of order 4 a sample with the command held. Machines are drawn. 
 in its own idiom (numba: a loop over runs; JAX: vmap of lax.scan; CasADi: map of a fold; numpy: rows over all runs at
 once; python-control and scipy: one run at a time). What each gives, the position at the end and the rms error of every
 run, is compared with the core's before anything is timed. Every figure comes from a process of its own, on one
-thread, in turns; compilation is told apart, and beside it the most memory that the process
-held.
+thread, in turns; compilation is told apart, and beside it the most memory that the process held.
 """
 
 from __future__ import annotations
@@ -104,25 +103,21 @@ def after_a_sample(acceleration: Callable, x: Any, v: Any, u: Any) -> tuple[Any,
 
 def by_numpy(problem: Problem) -> Run:
     """numpy: all runs of one row at once."""
-
-    def run() -> Answer:
-        return stepped(problem, np.sin, np.cos, np.arctan)
-
-    return run
+    return lambda: stepped(problem)
 
 
-def stepped(problem: Problem, sin: Callable, cos: Callable, arctan: Callable) -> Answer:
-    """The loop on arrays over the runs, with these functions."""
+def stepped(problem: Problem) -> Answer:
+    """The loop on arrays over the runs."""
     kp, ki, kd = GAINS
     mass, viscous, coulomb = problem.machines.T[:3]
     waves = problem.machines.T[3:]
     h = 1.0 / RATE
 
     def acceleration(x: np.ndarray, v: np.ndarray, u: np.ndarray) -> np.ndarray:
-        force = viscous * v + coulomb * (2.0 / np.pi) * arctan(v / WIDTH)
+        force = viscous * v + coulomb * (2.0 / np.pi) * np.arctan(v / WIDTH)
         for i, n in enumerate(HARMONICS):
             angle = 2.0 * np.pi * n / PITCH * x
-            force = force + waves[2 * i] * sin(angle) + waves[2 * i + 1] * cos(angle)
+            force = force + waves[2 * i] * np.sin(angle) + waves[2 * i + 1] * np.cos(angle)
         return (u - force) / mass
 
     x, v = np.full(len(mass), problem.reference[0, 0]), np.zeros(len(mass))

@@ -160,11 +160,11 @@ def as_there(model: Model, turns: Sequence[float]) -> Model:
         model: model whose last effects are those that were added.
         turns: angle (rad) of each of them in their order, 0 of what is no wave (Confirmation.turn).
     """
-    values = {}
-    known = parameters_of(model, together=True) if any(turns) else {}
-    for (prefix, effect), turn in zip(
-        effect_paths(model.effects)[len(model.effects) - len(turns) :], turns, strict=True
-    ):
+    if not any(turns):
+        return model
+    values, known = {}, parameters_of(model, together=True)
+    added = effect_paths(model.effects)[len(model.effects) - len(turns) :]
+    for (prefix, effect), turn in zip(added, turns, strict=True):
         wave = plain_wave(effect)
         if turn == 0.0 or wave is None:
             continue

@@ -30,8 +30,8 @@ def with_forms(
         evidence: what they were found in.
         confirm: evidence of the confirm logs; None without.
 
-    The chosen one is judged with its own law free too: what joins the rivals must come near to that. A
-    form costs FORM.cost for each of its columns.
+    The chosen one is judged with its own law free too: what joins the rivals must come near to that. A form
+    costs FORM.cost for each of its columns.
     """
     chosen = rivals[0]
     best = freed(chosen, evidence, confirm)
