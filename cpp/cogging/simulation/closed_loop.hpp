@@ -45,7 +45,7 @@ void require_bounded(const AxisState<Scalar>& state, const Range& travel, double
   if constexpr (std::is_same_v<Scalar, double>)
     where = "position " + format(state.position) + " m, velocity " + format(state.velocity) + " m/s";
   throw DivergedError("the run diverged at " + format(time) + " s: " + where + "; the travel is [" + format(travel[0]) +
-                      ", " + format(travel[1]) + "] m",
+                          ", " + format(travel[1]) + "] m",
                       time);
 }
 

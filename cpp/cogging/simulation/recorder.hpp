@@ -25,11 +25,11 @@ struct RunRow {
 /// begin() is told once how many rows will come and at what rate; it may be called again, for a run anew. What
 /// the recorder cannot use it refuses there.
 template <class R, class Scalar>
-concept RecordsRun = requires(R recorder, std::size_t rows, double sample_rate, StopCheck& stop,
-                              const RunRow<Scalar>& row) {
-  recorder.begin(rows, sample_rate, stop);
-  recorder.row(row);
-};
+concept RecordsRun =
+    requires(R recorder, std::size_t rows, double sample_rate, StopCheck& stop, const RunRow<Scalar>& row) {
+      recorder.begin(rows, sample_rate, stop);
+      recorder.row(row);
+    };
 
 /// One that also keeps what the controller believes at the start of each row, where keeps_estimates() says so.
 template <class R, class Scalar>

@@ -15,8 +15,8 @@
 
 namespace cogging {
 
-/// Row k is the motion at k / sample_rate. Rows beyond `kept_most` are not kept but computed again for each run, so that
-/// the memory of a run that keeps no rows has a bound.
+/// Row k is the motion at k / sample_rate. Rows beyond `kept_most` are not kept but computed again for each run, so
+/// that the memory of a run that keeps no rows has a bound.
 ///
 /// Raises std::invalid_argument for a motion without an end and no duration, or less than 1 or more than 1e9 samples.
 class ReferenceRows {
