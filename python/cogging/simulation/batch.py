@@ -206,12 +206,9 @@ def closed_loop_batch(
         >>> [f"{1e6 * largest:.0f} um" for largest in batch.indexes["error_max"]]
         ['181 um', '306 um']
     """
-    for plant in plants:
-        if not isinstance(plant, Plant):
-            raise TypeError(f"closed_loop_batch: plants: must be a list, each a Plant, got {described(plant)}")
+    _require_plants(plants)
     if logs:
         columns, every = COLUMNS, 1
-    told = tuple(seeds) or (0,) * len(plants)
     options: dict[str, Any] = {
         "durations": [duration],
         "steps_per_sample": [steps_per_sample],
@@ -221,19 +218,22 @@ def closed_loop_batch(
         "columns": columns,
         "every": every,
     }
-    if progress is False:
-        kept = kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)
-    else:
-        kept = _in_parts(plants, controllers, reference, seeds, options, progress)
+    kept = _in_parts(plants, controllers, reference, seeds, options, progress)
     return Batch(
         dict(zip(names_of(reductions), kept.values.T, strict=True)),
         kept.failures,
         {name: tuple(runs) for name, runs in kept.columns.items()},
         tuple(plants),
         tuple(controllers),
-        told,
+        tuple(seeds) or (0,) * len(plants),
         logs,
     )
+
+
+def _require_plants(plants: Sequence[Plant]) -> None:
+    for plant in plants:
+        if not isinstance(plant, Plant):
+            raise TypeError(f"closed_loop_batch: plants: must be a list, each a Plant, got {described(plant)}")
 
 
 def _in_parts(
@@ -244,9 +244,9 @@ def _in_parts(
     options: Mapping[str, Any],
     progress: Progress,
 ) -> Kept:
-    """The runs part by part, so that progress can be told between them."""
+    """The runs, part by part where progress is to be told between them."""
     # Where lists differ in length, the core says so.
-    if len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
+    if progress is False or len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
         return kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)
     size = max(1, len(plants) // TOLD)
     size = -(-size // (options["threads"] or os.cpu_count() or 1)) * (options["threads"] or os.cpu_count() or 1)

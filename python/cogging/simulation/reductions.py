@@ -92,6 +92,16 @@ def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
     return names
 
 
+def require_reductions(names: Sequence[str]) -> None:
+    """Refuse names that are no reductions before anything runs.
+
+    Raises:
+        ValueError: names the first, with the nearest.
+    """
+    for name in names_of(names)[len(INDEXES) :]:
+        reduction(name)
+
+
 def kept_of_runs(
     plants: Sequence[Any],
     controllers: Sequence[Any],
