@@ -60,7 +60,8 @@ class Variation:
         from scipy.special import ndtri
 
         if self.values:
-            return np.array(self.values)[np.minimum((shares * len(self.values)).astype(int), len(self.values) - 1)]
+            places = np.minimum((shares * len(self.values)).astype(int), len(self.values) - 1)
+            return np.asarray(self.values, dtype=float)[places]
         if self.sides is not None:
             normal = ndtri(np.clip(shares, TINY, 1.0 - TINY))
             return np.asarray(self.middle + normal * np.where(normal > 0, self.sides[1], self.sides[0]))
@@ -126,7 +127,7 @@ def points_of(variations: list[Variation], method: str, runs: int, seed: int) ->
 def _shares(method: str, runs: int, dimensions: int, seed: int) -> FloatArray:
     """Points in the unit cube, (runs, dimensions)."""
     if method == "random":
-        return np.random.default_rng(seed).random((runs, dimensions))
+        return np.asarray(np.random.default_rng(seed).random((runs, dimensions)))
     from scipy.stats import qmc
 
     if method == "latin_hypercube":
