@@ -61,7 +61,8 @@ class Variation:
 
         if self.values:
             places = np.minimum((shares * len(self.values)).astype(int), len(self.values) - 1)
-            return np.asarray(self.values, dtype=float)[places]
+            chosen: FloatArray = np.asarray(self.values, dtype=float)[places]
+            return chosen
         if self.sides is not None:
             normal = ndtri(np.clip(shares, TINY, 1.0 - TINY))
             return np.asarray(self.middle + normal * np.where(normal > 0, self.sides[1], self.sides[0]))
