@@ -44,8 +44,8 @@ class SweepRuns(ByValue):
 
     Example:
         >>> runs = cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]})
-        >>> len(runs), runs.varied, runs.table["error_rms"].argmin()
-        (3, ('axis.mass',), 1)
+        >>> len(runs), runs.varied, runs.failed
+        (3, ('axis.mass',), 0)
     """
 
     table: Mapping[str, Any]
