@@ -75,7 +75,7 @@ MISTAKES = {
     ),
     "something else in a batch": (
         lambda: cogging.closed_loop_batch([MODEL], [MODEL.make_controller()], SINE),
-        r"closed_loop_batch: plants: must be a list, each a Plant, got a list",
+        r"closed_loop_batch: plants: must be a list, each a Plant, got a Model",
     ),
     "a time in words": (
         lambda: cogging.closed_loop_batch([PLANT], [MODEL.make_controller()], SINE, duration="1 s"),

@@ -29,6 +29,7 @@ void bind_plant(py::module_& module);
 void bind_control(py::module_& module);
 void bind_own_controllers(py::module_& module);
 void bind_simulation(py::module_& module);
+void bind_batch(py::module_& module);
 void bind_estimation(py::module_& module);
 void bind_table(py::module_& module);
 

@@ -76,6 +76,7 @@ PYBIND11_MODULE(_core, module) {
   bind_control(module);
   bind_own_controllers(module);
   bind_simulation(module);
+  bind_batch(module);
   bind_estimation(module);
   bind_table(module);
   tell_calls_in_one_line(module);

@@ -11,6 +11,7 @@
 #include "bindings.hpp"
 #include "cogging/control/compiled.hpp"
 #include "cogging/control/list.hpp"
+#include "without_gil.hpp"
 
 /// An object of Python's that closes the loop; its calls need the lock. The object is held by all copies of this: a run
 /// that may not change it is given a deep copy.
@@ -61,3 +62,16 @@ using GivenController = WithOwn<cogging::AnyController<>>::type;
 ///
 /// Raises TypeError for what is no controller, ValueError for a sample rate or a limit that is none.
 GivenController take_controller(const py::object& given);
+
+/// Calls loop(controller, stop request) with the controller that was given: one of Python is run with the lock.
+template <class Loop>
+auto close_with(const GivenController& controller, cogging::StopRequest* stop, const Loop& loop) {
+  return std::visit(
+      [&]<class C>(const C& c) {
+        if constexpr (std::is_same_v<C, PythonController>)
+          return with_gil(stop, [&](cogging::StopRequest* turns) { return loop(c, turns); });
+        else
+          return loop(c, stop);
+      },
+      controller);
+}

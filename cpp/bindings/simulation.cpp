@@ -10,22 +10,9 @@ using namespace cogging;
 
 namespace {
 
-// Calls loop(controller, stop request) with the controller that was given: one of Python is run with the lock.
-template <class Loop>
-auto close(const GivenController& controller, StopRequest* stop, const Loop& loop) {
-  return std::visit(
-      [&]<class C>(const C& c) {
-        if constexpr (std::is_same_v<C, PythonController>)
-          return with_gil(stop, [&](StopRequest* turns) { return loop(c, turns); });
-        else
-          return loop(c, stop);
-      },
-      controller);
-}
-
 Log<> run(const Plant<>& plant, const GivenController& controller, const Reference& reference, RunOptions options,
           StopRequest* request) {
-  return close(controller, request, [&](const auto& c, StopRequest* stop) {
+  return close_with(controller, request, [&](const auto& c, StopRequest* stop) {
     options.stop = stop;
     return closed_loop<double>(plant, c, reference, options);
   });
@@ -152,7 +139,7 @@ Raises:
                                   told = optional(applied);
         const GivenController given = take_controller(controller);
         return to_array(without_gil([&](StopRequest* request) {
-          return close(given, request, [&](const auto& c, StopRequest* stop) {
+          return close_with(given, request, [&](const auto& c, StopRequest* stop) {
             return replay_controller(c, times, positions, velocities, accelerations, readings, told, stop);
           });
         }));
@@ -198,7 +185,7 @@ Example:
       "performance",
       [](const Array& time, const Array& error, const Array& command, double start, double stop, double final_window) {
         const auto view = [](const Array& a) { return std::span<const double>(a.data(), std::size_t(a.size())); };
-        return performance(view(time), view(error), view(command), start, stop, final_window);
+        return performance(view(time), view(error), view(command), {start, stop, final_window});
       },
       py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(),
       py::arg("start") = -std::numeric_limits<double>::infinity(),

@@ -15,7 +15,8 @@ namespace cogging {
 /// A run whose state left the travel or stopped being finite; says when and where.
 class DivergedError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  DivergedError(const std::string& message, double at_time) : std::runtime_error(message), time(at_time) {}
+  double time;  // s
 };
 
 /// A user's own controller that failed, or whose command is no number; says in which row of the run, and at what time.

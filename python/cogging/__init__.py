@@ -69,6 +69,7 @@ from cogging.model.parameters import parameters_of
 from cogging.simulation.batch import Batch, closed_loop_batch
 from cogging.simulation.closed_loop import closed_loop
 from cogging.simulation.reference import read_reference
+from cogging.simulation.sweep import SweepRuns, sweep
 from cogging.file_schema import schema
 from cogging.simulation.run import repeat, simulate
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
@@ -114,6 +115,7 @@ __all__ = [
     "Reference",
     "ReferencePoint",
     "SplineHarmonics",
+    "SweepRuns",
     "TrackingSpectrum",
     "audit",
     "check_against_model",
@@ -149,6 +151,7 @@ __all__ = [
     "reproduce",
     "schema",
     "simulate",
+    "sweep",
     "tracking_spectrum",
 ]
 __all__ += _controllers.__all__

@@ -1,4 +1,4 @@
-"""One schema of model, reference and limits files, made from what the C++ parameter structs say of themselves."""
+"""One schema of the files that users write, made from what the C++ parameter structs say of themselves."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from cogging import _core
 from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
 from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
 from cogging.simulation.reference import REFERENCES
+from cogging.simulation.sweep_file import KEYS as SWEEP
+from cogging.simulation.sweep_file import NEEDED as SWEEP_NEEDED
+from cogging.simulation.sweep_points import METHODS
 
 NUMBER = {"type": "number"}
 NUMBERS = {"type": "array", "items": NUMBER}
@@ -53,15 +56,21 @@ LIMITS: dict[str, tuple[dict[str, Any], str, str]] = {
     "duration": ({"type": "number", "minimum": 2, "maximum": 600}, "s", "of the whole motion"),
     "command": (ABOVE_ZERO, "V", "largest command; default: the controller's command_limit"),
 }
+SWEEP_TYPES: dict[type, dict[str, Any]] = {
+    str: {"type": "string"},
+    int: {"type": "integer", "minimum": 0},
+    float: NUMBER,
+    list: {"type": "array", "items": {"type": "string"}},
+}
 LIMITS_NEEDED = ("velocity", "acceleration", "duration")
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of model, reference and limits files, which are TOML.
+    """The JSON Schema (2020-12) of model, reference, limits and sweep files, which are TOML.
 
-    `$defs` holds `model`, `reference` and `limits`; every field has its unit (`unit`), meaning (`description`) and,
-    where it is finite, default. Whole numbers may stand for numbers. Rules between fields are checked when a file is
-    read.
+    `$defs` holds `model`, `reference`, `limits` and `sweep`; every field has its meaning
+    (`description`), its unit (`unit`) and, where it is finite, default. Whole numbers may stand for numbers.
+    Rules between fields are checked when a file is read.
 
     Returns:
         The document, as JSON can hold it.
@@ -72,12 +81,13 @@ def schema() -> dict[str, Any]:
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "cogging: model, reference and limits files (TOML; SI, V stands for the command unit)",
-        "oneOf": [{"$ref": "#/$defs/model"}, {"$ref": "#/$defs/reference"}, {"$ref": "#/$defs/limits"}],
+        "title": "cogging: model, reference, limits and sweep files (TOML; SI, V stands for the command unit)",
+        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in ("model", "reference", "limits", "sweep")],
         "$defs": {
             "model": _model(),
             "reference": _reference(),
             "limits": _section("what a machine may do: limits file", _described(LIMITS), list(LIMITS_NEEDED)),
+            "sweep": _sweep(),
         },
     }
 
@@ -123,6 +133,25 @@ def _reference() -> dict[str, Any]:
         kinds.append(entry)
     kinds.append(_tagged("type", "sampled", "a motion given by samples", _described(SAMPLED) | {"duration": duration}))
     return {"oneOf": kinds, "description": "a motion: reference file"}
+
+
+def _sweep() -> dict[str, Any]:
+    properties = {
+        key: {**SWEEP_TYPES[kind], "description": meaning} for key, (kind, meaning) in SWEEP.items() if key != "vary"
+    }
+    properties["method"]["enum"] = list(METHODS)
+    number = dict.fromkeys(("from", "to", "mean", "deviation"), NUMBER)
+    points = {"points": {"type": "integer", "minimum": 2}, "scale": {"enum": ["linear", "log"]}}
+    values = {"type": "array", "items": NUMBER, "minItems": 1}
+    table = _section("a distribution", {"values": values, **number, **points})
+    properties["vary"] = {
+        "description": SWEEP["vary"][1],
+        "oneOf": [
+            {"const": "bounds"},
+            {"type": "object", "additionalProperties": {"oneOf": [values, table, {"const": "bounds"}]}},
+        ],
+    }
+    return _section("many runs with other numbers: sweep file", properties, list(SWEEP_NEEDED))
 
 
 def _section(description: str, properties: Mapping[str, Any], required: list[str] | None = None) -> dict[str, Any]:

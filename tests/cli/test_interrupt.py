@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,16 @@ def batch(count, threads):
     _core.closed_loop_batch([PLANT] * count, controllers, SINE, duration=40.0, steps_per_sample=200, threads=threads)
 
 
+def batch_of_indexes():
+    cogging.closed_loop_batch([PLANT] * 6, [cogging.Pid(PID)] * 6, SINE, duration=40.0, steps_per_sample=200, threads=2)
+
+
+def sweep_on_threads():
+    model = cogging.Model(axis=AXIS, controller=PID, controller_type="pid", steps_per_sample=200)
+    with ThreadPoolExecutor(2) as pool:
+        cogging.sweep(model, SINE, {"axis.mass": {"from": 0.11, "to": 0.13, "points": 8}}, duration=40.0, executor=pool)
+
+
 def predictor():
     return _core.Predictor(TIME, 0.25 + 0.1 * np.sin(TIME), np.cos(TIME), steps_per_sample=200)
 
@@ -51,6 +62,8 @@ LOOPS = {
     "a batch on one thread": lambda: batch(8, 1),
     "a batch on four threads": lambda: batch(8, 4),
     "a batch, the caller's thread first done": lambda: batch(3, 2),
+    "a batch that keeps indexes": batch_of_indexes,
+    "a sweep on an executor's threads": sweep_on_threads,
     "one prediction": lambda: predictor().predict(PLANT),
     "many predictions": lambda: predictor().innovations([PLANT] * 4, threads=2),
     "an autoregression": lambda: _core.autoregression(np.cos(TIME), np.ones(TIME.size), order=74_000),

@@ -147,7 +147,7 @@ def test_the_delay_of_speed_is_that_of_the_plants_command_delay(delay):
     axis = cogging.AxisParameters(mass=0.1, viscous=0.1)
     plants = [cogging.Plant(axis, effects=[cogging.effects.CommandDelay(delay=d)]) for d in (0.0, delay)]
     controllers = [cogging.Speed(cogging.SpeedParameters(kp=2.0, delay=d)) for d in (delay, 0.0)]
-    one, other = cogging.closed_loop_batch(plants, controllers, reference, duration=1.0)
+    one, other = cogging.closed_loop_batch(plants, controllers, reference, duration=1.0, logs=True)
     difference = np.abs(one.true_position - other.true_position).max()
     assert np.ptp(one.true_position) > 0.3
     assert difference == 0.0 if delay != 1.5e-3 else difference < 1e-5

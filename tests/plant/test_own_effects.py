@@ -79,7 +79,7 @@ def test_a_c_library_is_a_law():
 def test_many_runs_at_once_are_those_one_by_one():
     effects = [own_eddy().replace(slope=slope) for slope in (0.5, 1.0, 2.0)]
     plants = [cogging.Plant(AXIS, effects=[one]) for one in effects]
-    logs = cogging.closed_loop_batch(plants, [cogging.Pid(PID)] * 3, MOVES, threads=3)
+    logs = cogging.closed_loop_batch(plants, [cogging.Pid(PID)] * 3, MOVES, threads=3, logs=True)
     for one, log in zip(effects, logs, strict=True):
         np.testing.assert_array_equal(run(one).true_position, log.true_position)
 

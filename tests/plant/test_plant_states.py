@@ -418,7 +418,7 @@ def test_a_batch_gives_the_bits_of_single_runs():
     plants = [cogging.Plant(exact_axis(viscous=0.5), effects=effects) for effects in loads]
     controllers = [pid(2000.0, kp=500.0, kd=10.0)] * 3
     reference = sine(amplitude=0.02, frequency=2.0)
-    logs = cogging.closed_loop_batch(plants, controllers, reference, duration=0.5, threads=3)
+    logs = cogging.closed_loop_batch(plants, controllers, reference, duration=0.5, threads=3, logs=True)
     for plant, controller, log in zip(plants, controllers, logs, strict=True):
         alone = cogging.closed_loop(plant, controller, reference, duration=0.5)
         for column, values in columns_of(alone).items():

@@ -129,7 +129,7 @@ def test_a_batch_gives_what_single_runs_give():
     pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))
     each = [compiled(), Leaky(*LAW), pid, Proportional(), compiled(state=[0.1, 0.0]), OwnPid(pid.parameters)]
     for threads in (1, 3):
-        logs = cogging.closed_loop_batch([PLANT] * 6, each, MOVE, seeds=list(range(6)), threads=threads)
+        logs = cogging.closed_loop_batch([PLANT] * 6, each, MOVE, seeds=list(range(6)), threads=threads, logs=True)
         for seed, (log, controller) in enumerate(zip(logs, each, strict=True)):
             same(log, loop(controller, seed=seed))
 

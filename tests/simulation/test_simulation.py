@@ -139,23 +139,32 @@ def test_a_batch_is_its_runs_whatever_the_threads(threads):
     controllers = [CONTROLLERS[name] for name in names]
     seeds = [7 * i for i in range(len(names))]
     options = {"duration": 0.2, "steps_per_sample": 2}
-    logs = cogging.closed_loop_batch(plants, controllers, stroke(), seeds=seeds, threads=threads, **options)
+    logs = cogging.closed_loop_batch(plants, controllers, stroke(), seeds=seeds, threads=threads, logs=True, **options)
     assert len(logs) == len(names)
     for plant, controller, seed, log in zip(plants, controllers, seeds, logs, strict=True):
         assert_same_bits(log, cogging.closed_loop(plant, controller, stroke(), seed=seed, **options))
 
 
 def test_a_batch_without_seeds_uses_the_default_one():
-    logs = cogging.closed_loop_batch([gantry(), gantry(1)], [dcarc(), pid()], stroke(), duration=0.1)
+    logs = cogging.closed_loop_batch([gantry(), gantry(1)], [dcarc(), pid()], stroke(), duration=0.1, logs=True)
     assert_same_bits(logs[0], cogging.closed_loop(gantry(), dcarc(), stroke(), duration=0.1))
     assert_same_bits(logs[1], cogging.closed_loop(gantry(1), pid(), stroke(), duration=0.1))
-    assert cogging.closed_loop_batch([], [], stroke()).logs == ()
+    assert cogging.closed_loop_batch([], [], stroke(), logs=True).logs == ()
 
 
-def test_what_a_run_of_a_batch_throws_is_thrown():
+def test_a_run_of_a_batch_that_diverges_leaves_the_others():
     wild = pid(kp=1e9)
-    with pytest.raises(cogging.DivergedError, match="diverged at"):
-        cogging.closed_loop_batch([gantry()] * 4, [pid(), pid(), wild, pid()], stroke(), duration=0.5, threads=2)
+    four = [gantry()] * 4, [pid(), pid(), wild, pid()], stroke()
+    batch = cogging.closed_loop_batch(*four, duration=0.5, threads=2, logs=True)
+    with pytest.raises(cogging.DivergedError, match=r"^run 2: the run diverged at") as alone:
+        _ = batch.logs
+    with pytest.raises(cogging.DivergedError, match=r"^the run diverged at") as same:
+        cogging.closed_loop(gantry(), wild, stroke(), duration=0.5)
+    assert str(alone.value) == f"run 2: {same.value}"
+    assert_same_bits(batch[3], cogging.closed_loop(gantry(), pid(), stroke(), duration=0.5))
+    assert [(failure.run, failure.reason) for failure in batch.failures] == [(2, str(same.value))]
+    assert f"at {batch.failures[0].time:g} s" in str(same.value)
+    assert [failure.run for failure in batch[1:][:2].failures] == [1]
 
 
 # The interpreter's lock ------------------------------------------------------------------------------------
@@ -333,7 +342,7 @@ def test_batch_rules():
         cogging.closed_loop_batch([gantry()] * 2, [pid()], stroke())
     with pytest.raises(ValueError, match=r"^seeds: must be one for each plant, got 3$"):
         cogging.closed_loop_batch([gantry()] * 2, [pid()] * 2, stroke(), seeds=[1, 2, 3])
-    with pytest.raises(ValueError, match=r"^reference: must stay within travel"):
+    with pytest.raises(ValueError, match=r"^run \d: reference: must stay within travel"):
         cogging.closed_loop_batch([gantry()] * 2, [pid()] * 2, stroke(distance=0.5))
 
 

@@ -163,7 +163,7 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
     const double acting = detail::advance_interval(axis, amplifier, state, start, end, options.steps_per_sample);
     if (with_slopes) detail::write_slopes(result, k, axis, before, state, acting, 0.5 * (start + end));
     if (!std::isfinite(state.position) || !std::isfinite(state.velocity))
-      throw DivergedError("the prediction diverged at " + format(end) + " s");
+      throw DivergedError("the prediction diverged at " + format(end) + " s", end);
     const double innovation = log.position[k + 1] - encoder_position(plant.effects, state.position);
     result.innovation[k + 1] = innovation;
     state.position += gain.position(step_after(log.time, k + 1)) * innovation;

@@ -67,8 +67,9 @@ class Amplifier {
   [[noreturn]] COGGING_NOINLINE void refuse_command(const Scalar& command) const {
     std::string value = "a lane's";
     if constexpr (std::is_same_v<Scalar, double>) value = format(command) + " V";
-    throw DivergedError("the run diverged at " + format(static_cast<double>(accepted_) * sample_time_) +
-                        " s: the command must be a finite number, got " + value);
+    const double time = static_cast<double>(accepted_) * sample_time_;
+    throw DivergedError("the run diverged at " + format(time) + " s: the command must be a finite number, got " + value,
+                        time);
   }
 
   AmplifierLaws<Scalar> laws_;

@@ -1,7 +1,11 @@
 #pragma once
-// What a run leaves behind.
+// What a run leaves behind where every row is kept.
 
+#include <cstddef>
+#include <span>
 #include <vector>
+
+#include "cogging/simulation/recorder.hpp"
 
 namespace cogging {
 
@@ -19,6 +23,44 @@ struct Log {
   std::vector<Scalar> true_velocity;           // m/s
   std::vector<Scalar> estimates;               // the controller's, one row a sample; empty unless asked for
   int estimate_count = 0;
+};
+
+/// Writes each row of a run into a log, but for the reference, whose columns the caller has already.
+template <class Scalar>
+class LogRecorder {
+ public:
+  explicit LogRecorder(bool keeps_estimates) : keeps_estimates_(keeps_estimates) {}
+
+  void begin(std::size_t rows, double, StopCheck& stop) {
+    const auto make = [&](auto& column) {
+      stop.ask();  // a column of a long run takes long to clear
+      column.resize(rows);
+    };
+    make(log.time);
+    for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) make(*column);
+  }
+
+  void row(const RunRow<Scalar>& row) {
+    log.time[row.index] = row.time;
+    log.position[row.index] = row.position;
+    log.command[row.index] = row.command;
+    log.true_position[row.index] = row.true_position;
+    log.true_velocity[row.index] = row.true_velocity;
+  }
+
+  bool keeps_estimates() const { return keeps_estimates_; }
+  void estimates(std::span<const Scalar> estimates) {
+    if (log.estimate_count == 0) {
+      log.estimate_count = static_cast<int>(estimates.size());
+      log.estimates.reserve(log.time.size() * estimates.size());
+    }
+    log.estimates.insert(log.estimates.end(), estimates.begin(), estimates.end());
+  }
+
+  Log<Scalar> log;
+
+ private:
+  bool keeps_estimates_;
 };
 
 }  // namespace cogging

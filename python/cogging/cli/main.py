@@ -19,6 +19,7 @@ COMMANDS = (
     "reproduce",
     "simulate",
     "predict",
+    "sweep",
     "map",
     "diagnose",
     "experiment",

@@ -1,4 +1,4 @@
-"""`cogging schema`: the JSON Schema of model, reference and limits files."""
+"""`cogging schema`: the JSON Schema of model, reference, limits and sweep files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cogging.outputs import to_json
 
 def add_parser(commands: Commands) -> None:
     """Add the command, which takes no arguments."""
-    command = commands.add_parser("schema", help="print the JSON Schema of model, reference and limits files")
+    command = commands.add_parser("schema", help="print the JSON Schema of model, reference, limits and sweep files")
     command.set_defaults(run=run)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from cogging._core import Plant, Reference
 from cogging.calls import PATH, Kind
@@ -39,3 +41,6 @@ REFERENCE = Kind(
     (Reference, Mapping, *PATH), "a Reference, the fields of a reference file or the path of one", hints=_TO_REFERENCE
 )
 PLANT = Kind((Plant,), "a Plant", hints={"Model": "simulate(model, reference) runs one, model.plant() makes its plant"})
+LIST = Kind((Sequence, np.ndarray), "a list")
+PLANTS = Kind((Sequence, np.ndarray), "a list, each a Plant")
+NUMBER = Kind((int, float, np.number), "a number")

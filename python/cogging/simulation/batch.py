@@ -1,52 +1,117 @@
-"""Many runs in one call."""
+"""Many runs in one call, and what is kept of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import overload
+from typing import Any, overload
 
-from cogging import _core
-from cogging._core import Plant, Reference
-from cogging.calls import takes
+import numpy as np
+
+from cogging._core import DivergedError, Plant, Reference
+from cogging.arrays import FloatArray
+from cogging.calls import described, takes
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
-from cogging.simulation.arguments import MOTION
+from cogging.progress import Progress, steps
+from cogging.simulation.arguments import LIST, MOTION, NUMBER, PLANTS
+from cogging.simulation.frames import to_pandas, to_xarray, write_frame
+from cogging.simulation.reductions import COLUMNS, Failed, Kept, kept_of_runs, names_of
 from cogging.values import ByValue
+
+TOLD = 50  # times that progress is told of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Batch(ByValue, Sequence[Log]):
-    """The runs of closed_loop_batch, in the order of their plants: a sequence of logs, and what each was made of.
+    """The runs of closed_loop_batch, in the order of their plants: numbers of each, and what else was asked for.
+
+    Where the logs were asked for it is a sequence of them; the log of a run that failed raises its DivergedError.
 
     Attributes:
-        logs: one Log a run.
+        indexes: by name (those of Performance, then the reductions), arrays (runs,); NaN where a run failed.
+        failures: the runs that did not come to their end: which, when (s) and why.
+        columns: those asked for by name, one array a run; empty where the run failed.
         plants: the machine of each run.
         controllers: the controller of each run, as it was given.
         seeds: of each run's noise.
+        with_logs: whether the logs were asked for.
 
     Example:
         >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))
         >>> pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))
         >>> move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
         >>> batch = cogging.closed_loop_batch([plant, plant], [pid, pid], move, duration=0.1, seeds=[1, 2])
-        >>> len(batch), batch.seeds, max(len(log) for log in batch)
-        (2, (1, 2), 501)
+        >>> len(batch), batch.seeds, batch.indexes["error_max"].shape, batch.failures
+        (2, (1, 2), (2,), ())
     """
 
-    logs: tuple[Log, ...]
+    indexes: Mapping[str, FloatArray]
+    failures: tuple[Failed, ...]
+    columns: Mapping[str, tuple[FloatArray, ...]]
     plants: tuple[Plant, ...]
     controllers: tuple[AnyController, ...]
     seeds: tuple[int, ...]
+    with_logs: bool = False
 
     def _brief(self) -> str:
-        return f"{len(self.logs)} runs" + (f" of {len(self.logs[0])} rows" if self.logs else "")
+        failed = f", {len(self.failures)} failed" if self.failures else ""
+        worst = float(np.nanmax(self.indexes["error_max"])) if len(self.failures) < len(self) else np.nan
+        return f"{len(self)} runs{failed}, max |error| {worst:.3g} m"
+
+    @property
+    def logs(self) -> tuple[Log, ...]:
+        """The log of each run.
+
+        Raises:
+            ValueError: they were not asked for.
+            DivergedError: of the first run that failed.
+        """
+        return tuple(self)
+
+    def table(self) -> dict[str, Any]:
+        """One row a run: its place, the indexes, and when (s) and why it failed where it did.
+
+        Returns:
+            Arrays by name.
+        """
+        reasons = np.full(len(self), "", dtype=object)
+        times = np.full(len(self), np.nan)
+        for failure in self.failures:
+            reasons[failure.run], times[failure.run] = failure.reason, failure.time
+        return {"run": np.arange(len(self)), **self.indexes, "failed_at": times, "reason": reasons}
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas DataFrame with `run` as its index.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_pandas(self.table()).set_index("run")
+
+    def to_xarray(self) -> Any:
+        """The table and the columns as an xarray Dataset over `run` and `row`; NaN beyond the end of a shorter run.
+
+        Raises:
+            ImportError: xarray is not there; names the extra that brings it.
+        """
+        return to_xarray(self.table(), self.columns)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as CSV, or as Parquet where the name ends so.
+
+        Raises:
+            InputError: the file cannot be written.
+            ImportError: pyarrow is not there for Parquet; names the extra that brings it.
+        """
+        write_frame(path, self.table())
 
     def __len__(self) -> int:
-        return len(self.logs)
+        return len(self.plants)
 
     def __iter__(self) -> Iterator[Log]:
-        return iter(self.logs)
+        return (self[run] for run in range(len(self)))
 
     @overload
     def __getitem__(self, which: int) -> Log: ...
@@ -55,11 +120,29 @@ class Batch(ByValue, Sequence[Log]):
     def __getitem__(self, which: int | slice) -> Log | Batch:
         """The log of a run, or a batch of some of them."""
         if isinstance(which, slice):
-            return Batch(self.logs[which], self.plants[which], self.controllers[which], self.seeds[which])
-        return self.logs[which]
+            return self._some(range(len(self))[which])
+        if not self.with_logs:
+            raise ValueError("logs: must be asked for to be kept: closed_loop_batch(..., logs=True)")
+        run = range(len(self))[which]
+        for failure in self.failures:
+            if failure.run == run:
+                raise DivergedError(f"run {run}: {failure.reason}")
+        return Log.of({name: runs[run] for name, runs in self.columns.items()})
+
+    def _some(self, runs: range) -> Batch:
+        places = {run: place for place, run in enumerate(runs)}
+        return Batch(
+            {name: values[list(runs)] for name, values in self.indexes.items()},
+            tuple(failure._replace(run=places[failure.run]) for failure in self.failures if failure.run in places),
+            {name: tuple(each[run] for run in runs) for name, each in self.columns.items()},
+            tuple(self.plants[run] for run in runs),
+            tuple(self.controllers[run] for run in runs),
+            tuple(self.seeds[run] for run in runs),
+            self.with_logs,
+        )
 
 
-@takes(reference=MOTION)
+@takes(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER)
 def closed_loop_batch(
     plants: Sequence[Plant],
     controllers: Sequence[AnyController],
@@ -69,8 +152,25 @@ def closed_loop_batch(
     seeds: Sequence[int] = (),
     steps_per_sample: int = 1,
     threads: int = 0,
+    start: float = -np.inf,
+    stop: float = np.inf,
+    final_window: float = 2.0,
+    reductions: Sequence[str] = (),
+    columns: Sequence[str] = (),
+    every: int = 1,
+    logs: bool = False,
+    progress: Progress = False,
 ) -> Batch:
-    """Run many plants under their controllers along one reference: the bits of closed_loop for each.
+    """Run many plants under their controllers along one reference: what closed_loop would give for each, reduced.
+
+    Of each run the indexes of `performance` are kept, computed on the way: memory grows with what is asked for, not
+    with rows. A run that diverges is a row with its reason and time; the others stand.
+
+    Further reductions, by name, of the quantities `error` (reading minus reference, m), `command` (V) and `true_error`
+    (m): `error_max` and `error_rms` of its size, `error_final` (the last value), `error_quantile(0.95)` of its size,
+    `error_tone(3.0)` the amplitude at a frequency (Hz) and `command_wave(0.05)` the amplitude at a period along the
+    travel (m), both by least squares beside an offset. Quantiles are exact up to 65,536 rows, and within 0.07 % beyond,
+    from a histogram.
 
     Args:
         plants: one a run.
@@ -81,15 +181,21 @@ def closed_loop_batch(
         seeds: of force and encoder noise, one for each plant; none: 0 for all.
         steps_per_sample: the fewest integration steps between two samples.
         threads: that share the runs; 0 = all cores. The result does not depend on it.
+        start, stop: s; indexes and reductions look at the rows with start <= time < stop.
+        final_window: s, of error_final_max.
+        reductions: beside the indexes, by name.
+        columns: of the log, by name, to keep as well.
+        every: keep each so many rows of them, from the first on.
+        logs: keep all columns and rows, so that the batch is a sequence of logs.
+        progress: see cogging.progress.
 
     Returns:
-        The logs in the order of the plants.
+        The runs in the order of the plants.
 
     Raises:
         ValueError: lists of different lengths, a reference that leaves the travel, no duration for a motion without
-            an end.
+            an end, a reduction or a column that is none.
         TypeError: a controller is none, or cannot be copied; says what it lacks.
-        DivergedError: a run left its travel by half its length, or is not finite; says when and where.
         ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
 
     Example:
@@ -97,17 +203,64 @@ def closed_loop_batch(
         >>> pids = [cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))] * 2
         >>> move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
         >>> batch = cogging.closed_loop_batch(plants, pids, move, duration=0.5)
-        >>> [f"{1e6 * abs(log.error).max():.0f} um" for log in batch]
+        >>> [f"{1e6 * largest:.0f} um" for largest in batch.indexes["error_max"]]
         ['181 um', '306 um']
     """
-    runs = _core.closed_loop_batch(
-        plants,
-        controllers,
-        reference,
-        duration=duration,
-        seeds=seeds,
-        steps_per_sample=steps_per_sample,
-        threads=threads,
+    _require_plants(plants)
+    if logs:
+        columns, every = COLUMNS, 1
+    options: dict[str, Any] = {
+        "durations": [duration],
+        "steps_per_sample": [steps_per_sample],
+        "threads": threads,
+        "window": (start, stop, final_window),
+        "reductions": reductions,
+        "columns": columns,
+        "every": every,
+    }
+    kept = _in_parts(plants, controllers, reference, seeds, options, progress)
+    return Batch(
+        dict(zip(names_of(reductions), kept.values.T, strict=True)),
+        kept.failures,
+        {name: tuple(runs) for name, runs in kept.columns.items()},
+        tuple(plants),
+        tuple(controllers),
+        tuple(seeds) or (0,) * len(plants),
+        logs,
     )
-    told = tuple(seeds) or (0,) * len(runs)
-    return Batch(tuple(Log.of(columns) for columns in runs), tuple(plants), tuple(controllers), told)
+
+
+def _require_plants(plants: Sequence[Plant]) -> None:
+    for plant in plants:
+        if not isinstance(plant, Plant):
+            raise TypeError(f"closed_loop_batch: plants: must be a list, each a Plant, got {described(plant)}")
+
+
+def _in_parts(
+    plants: Sequence[Plant],
+    controllers: Sequence[AnyController],
+    reference: Reference,
+    seeds: Sequence[int],
+    options: Mapping[str, Any],
+    progress: Progress,
+) -> Kept:
+    """The runs, part by part where progress is to be told between them."""
+    # Where lists differ in length, the core says so.
+    if progress is False or len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
+        return kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)
+    size = max(1, len(plants) // TOLD)
+    size = -(-size // (options["threads"] or os.cpu_count() or 1)) * (options["threads"] or os.cpu_count() or 1)
+    parts = [range(first, min(first + size, len(plants))) for first in range(0, len(plants), size)]
+    values: list[FloatArray] = []
+    failures: list[Failed] = []
+    columns: dict[str, list[FloatArray]] = {name: [] for name in options["columns"]}
+    with steps(progress, "closed_loop_batch", len(parts)) as step:
+        for part in parts:
+            own = slice(part.start, part.stop)
+            kept = kept_of_runs(plants[own], controllers[own], [reference], seeds=seeds[own], **options)
+            values.append(kept.values)
+            failures += [failure._replace(run=failure.run + part.start) for failure in kept.failures]
+            for name, runs in kept.columns.items():
+                columns[name] += runs
+            step(f"{part.stop} of {len(plants)} runs")
+    return Kept(np.concatenate(values), tuple(failures), columns)

@@ -1,0 +1,94 @@
+#pragma once
+// The motion of a run at its sample times: computed once, for one run or for all that follow it at this rate.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "cogging/interruption.hpp"
+#include "cogging/plant/axis.hpp"
+#include "cogging/reference/reference.hpp"
+#include "cogging/require.hpp"
+
+namespace cogging {
+
+/// Row k is the motion at k / sample_rate. Rows beyond `kept_most` are not kept but computed again for each run, so
+/// that the memory of a run that keeps no rows has a bound.
+///
+/// Raises std::invalid_argument for a motion without an end and no duration, or less than 1 or more than 1e9 samples.
+class ReferenceRows {
+ public:
+  static constexpr std::size_t kept_by_default = std::size_t{1} << 20;  // 24 MB
+
+  ReferenceRows(const Reference& reference, double duration, double sample_rate, StopCheck& stop,
+                std::size_t kept_most = kept_by_default)
+      : reference_(&reference),
+        sample_rate_(sample_rate),
+        count_(count_samples(reference, duration, sample_rate)),
+        kept_(std::min(count_, kept_most)) {
+    for (auto* column : {&position_, &velocity_, &acceleration_}) {
+      stop.ask();  // a column of a long run takes long to clear
+      column->resize(kept_);
+    }
+    for (std::size_t k = 0; k < count_; ++k) {
+      stop.row();
+      const ReferencePoint point = reference.at(time(k));
+      if (k < kept_) {
+        position_[k] = point.position;
+        velocity_[k] = point.velocity;
+        acceleration_[k] = point.acceleration;
+      }
+      numbers_ = numbers_ && point.position == point.position;
+      lowest_ = std::min(lowest_, point.position);
+      highest_ = std::max(highest_, point.position);
+    }
+  }
+
+  std::size_t size() const { return count_; }
+  double sample_rate() const { return sample_rate_; }
+  const Reference& reference() const { return *reference_; }
+  double time(std::size_t k) const { return static_cast<double>(k) / sample_rate_; }
+  ReferencePoint at(std::size_t k) const {
+    if (k < kept_) return {position_[k], velocity_[k], acceleration_[k]};
+    return reference_->at(time(k));
+  }
+
+  /// Raises std::invalid_argument, naming the first row that lies outside.
+  void require_within(const Range& travel) const {
+    if (numbers_ && lowest_ >= travel[0] && highest_ <= travel[1]) return;
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double position = at(k).position;
+      if (!(position >= travel[0] && position <= travel[1]))
+        refuse("reference", "must stay within travel [" + format(travel[0]) + ", " + format(travel[1]) + "]",
+               format(position) + " at " + format(time(k)) + " s");
+    }
+  }
+
+  /// Gives away the columns that are kept: position, velocity, acceleration.
+  void move_to(std::vector<double>& position, std::vector<double>& velocity, std::vector<double>& acceleration) && {
+    position = std::move(position_);
+    velocity = std::move(velocity_);
+    acceleration = std::move(acceleration_);
+  }
+
+ private:
+  static std::size_t count_samples(const Reference& reference, double duration, double sample_rate) {
+    if (!(duration > 0.0)) duration = reference.end();
+    require(std::isfinite(duration), "duration", "must be given for a reference without an end of its own", duration);
+    const double samples = duration * sample_rate;
+    require(samples >= 1.0 && samples < 1e9, "duration", "must hold 1 to 1e9 samples", duration);
+    return static_cast<std::size_t>(std::floor(samples + 1e-6)) + 1;
+  }
+
+  const Reference* reference_;
+  double sample_rate_;
+  std::size_t count_, kept_;
+  std::vector<double> position_, velocity_, acceleration_;
+  bool numbers_ = true;
+  double lowest_ = std::numeric_limits<double>::infinity(), highest_ = -std::numeric_limits<double>::infinity();
+};
+
+}  // namespace cogging

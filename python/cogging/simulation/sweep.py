@@ -1,0 +1,374 @@
+"""Many runs of one model, each with other numbers."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import pickle
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cogging._core import Reference, StopFlag
+from cogging.arrays import FloatArray
+from cogging.calls import Kind, takes
+from cogging.files import InputError
+from cogging.model.model import Model
+from cogging.progress import Progress, steps
+from cogging.simulation.arguments import MODEL, REFERENCE
+from cogging.simulation.frames import to_pandas, write_frame
+from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
+from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
+from cogging.simulation.sweep_pieces import Pieces, Table, joined
+from cogging.simulation.sweep_points import points_of, variation_of
+from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, with_numbers
+from cogging.values import ByValue
+
+PIECES = 100  # of a sweep, or more
+PIECE_MOST = 1000  # runs of one
+WAITING_MOST = 64  # pieces that an executor is given ahead
+EXECUTOR = Kind((Executor, type(None)), "a concurrent.futures.Executor")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SweepRuns(ByValue):
+    """The runs of a sweep, one row each.
+
+    Attributes:
+        table: arrays by name: `run`, the varied numbers by path, `seed` of the noise, the indexes (those of
+            Performance, then the reductions; NaN where a run failed), `failed_at` (s) and `reason` where one failed.
+        varied: the paths of the varied numbers.
+
+    Example:
+        >>> runs = cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]})
+        >>> len(runs), runs.varied, runs.failed
+        (3, ('axis.mass',), 0)
+    """
+
+    table: Mapping[str, Any]
+    varied: tuple[str, ...]
+
+    def _brief(self) -> str:
+        failed = self.failed
+        told = f", {failed} failed" if failed else ""
+        error = self.table["error_rms"]
+        middle = float(np.nanmedian(error)) if failed < len(self) else np.nan
+        return f"{len(self)} runs over {', '.join(self.varied)}{told}, median rms error {middle:.3g} m"
+
+    def __len__(self) -> int:
+        return len(self.table["run"])
+
+    @property
+    def failed(self) -> int:
+        """How many runs did not come to their end."""
+        return int(np.count_nonzero(self.table["reason"] != ""))
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas DataFrame with `run` as its index.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_pandas(self.table).set_index("run")
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as CSV, or as Parquet where the name ends so.
+
+        Raises:
+            InputError: the file cannot be written.
+            ImportError: pyarrow is not there for Parquet; names the extra that brings it.
+        """
+        write_frame(path, self.table)
+
+
+class Piece(NamedTuple):
+    """One task of a sweep: some of its runs, with all they need. It can be pickled."""
+
+    setup: Setup
+    paths: tuple[str, ...]
+    points: FloatArray
+    first: int
+    seed: int
+    duration: float
+    threads: int
+    window: tuple[float, float, float]
+    reductions: tuple[str, ...]
+
+
+@takes(model=MODEL, reference=REFERENCE, executor=EXECUTOR)
+def sweep(
+    model: Model | str | os.PathLike[str],
+    reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
+    vary: Mapping[str, Any] | str,
+    *,
+    method: str = "grid",
+    runs: int = 1000,
+    seed: int = 0,
+    duration: float = 0.0,
+    start: float = -np.inf,
+    stop: float = np.inf,
+    final_window: float = 2.0,
+    reductions: Sequence[str] = (),
+    out: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    threads: int = 0,
+    progress: Progress = False,
+) -> SweepRuns:
+    """Run a model many times along a reference, with other numbers each time, and keep indexes of each run.
+
+    `vary` gives by path how a number is varied: a list of values; `{"from": a, "to": b}` evenly between, with
+    `"points": n` on a grid and `"scale": "log"` evenly in the logarithm; `{"mean": m, "deviation": s}` normal; or
+    "bounds", normal with 95 % in the model's own interval. In place of the mapping, "bounds" varies all that the model
+    has finite [bounds] for. Paths are those of `parameters_of(model, together=True)`, and `controller.kp`,
+    `encoder.noise`, `noise.force`, `reference.velocity`, `seed`.
+
+    Run i has noise of its own, with the seed `seed` + i, unless `seed` is varied. A run that diverges, or whose numbers
+    break a rule, is a row with its reason; the others stand. The same arguments give the same table, whatever the
+    executor.
+
+    With `out`, finished pieces stand in a folder beside it (`OUT.pieces`) until the whole is written: after an
+    interruption, a crash or a full disk the same call goes on where it was.
+
+    Args:
+        model: a Model, or the path of a model file.
+        reference: a motion, the fields of a reference file, or the path of one.
+        vary: how each number is varied, by path.
+        method: "grid" (all combinations), "random", "latin_hypercube" or "sobol".
+        runs: how many, but for a grid.
+        seed: of draws and noise.
+        duration: s; 0 = that of the reference file, or the motion's own end.
+        start, stop: s; the indexes look at the rows with start <= time < stop.
+        final_window: s, of error_final_max.
+        reductions: beside the indexes, by name (see closed_loop_batch).
+        out: the file to write, CSV or Parquet by its name; None: none.
+        executor: whose workers run the pieces: any concurrent.futures.Executor, Dask's and Ray's among them; None: the
+            threads of this process.
+        threads: of this process, or of each worker; 0 = all cores, one in a worker.
+        progress: see cogging.progress.
+
+    Returns:
+        The runs.
+
+    Raises:
+        ValueError: a path that the run has not (with the nearest), a variation, method or reduction that is none, or
+            no run could begin.
+        InputError: a file cannot be used or written, or the executor has died; finished runs stand.
+
+    Example:
+        >>> drawn = {"axis.mass": {"mean": 0.12, "deviation": 0.005}, "controller.kp": [9000.0, 9600.0]}
+        >>> runs = cogging.sweep(model, move, drawn, method="latin_hypercube", runs=8)
+        >>> len(runs), runs.failed
+        (8, 0)
+    """
+    model = model if isinstance(model, Model) else Model.read(model)
+    motion, own_duration = _motion(reference)
+    make_controller(model)
+    paths, points = _points(Setup(model, motion), vary, method, runs, seed)
+    require_reductions(reductions)
+    common = Piece(
+        setup=Setup(model, motion),
+        paths=paths,
+        points=points[:0],
+        first=0,
+        seed=seed,
+        duration=duration or own_duration,
+        threads=threads or int(executor is not None),
+        window=(start, stop, final_window),
+        reductions=tuple(reductions),
+    )
+    return _runs(common, points, out, executor, progress)
+
+
+def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None, progress: Progress) -> SweepRuns:
+    """Run all points piece by piece, and write what they gave where it is asked for."""
+    size = max(1, min(PIECE_MOST, len(points) // PIECES))
+    pieces = [common._replace(points=points[i : i + size], first=i) for i in range(0, len(points), size)]
+    kept = None if out is None else Pieces(out, _asked(common, points, size))
+    found = SweepRuns(joined(_tables(pieces, kept, executor, progress)), common.paths)
+    _require_one(found)
+    if kept is not None:
+        found.write(out)
+        kept.remove()
+    return found
+
+
+def _points(setup: Setup, vary: Any, method: str, runs: int, seed: int) -> tuple[tuple[str, ...], FloatArray]:
+    """The paths that are varied, and the values of each run."""
+    intervals = setup.model.intervals
+    if vary == "bounds":
+        vary = {path: "bounds" for path, ends in intervals.items() if np.isfinite(ends).all()}
+    if not isinstance(vary, Mapping) or not vary:
+        raise ValueError(f'vary: must give at least one number, or be "bounds" of a model that has some, got {vary!r}')
+    refuse_unknown_paths(setup, vary)
+    variations = [variation_of(path, told, setup.model) for path, told in vary.items()]
+    return tuple(vary), points_of(variations, method, runs, seed)
+
+
+def run_piece(piece: Piece) -> Table:
+    """The rows of the runs of a piece; in whatever process it is."""
+    reasons = [""] * len(piece.points)
+    times = np.full(len(piece.points), np.nan)
+    runs: list[tuple[int, Setup]] = []
+    for place, values in enumerate(piece.points):
+        try:
+            setup = with_numbers(piece.setup, dict(zip(piece.paths, map(float, values), strict=True)))
+            make_controller(setup.model)
+            runs.append((place, setup))
+        except ValueError as error:
+            reasons[place] = str(error)
+    names = names_of(piece.reductions)
+    indexes = np.full((len(piece.points), len(names)), np.nan)
+    if runs:
+        kept = _kept(piece, runs)
+        indexes[[place for place, _ in runs]] = kept.values
+        for failure in kept.failures:
+            place = runs[failure.run][0]
+            reasons[place], times[place] = failure.reason, failure.time
+    varied = {path: piece.points[:, i] for i, path in enumerate(piece.paths) if path != SEED}
+    return {
+        "run": np.arange(piece.first, piece.first + len(piece.points)),
+        **varied,
+        "seed": np.array(_seeds(piece)),
+        **dict(zip(names, indexes.T, strict=True)),
+        "failed_at": times,
+        "reason": np.array(reasons, dtype=str),
+    }
+
+
+def _kept(piece: Piece, runs: list[tuple[int, Setup]]) -> Kept:
+    """What the core keeps of those runs of a piece whose numbers break no rule."""
+    seeds = _seeds(piece)
+    one_motion = not any(path.startswith("reference.") for path in piece.paths)
+    return kept_of_runs(
+        [setup.model.plant() for _, setup in runs],
+        [make_controller(setup.model) for _, setup in runs],
+        [piece.setup.reference] if one_motion else [setup.reference for _, setup in runs],
+        durations=[piece.duration],
+        seeds=[seeds[place] for place, _ in runs],
+        steps_per_sample=[piece.setup.model.steps_per_sample],
+        threads=piece.threads,
+        window=piece.window,
+        reductions=piece.reductions,
+        keeps_refused=True,
+    )
+
+
+def _seeds(piece: Piece) -> list[int]:
+    if SEED in piece.paths:
+        return [int(value) for value in piece.points[:, piece.paths.index(SEED)]]
+    return [piece.seed + piece.first + place for place in range(len(piece.points))]
+
+
+def _tables(pieces: list[Piece], kept: Pieces | None, executor: Executor | None, progress: Progress) -> list[Table]:
+    """The tables of all pieces in order, those that are kept already among them."""
+    tables: dict[int, Table] = {}
+    for place in range(len(pieces)) if kept is not None else ():
+        table = kept.read(place) if kept is not None else None
+        if table is not None:
+            tables[place] = table
+    missing = [(place, piece) for place, piece in enumerate(pieces) if place not in tables]
+    done, total = len(pieces) - len(missing), len(pieces)
+    with steps(progress, "sweep", len(missing)) as step:
+        made = _here(missing) if executor is None else _elsewhere(missing, executor, kept)
+        for place, table in made:
+            tables[place] = table
+            if kept is not None:
+                kept.keep(place, table)
+            done += 1
+            step(f"{done} of {total} pieces")
+    return [tables[place] for place in range(total)]
+
+
+def _here(pieces: list[tuple[int, Piece]]) -> Iterator[tuple[int, Table]]:
+    for place, piece in pieces:
+        yield place, run_piece(piece)
+
+
+def _elsewhere(pieces: list[tuple[int, Piece]], executor: Executor, kept: Pieces | None) -> Iterator[tuple[int, Table]]:
+    """The tables as an executor's workers finish them, never more than a few pieces ahead."""
+    stop = StopFlag()
+
+    def submitted(piece: Piece) -> Future[Table]:
+        if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can heed a flag
+            return executor.submit(_run_and_heed, piece, stop)
+        # A worker that lacks the package must fail in its task, where its error is told, and not before it.
+        future: Future[Table] = executor.submit(pickle.loads, pickle.dumps(_RunWhenLoaded(piece)))
+        return future
+
+    waiting: dict[Future[Table], int] = {}
+    left = iter(pieces)
+    try:
+        while True:
+            for place, piece in left:
+                waiting[submitted(piece)] = place
+                if len(waiting) >= WAITING_MOST:
+                    break
+            if not waiting:
+                return
+            done = wait(waiting, return_when=FIRST_COMPLETED).done
+            for future in sorted(done, key=lambda one: one.cancelled() or one.exception() is not None):  # failed: last
+                yield waiting.pop(future), future.result()
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(_died(error, executor, kept)) from error
+    finally:
+        stop.set()
+        for future in waiting:
+            future.cancel()
+
+
+def _run_and_heed(piece: Piece, stop: StopFlag) -> Table:
+    stop.heed()
+    return run_piece(piece)
+
+
+class _RunWhenLoaded:
+    """A piece that is run when it is unpickled: what comes out of its pickle is its table."""
+
+    def __init__(self, piece: Piece) -> None:
+        self._piece = piece
+
+    def __reduce__(self) -> Any:
+        return run_piece, (self._piece,)
+
+
+def _died(error: Exception, executor: Executor, kept: Pieces | None) -> str:
+    """One line about an executor that did not do its work."""
+    what = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    stands = f"; {kept.stands}" if kept is not None else ""
+    how = "has died" if isinstance(error, BrokenExecutor) else "could not run a piece"
+    if isinstance(error, ImportError):
+        how = "has a worker that cannot import the package"
+    return f"executor: {type(executor).__name__} {how}: {what}{stands}"
+
+
+def _require_one(found: SweepRuns) -> None:
+    """Raise where no run could even begin: then what is wrong is no single run."""
+    times, reasons = found.table["failed_at"], found.table["reason"]
+    if found.failed == len(found) and np.isnan(times).all():
+        raise ValueError(f"no run could begin: {reasons[0]}")
+
+
+def _asked(common: Piece, points: FloatArray, size: int) -> dict[str, Any]:
+    return {
+        "version": importlib.metadata.version("cogging"),
+        "model": common.setup.model.to_dict(),
+        "reference": reference_to_dict(common.setup.reference),
+        "paths": list(common.paths),
+        "points": points,
+        "size": size,
+        "seed": common.seed,
+        "duration": common.duration,
+        "window": list(common.window),
+        "reductions": list(common.reductions),
+    }
+
+
+def _motion(reference: Any) -> tuple[Reference, float]:
+    if isinstance(reference, Reference):
+        return reference, 0.0
+    return reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference)

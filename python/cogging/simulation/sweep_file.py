@@ -1,0 +1,99 @@
+"""Sweep files: which runs are made, of which model, along which reference."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
+from cogging.model.model import is_number
+from cogging.outputs import AnyPath
+from cogging.shown import quoted
+from cogging.simulation.reductions import names_of, reduction
+from cogging.simulation.reference import files_of_reference
+from cogging.simulation.sweep import SweepRuns, sweep
+from cogging.simulation.sweep_points import METHODS
+
+#: The keys of a sweep file: type and meaning.
+KEYS: dict[str, tuple[type, str]] = {
+    "model": (str, "model file, beside the sweep file"),
+    "reference": (str, "reference file, beside the sweep file"),
+    "method": (str, "grid (all combinations), random, latin_hypercube or sobol; default grid"),
+    "runs": (int, "how many, but for a grid; default 1000"),
+    "seed": (int, "of draws and noise: run i has the noise of seed + i; default 0"),
+    "duration": (float, "s; default that of the reference"),
+    "start": (float, "s; indexes look at the rows from then on"),
+    "stop": (float, "s; indexes look at the rows before"),
+    "final_window": (float, "s, of error_final_max; default 2"),
+    "reductions": (list, "beside the indexes, such as error_quantile(0.95), command_max, error_tone(3.0)"),
+    "vary": (dict, 'how each number is varied, by path; or "bounds": all that the model has [bounds] for'),
+}
+NEEDED = ("model", "reference", "vary")
+WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
+
+
+def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The arguments of `sweep` that a sweep file gives, paths of other files as seen from here.
+
+    Raises:
+        InputError: the file cannot be used; names file, line, field, rule and value.
+    """
+    document = read_toml(path)
+    try:
+        _require(document)
+    except FieldError as error:
+        raise error.in_file(path, read_text(path)) from None
+    folder = Path(path).parent
+    return {**document, **{key: folder / document[key] for key in ("model", "reference")}}
+
+
+def files_of_sweep(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
+    """All that a sweep reads: the sweep file, its model, its reference and what that names."""
+    return [path, arguments["model"], *files_of_reference(arguments["reference"])]
+
+
+def run_sweep(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
+    """Run what read_sweep has read.
+
+    Raises:
+        InputError: what only the sweep itself can find; names the file, and the line where it stands in it.
+    """
+    try:
+        return sweep(**{**arguments, **options})
+    except InputError:
+        raise
+    except FieldError as error:
+        raise error.in_file(path, read_text(path)) from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _require(document: Mapping[str, Any]) -> None:
+    """Refuse a document that is no sweep.
+
+    Raises:
+        FieldError: names field, rule and value.
+    """
+    refuse_unknown_keys(document, KEYS, "")
+    for key in NEEDED:
+        if key not in document:
+            raise FieldError("", key, "must be given, got nothing")
+    for key, value in document.items():
+        kind = KEYS[key][0]
+        fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
+        if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == "bounds")):
+            raise FieldError("", key, f"must be {WORDS[kind]}, got {quoted(value)}")
+    if document.get("method", "grid") not in METHODS:
+        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(document['method'])}")
+    if document.get("seed", 0) < 0:
+        raise FieldError("", "seed", f"must be at least 0, got {document['seed']}")
+    for name in document.get("reductions", ()):
+        if not isinstance(name, str):
+            raise FieldError("", "reductions", f"must be names, got {quoted(name)}")
+        try:
+            reduction(name)
+            names_of(document["reductions"])
+        except ValueError as error:
+            raise FieldError("", "reductions", str(error).removeprefix("reductions: ")) from None

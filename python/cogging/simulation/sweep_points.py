@@ -1,0 +1,165 @@
+"""The points of a sweep: which values each run has, from grids, sequences and distributions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.files import FieldError, refuse_unknown_keys
+from cogging.model.intervals import SIGMAS_95, Intervals
+from cogging.model.model import Model, is_number
+from cogging.shown import quoted
+
+METHODS = ("grid", "random", "latin_hypercube", "sobol")
+KEYS = ("values", "from", "to", "points", "scale", "mean", "deviation")
+RUNS_MAX = 10**8
+TINY = 1e-12  # from the ends of (0, 1), where a normal number is infinite
+
+
+@dataclass(frozen=True)
+class Variation:
+    """How one number is varied.
+
+    Attributes:
+        path: of the number.
+        values: to choose from, or none.
+        ends: from and to, or none.
+        points: of a grid between the ends.
+        logarithmic: whether the points, or the density, are even in the logarithm.
+        middle, sides: of a normal number: its median and its deviation below and above, or none.
+    """
+
+    path: str
+    values: tuple[float, ...] = ()
+    ends: tuple[float, float] | None = None
+    points: int = 0
+    logarithmic: bool = False
+    middle: float = 0.0
+    sides: tuple[float, float] | None = None
+
+    def grid(self) -> FloatArray:
+        """Its values on a grid.
+
+        Raises:
+            FieldError: it is a distribution without points.
+        """
+        if self.values:
+            return np.array(self.values)
+        if self.ends is None or not self.points:
+            raise FieldError("vary", self.path, "must have values, or from, to and points, on a grid")
+        space = np.geomspace if self.logarithmic else np.linspace
+        return np.asarray(space(*self.ends, self.points), dtype=float)
+
+    def of_shares(self, shares: FloatArray) -> FloatArray:
+        """Its values by the share (0 to 1) of the distribution that lies below each."""
+        from scipy.special import ndtri
+
+        if self.values:
+            places = np.minimum((shares * len(self.values)).astype(int), len(self.values) - 1)
+            chosen: FloatArray = np.asarray(self.values, dtype=float)[places]
+            return chosen
+        if self.sides is not None:
+            normal = ndtri(np.clip(shares, TINY, 1.0 - TINY))
+            return np.asarray(self.middle + normal * np.where(normal > 0, self.sides[1], self.sides[0]))
+        low, high = self.ends or (0.0, 1.0)
+        if self.logarithmic:
+            return np.asarray(low * (high / low) ** shares)
+        return np.asarray(low + (high - low) * shares)
+
+
+def variation_of(path: str, told: Any, model: Model) -> Variation:
+    """How a number is varied, as a sweep file says it: a list of values, a table of KEYS, or "bounds".
+
+    Raises:
+        FieldError: what is told breaks a rule.
+    """
+    if told == "bounds":
+        return _bounds(path, model)
+    table: Mapping[str, Any] = {"values": told} if isinstance(told, list | tuple) else told
+    if not isinstance(table, Mapping):
+        raise FieldError("vary", path, f'must be a list, a table or "bounds", got {quoted(told)}')
+    refuse_unknown_keys(table, KEYS, f"vary.{path}")
+    for key, value in table.items():
+        numbers = value if key == "values" else [] if key == "scale" else [value]
+        if not isinstance(numbers, list | tuple) or not all(is_number(n) and math.isfinite(n) for n in numbers):
+            raise FieldError(
+                "vary", path, f"{key}: must be {'numbers' if key == 'values' else 'a number'}, got {value!r}"
+            )
+    kinds = [kind for kind in (("values",), ("from", "to"), ("mean", "deviation")) if set(kind) <= set(table)]
+    if len(kinds) != 1 or set(table) - set(kinds[0]) - ({"points", "scale"} if "from" in table else set()):
+        raise FieldError(
+            "vary", path, f"must be values, or from and to, or mean and deviation, got {quoted(dict(table))}"
+        )
+    if "values" in table:
+        if not table["values"]:
+            raise FieldError("vary", path, "values: must hold at least one number, got none")
+        return Variation(path, tuple(map(float, table["values"])))
+    if "mean" in table:
+        if table["deviation"] < 0:
+            raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
+        return Variation(path, middle=float(table["mean"]), sides=(float(table["deviation"]),) * 2)
+    return _between(path, table)
+
+
+def points_of(variations: list[Variation], method: str, runs: int, seed: int) -> FloatArray:
+    """The values of each run, (runs, variations). The same arguments give the same points.
+
+    Raises:
+        FieldError: a method that is none, more runs than RUNS_MAX, a grid with a distribution on it.
+    """
+    if method == "grid":
+        axes = [variation.grid() for variation in variations]
+        total = math.prod(len(axis) for axis in axes)
+        _require_runs(total)
+        places = np.unravel_index(np.arange(total), [len(axis) for axis in axes])
+        return np.stack([axis[place] for axis, place in zip(axes, places, strict=True)], axis=1)
+    if method not in METHODS:
+        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}")
+    _require_runs(runs)
+    shares = _shares(method, runs, len(variations), seed)
+    return np.stack([variation.of_shares(shares[:, i]) for i, variation in enumerate(variations)], axis=1)
+
+
+def _shares(method: str, runs: int, dimensions: int, seed: int) -> FloatArray:
+    """Points in the unit cube, (runs, dimensions)."""
+    if method == "random":
+        return np.asarray(np.random.default_rng(seed).random((runs, dimensions)))
+    from scipy.stats import qmc
+
+    if method == "latin_hypercube":
+        return np.asarray(qmc.LatinHypercube(dimensions, seed=np.random.default_rng(seed)).random(runs))
+    sobol = qmc.Sobol(dimensions, seed=np.random.default_rng(seed))
+    return np.asarray(sobol.random_base2(math.ceil(math.log2(runs)))[:runs])  # of all that keep it balanced, the first
+
+
+def _require_runs(runs: int) -> None:
+    if not 1 <= runs <= RUNS_MAX:
+        raise FieldError("", "runs", f"must be from 1 to {RUNS_MAX}, got {runs}")
+
+
+def _between(path: str, table: Mapping[str, Any]) -> Variation:
+    low, high, points, scale = (table.get(key) for key in ("from", "to", "points", "scale"))
+    if scale not in (None, "linear", "log"):
+        raise FieldError("vary", path, f"scale: must be linear or log, got {quoted(scale)}")
+    if low is None or high is None or not low < high:
+        raise FieldError("vary", path, f"from: must be below to = {high!r}, got {low!r}")
+    if scale == "log" and low <= 0:
+        raise FieldError("vary", path, f"from: must be above 0 on a logarithmic scale, got {low!r}")
+    if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
+        raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
+    return Variation(path, ends=(float(low), float(high)), points=points or 0, logarithmic=scale == "log")
+
+
+def _bounds(path: str, model: Model) -> Variation:
+    """Normal around the model's value, 95 % in its interval."""
+    intervals = Intervals(model)
+    interval = intervals.of(path) if path in intervals.paths else None
+    if interval is None or not all(map(math.isfinite, interval)):
+        raise FieldError("vary", path, "must have a finite interval in the model's [bounds], got none")
+    value = intervals.value(path)
+    return Variation(path, middle=value, sides=((value - interval[0]) / SIGMAS_95, (interval[1] - value) / SIGMAS_95))

@@ -1,0 +1,154 @@
+"""Batches that keep no rows: the numbers of the logs, memory that does not grow with rows, failures as rows."""
+
+import math
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.simulation.reductions import INDEXES
+
+AXIS = cogging.AxisParameters(mass=0.12, viscous=0.2, coulomb=0.15, coulomb_width=1e-3, travel=[-1.0, 1.0])
+
+
+def machine(rng):
+    """A machine, its controller and its seed, drawn."""
+    axis = AXIS.replace(mass=rng.uniform(0.08, 0.2), coulomb=rng.uniform(0.0, 0.4))
+    tone = cogging.EFFECTS["disturbance_tone"](frequency=rng.uniform(5.0, 20.0), sine=rng.uniform(0.1, 0.5))
+    encoder = cogging.EncoderParameters(resolution=0.5e-6, noise=1e-7)
+    plant = cogging.Plant(axis, effects=[tone], encoder=encoder, noise=cogging.NoiseParameters(force=0.02))
+    gains = cogging.PidParameters(kp=rng.uniform(3e3, 1e4), ki=1e4, kd=48.0, sample_rate=float(rng.integers(800, 2500)))
+    return plant, cogging.Pid(gains), int(rng.integers(2**40))
+
+
+def move(rng):
+    return cogging.Sine(cogging.SineParameters(amplitude=rng.uniform(0.005, 0.02), frequency=rng.uniform(1.0, 3.0)))
+
+
+def amplitude(values, phase):
+    """Of the best offset + sine + cosine, by numpy's least squares."""
+    basis = np.stack([np.ones_like(phase), np.sin(2 * np.pi * phase), np.cos(2 * np.pi * phase)], axis=1)
+    return math.hypot(*np.linalg.lstsq(basis, values, rcond=None)[0][1:])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_kept_is_what_the_logs_say(seed):
+    rng = np.random.default_rng(seed)
+    plants, controllers, seeds = zip(*(machine(rng) for _ in range(4)), strict=True)
+    motion, start, stop = move(rng), rng.uniform(0.0, 0.2), rng.uniform(0.5, 1.2)
+    share, frequency, period = rng.uniform(0.05, 0.95), rng.uniform(3.0, 30.0), rng.uniform(0.003, 0.01)
+    asked = ["command_max", "true_error_rms", "error_final", f"error_quantile({share!r})", "command_quantile(1)"]
+    asked += [f"error_tone({frequency!r})", f"command_wave({period!r})"]
+    options = {"seeds": seeds, "duration": 1.0, "start": start, "stop": stop, "final_window": 0.1}
+    few = {"columns": ["command", "time"], "every": 7}
+    batch = cogging.closed_loop_batch(plants, controllers, motion, reductions=asked, **few, **options)
+    whole = cogging.closed_loop_batch(plants, controllers, motion, logs=True, **options)
+    for run, log in enumerate(whole):
+        rows = (log.time >= start) & (log.time < stop)
+        said = cogging.performance(log.time, log.error, log.command, start=start, stop=stop, final_window=0.1)
+        assert [batch.indexes[name][run] for name in INDEXES] == [getattr(said, name) for name in INDEXES]
+        error, command, time = log.error[rows], log.command[rows], log.time[rows]
+        true_error = (log.true_position - log.reference)[rows]
+        expected = [abs(command).max(), np.sqrt(np.mean(true_error**2)), error[-1], np.quantile(abs(error), share)]
+        expected += [abs(command).max(), amplitude(error, frequency * time)]
+        expected += [amplitude(command, log.position[rows] / period)]
+        np.testing.assert_allclose([batch.indexes[name][run] for name in asked], expected, rtol=1e-7)
+        for name in few["columns"]:
+            np.testing.assert_array_equal(batch.columns[name][run], getattr(log, name)[::7])
+
+
+def test_quantiles_of_a_long_run_are_within_what_is_said():
+    plant, _, seed = machine(np.random.default_rng(5))
+    pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0, sample_rate=5000.0))
+    shares = [0.0, 0.03, 0.5, 0.9, 0.999, 1.0]
+    asked = [f"error_quantile({share})" for share in shares]
+    run = {"seeds": [seed], "duration": 15.0}
+    batch = cogging.closed_loop_batch([plant], [pid], move(np.random.default_rng(1)), reductions=asked, **run)
+    log = cogging.closed_loop(plant, pid, move(np.random.default_rng(1)), seed=seed, duration=15.0)
+    assert len(log) > 65536
+    got = np.array([batch.indexes[name][0] for name in asked])
+    exact = np.quantile(abs(log.error), shares)
+    assert exact[0] == got[0] == 0.0 or abs(got[0] / exact[0] - 1) < 7e-4
+    np.testing.assert_allclose(got[1:], exact[1:], rtol=7e-4)
+    assert (got != exact).any()  # it is the histogram that is held to it
+
+
+def test_an_axis_that_stands_still_has_no_wave():
+    still = cogging.Sampled([0.0, 0.5, 1.0], [0.1, 0.1, 0.1])
+    pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0))
+    batch = cogging.closed_loop_batch(
+        [cogging.Plant(AXIS)], [pid], still, duration=1.0, reductions=["error_wave(0.05)", "error_tone(5)"]
+    )
+    assert np.isnan(batch.indexes["error_wave(0.05)"]).all()
+    assert batch.indexes["error_tone(5)"] == 0.0
+
+
+def test_a_failed_run_is_a_row(tmp_path):
+    rng = np.random.default_rng(2)
+    plants, controllers, seeds = map(list, zip(*(machine(rng) for _ in range(5)), strict=True))
+    controllers[3] = cogging.Pid(cogging.PidParameters(kp=1e12))
+    told = []
+    batch = cogging.closed_loop_batch(plants, controllers, move(rng), seeds=seeds, duration=0.3, progress=told.append)
+    frame = batch.to_pandas()
+    assert told[-1] == "5 of 5 runs"
+    assert frame.index.tolist() == list(range(5))
+    assert frame["error_rms"].isna().tolist() == [False, False, False, True, False]
+    assert (frame["reason"] != "").tolist() == frame["error_rms"].isna().tolist()
+    assert frame["reason"][3].startswith(f"the run diverged at {frame['failed_at'][3]:g} s: position")
+    same = cogging.closed_loop_batch(plants, controllers, move(np.random.default_rng(9)), seeds=seeds, duration=0.3)
+    assert same.failures[0].run == 3
+    for name in ("runs.csv", "runs.parquet"):
+        batch.write(tmp_path / name)
+    pandas = pytest.importorskip("pandas")
+    again = pandas.read_csv(tmp_path / "runs.csv", index_col="run", keep_default_na=True)
+    np.testing.assert_array_equal(again[list(INDEXES)], frame[list(INDEXES)])
+    pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "runs.parquet").set_index("run"), frame)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"reductions": ["eror_max"]}, r"reductions: 'eror_max' is none; did you mean error_max\?"),
+        ({"reductions": ["error_quantile(2)"]}, r"quantile: must be from 0 to 1, got 2"),
+        ({"reductions": ["error_wave(0)"]}, r"period: must be finite and above 0, got 0"),
+        ({"reductions": ["error_tone(x)"]}, r"error_tone\(x\): must have a number in its brackets, got 'x'"),
+        ({"reductions": ["error_final", "error_final"]}, r"must be asked for once each, got error_final twice"),
+        ({"columns": ["speed"]}, r"columns: must be columns of a log, got speed"),
+        ({"columns": ["time"], "every": 0}, r"every: must be at least 1, got 0"),
+        ({"start": 2.0}, r"start, stop: must hold at least 2 rows"),
+        ({"seeds": [1, 2]}, r"seeds: must be one for each plant, got 2"),
+        ({"duration": 0.0}, r"duration: must be given"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_in_one_line(options, text):
+    pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0))
+    with pytest.raises(ValueError, match=text):
+        cogging.closed_loop_batch(
+            [cogging.Plant(AXIS)], [pid], move(np.random.default_rng(0)), **{"duration": 0.5, **options}
+        )
+    batch = cogging.closed_loop_batch([cogging.Plant(AXIS)], [pid], move(np.random.default_rng(0)), duration=0.5)
+    with pytest.raises(ValueError, match=r"^logs: must be asked for to be kept"):
+        _ = batch[0]
+
+
+def peak(rows, runs):
+    """The peak memory (MB) of a process of its own that runs a batch."""
+    code = f"""
+        import resource, cogging
+        plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))
+        pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0, sample_rate=5000.0))
+        move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
+        batch = cogging.closed_loop_batch([plant] * {runs}, [pid] * {runs}, move, duration={rows} / 5000.0, threads=2)
+        assert batch.indexes["error_rms"].min() > 0.0
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    """
+    return float(subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True, capture_output=True).stdout)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no resource module")
+def test_memory_does_not_grow_with_rows():
+    short, long = peak(500, 40), peak(25_000, 40)
+    assert long - short < 8.0  # MB; the logs alone would take 40 x 25,000 x 64 bytes = 61 MB

@@ -1,0 +1,359 @@
+"""Sweeps: every path, every way of drawing, and finished runs that stand whatever ends the sweep."""
+
+import concurrent.futures
+import itertools
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures.process import BrokenProcessPool
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.outputs import to_toml
+from cogging.simulation import sweep as sweeps
+from cogging.simulation import sweep_pieces
+from cogging.simulation.sweep_points import points_of, variation_of
+from cogging.simulation.varied import Setup, numbers_of, with_numbers
+from tests.fixtures.examples import MODEL
+
+pytestmark = pytest.mark.filterwarnings("ignore:The balance properties of Sobol")
+DOCUMENT = {
+    "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 1e-3, "travel": [-0.1, 0.5]},
+    "controller": {"type": "pid", "kp": 9600.0, "ki": 1e5, "kd": 48.0, "sample_rate": 1000.0},
+    "noise": {"force": 0.02},
+    "bounds": {"axis.mass": [0.11, 0.135], "axis.viscous": [0.1, 0.3], "axis.coulomb": [0.0, float("inf")]},
+}
+SMALL = cogging.Model.from_dict(DOCUMENT)
+MOVE = {"type": "sine", "amplitude": 0.01, "frequency": 5.0, "duration": 0.2}
+SINE = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=5.0))
+
+
+def same(one, other):
+    assert list(one.table) == list(other.table)
+    for name, values in one.table.items():
+        np.testing.assert_array_equal(np.asarray(values, dtype=str), np.asarray(other.table[name], dtype=str), name)
+
+
+def test_a_row_is_the_run_that_its_numbers_say():
+    vary = {
+        "axis.mass": [0.1, 0.14],
+        "controller.kp": {"from": 5e3, "to": 9e3, "points": 2},
+        "reference.frequency": [4, 6],
+    }
+    runs = cogging.sweep(SMALL, MOVE, vary, seed=11, reductions=["command_max"])
+    expected = list(itertools.product([0.1, 0.14], [5e3, 9e3], [4.0, 6.0]))
+    assert list(zip(*(runs.table[path] for path in vary), strict=True)) == expected
+    for run, (mass, kp, frequency) in enumerate(expected):
+        model = SMALL.replace(axis=SMALL.axis.replace(mass=mass), controller=SMALL.controller.replace(kp=kp))
+        log = cogging.simulate(model, {**MOVE, "frequency": frequency}, seed=11 + run)
+        assert runs.table["seed"][run] == 11 + run
+        assert runs.table["error_rms"][run] == cogging.performance(log.time, log.error, log.command).error_rms
+        assert runs.table["command_max"][run] == abs(log.command).max()
+
+
+def test_every_number_of_a_run_has_a_path_that_moves_it():
+    setup = Setup(MODEL, SINE)
+    numbers = numbers_of(setup)
+    assert {"axis.mass", "encoder.resolution", "noise.force", "reference.frequency", "seed"} < set(numbers)
+    assert sum(path.startswith("controller.") for path in numbers) > 5
+    moved = 0
+    for path, value in numbers.items():
+        if value is None:
+            continue
+        for other in (value * 1.25 + 0.03125, value * 0.75, value + 1):
+            try:
+                changed = with_numbers(setup, {path: other})
+            except ValueError:
+                continue  # a rule of the field, or one that binds it to another
+            if "stretch" not in path and "shear" not in path and "phase" not in path and "gain" not in path:
+                assert numbers_of(changed)[path] == pytest.approx(other)
+            assert changed != setup
+            moved += 1
+            break
+    assert moved > 0.8 * len(numbers)
+
+
+@pytest.mark.parametrize("method", ["random", "latin_hypercube", "sobol"])
+def test_draws_have_the_distributions_that_were_asked_for(method):
+    told = {
+        "axis.mass": "bounds",
+        "axis.viscous": {"from": 0.1, "to": 0.3},
+        "controller.kp": {"from": 1e2, "to": 1e4, "scale": "log"},
+        "axis.coulomb": {"mean": 0.2, "deviation": 0.01},
+        "seed": [1, 5, 9],
+    }
+    variations = [variation_of(path, how, SMALL) for path, how in told.items()]
+    drawn = points_of(variations, method, 4096, 3)
+    np.testing.assert_array_equal(drawn, points_of(variations, method, 4096, 3))
+    assert (drawn != points_of(variations, method, 4096, 4)).any()
+    mass, viscous, gain, coulomb, seed = drawn.T
+    wide = 1.0 if method == "random" else 0.3  # of four standard errors: the others fill space evenly
+    assert np.mean((mass > 0.11) & (mass < 0.135)) == pytest.approx(0.95, abs=0.014 * wide)
+    assert np.median(mass) == pytest.approx(0.12, abs=1e-3 * wide)
+    assert np.quantile(viscous, [0, 0.25, 1]) == pytest.approx([0.1, 0.15, 0.3], abs=6e-3 * wide)
+    assert np.median(np.log10(gain)) == pytest.approx(3.0, abs=0.08 * wide)
+    assert coulomb.std() == pytest.approx(0.01, rel=0.05 * wide + 0.01)
+    assert [np.mean(seed == value) for value in (1, 5, 9)] == pytest.approx([1 / 3] * 3, abs=0.03 * wide)
+    assert np.corrcoef(drawn.T)[np.triu_indices(5, 1)] == pytest.approx(0.0, abs=0.07)
+
+
+def test_bounds_alone_vary_all_that_have_finite_ones():
+    runs = cogging.sweep(SMALL, MOVE, "bounds", method="sobol", runs=4)
+    assert runs.varied == ("axis.mass", "axis.viscous")
+
+
+def test_runs_that_fail_are_rows_and_the_others_stand():
+    runs = cogging.sweep(SMALL, MOVE, {"controller.kp": [9600.0, 1e12], "axis.mass": [0.12, -1.0]})
+    reasons = runs.table["reason"].tolist()
+    assert reasons[0] == ""
+    assert "mass: must be" in reasons[1]
+    assert reasons[2].startswith(f"the run diverged at {runs.table['failed_at'][2]:g} s")
+    assert np.isnan(runs.table["failed_at"][[0, 1, 3]]).all()
+    assert np.isnan(runs.table["error_rms"]).tolist() == [False, True, True, True]
+    assert runs.failed == 3
+    with pytest.raises(ValueError, match=r"^no run could begin: .*mass: must be"):
+        cogging.sweep(SMALL, MOVE, {"axis.mass": [-1.0, -2.0]})
+
+
+@pytest.mark.parametrize(
+    ("vary", "options", "text"),
+    [
+        ({"axis.mas": [1]}, {}, r"vary: 'axis.mas': is no number of this run; did you mean axis.mass\?"),
+        ({"controler.kp": [1]}, {}, r"did you mean controller.kp\?"),
+        ({"reference.freqency": [1]}, {}, r"did you mean reference.frequency\?"),
+        ({}, {}, r"vary: must give at least one number"),
+        ({"axis.mass": []}, {}, r"vary.axis.mass: values: must hold at least one"),
+        ({"axis.mass": "wide"}, {}, r"vary.axis.mass: must be a list, a table or .bounds."),
+        ({"axis.mass": {"from": 2, "to": 1}}, {}, r"from: must be below to"),
+        ({"axis.mass": {"from": 0, "to": 1, "scale": "log"}}, {}, r"above 0 on a logarithmic scale"),
+        ({"axis.mass": {"from": 0}}, {}, r"must be values, or from and to, or mean and deviation"),
+        ({"axis.mass": {"mean": 1, "deviaton": 1}}, {}, r"deviaton: is not known here; did you mean deviation"),
+        ({"axis.mass": {"mean": 1, "deviation": 1}}, {}, r"must have values, or from, to and points, on a grid"),
+        ({"axis.coulomb": "bounds"}, {}, r"axis.coulomb: "),
+        ({"axis.mass": [0.1]}, {"method": "sobol", "runs": 0}, r"runs: must be from 1"),
+        ({"axis.mass": [0.1]}, {"method": "gird"}, r"method: must be one of grid, random"),
+        ({"axis.mass": [0.1]}, {"reductions": ["rms"]}, r"reductions: 'rms' is none"),
+    ],
+)
+def test_a_wrong_sweep_is_answered_in_one_line(vary, options, text):
+    with pytest.raises(ValueError, match=text) as found:
+        cogging.sweep(SMALL, MOVE, vary, **options)
+    assert "\n" not in str(found.value)
+
+
+# Finished work --------------------------------------------------------------------------------------------------------
+
+MANY = {"axis.mass": {"from": 0.1, "to": 0.14}}
+DRAWN = {"method": "random", "runs": 300, "seed": 5}
+
+
+class Full(Exception):
+    pass
+
+
+def test_a_sweep_goes_on_where_it_was_ended(tmp_path, monkeypatch):
+    """Ended at random pieces until it is done: no run is lost, none is made twice."""
+    out, rng, made = tmp_path / "runs.csv", random.Random(3), []
+    plain = sweeps.run_piece
+
+    def ends_at_times(piece):
+        if rng.random() < 0.1:
+            raise Full
+        made.append(piece.first)
+        return plain(piece)
+
+    monkeypatch.setattr(sweeps, "run_piece", ends_at_times)
+    ended = 0
+    while True:
+        try:
+            runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+            break
+        except Full:
+            ended += 1
+            assert not out.exists()
+    assert ended > 3
+    assert sorted(made) == list(range(0, 300, 3))
+    monkeypatch.undo()
+    same(runs, cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
+    assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
+    lines = out.read_text().splitlines()
+    assert len(lines) == 301
+    assert float(lines[9].split(",")[3]) == runs.table["error_max"][8]
+
+
+def test_another_sweep_is_not_resumed(tmp_path, monkeypatch):
+    out = tmp_path / "runs.csv"
+    monkeypatch.setattr(sweeps, "run_piece", lambda piece: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+    monkeypatch.undo()
+    for other in ({"seed": 6}, {"runs": 301}, {"duration": 0.1}, {"reductions": ["error_final"]}, {"stop": 0.1}):
+        with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: holds pieces of another sweep"):
+            cogging.sweep(SMALL, MOVE, MANY, out=out, **{**DRAWN, **other})
+    assert len(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)) == 300
+
+
+def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
+    """What a crash of the machine may leave: an empty file, half a file, another's."""
+    out, plain, seen = tmp_path / "runs.csv", sweeps.run_piece, []
+
+    def ends_late(piece):
+        if piece.first >= 150:
+            raise Full
+        return plain(piece)
+
+    monkeypatch.setattr(sweeps, "run_piece", ends_late)
+    with pytest.raises(Full):
+        cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+    pieces = sorted((tmp_path / "runs.csv.pieces").glob("*.npz"))
+    pieces[0].write_bytes(b"")
+    pieces[7].write_bytes(pieces[7].read_bytes()[:200])
+    pieces[9].write_bytes(b"PK\x03\x04 no archive")
+    monkeypatch.setattr(sweeps, "run_piece", lambda piece: seen.append(piece.first) or plain(piece))
+    runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+    assert seen == [0, 21, 27, *range(150, 300, 3)]
+    monkeypatch.undo()
+    same(runs, cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
+
+
+def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypatch):
+    out, left = tmp_path / "runs.csv", [5]
+    plain = sweep_pieces.write_bytes
+
+    def fills(path, content):
+        left[0] -= 1
+        if left[0] < 0:
+            raise cogging.InputError(f"{path}: cannot be written: No space left on device")
+        plain(path, content)
+
+    monkeypatch.setattr(sweep_pieces, "write_bytes", fills)
+    text = r"No space left on device; finished runs stand in .*runs\.csv\.pieces, the same call goes on from there$"
+    with pytest.raises(cogging.InputError, match=text):
+        cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+    assert len(list((tmp_path / "runs.csv.pieces").glob("*.npz"))) == 5
+    left[0] = 10**6
+    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
+
+
+def write_files(folder, runs, duration):
+    (folder / "model.toml").write_text(to_toml(DOCUMENT))
+    (folder / "move.toml").write_text(to_toml({**MOVE, "duration": duration}))
+    asked = {"model": "model.toml", "reference": "move.toml", "method": "random", "runs": runs, "seed": 5, "vary": MANY}
+    (folder / "sweep.toml").write_text(to_toml(asked))
+    return [sys.executable, "-m", "cogging", "sweep", str(folder / "sweep.toml"), "--out", str(folder / "runs.csv")]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
+def test_a_command_that_is_killed_goes_on(tmp_path):
+    command = write_files(tmp_path, 300, 1.0)
+    pieces = tmp_path / "runs.csv.pieces"
+    rng, kept = random.Random(7), 0
+    for number in (signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        target = kept + rng.randint(2, 20)
+        while len(list(pieces.glob("[0-9]*.npz"))) < target and process.poll() is None:
+            time.sleep(0.002)
+        process.send_signal(number)
+        _, said = process.communicate()
+        status = {signal.SIGINT: 130, signal.SIGTERM: 143}.get(number, -9)
+        assert process.returncode == status
+        assert said.count("\n") == (1 if number != signal.SIGKILL else 0)
+        now = len(list(pieces.glob("[0-9]*.npz")))
+        assert kept < now < 100
+        kept = now
+        assert not (tmp_path / "runs.csv").exists()
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert "300 runs over axis.mass" in done.stdout
+    assert not pieces.exists()
+    alone = cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, **DRAWN)
+    alone.write(tmp_path / "alone.csv")
+    assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "runs.csv").read_bytes()
+
+
+# Executors ------------------------------------------------------------------------------------------------------------
+
+
+def test_threads_and_processes_give_the_same_table():
+    alone = cogging.sweep(SMALL, MOVE, MANY, **DRAWN)
+    with concurrent.futures.ThreadPoolExecutor(3) as threads:
+        same(cogging.sweep(SMALL, MOVE, MANY, executor=threads, **DRAWN), alone)
+    with concurrent.futures.ProcessPoolExecutor(1) as processes:
+        same(cogging.sweep(SMALL, MOVE, MANY, executor=processes, **DRAWN), alone)
+
+
+class Dies(concurrent.futures.Executor):
+    """After a few pieces its workers are gone."""
+
+    def __init__(self, error):
+        self.left, self.error = 4, error
+
+    def submit(self, function, *given):
+        future = concurrent.futures.Future()
+        self.left -= 1
+        if self.left < 0:
+            future.set_exception(self.error)
+        else:
+            future.set_result(function(*given))
+        return future
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (
+            BrokenProcessPool("a child process\nended"),
+            "Dies has died: BrokenProcessPool: a child process ended",
+        ),
+        (
+            ModuleNotFoundError("No module named 'cogging'"),
+            "Dies has a worker that cannot import the package: ModuleNotFound",
+        ),
+        (RuntimeError("gone"), "Dies could not run a piece: RuntimeError: gone"),
+    ],
+)
+def test_an_executor_that_dies_is_one_line_and_finished_runs_stand(tmp_path, error, text):
+    out = tmp_path / "runs.csv"
+    with pytest.raises(
+        cogging.InputError, match=f"^executor: {text}.*finished runs stand in .*pieces, the same"
+    ) as found:
+        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **DRAWN)
+    assert "\n" not in str(found.value)
+    assert 1 <= len(list((tmp_path / "runs.csv.pieces").glob("[0-9]*.npz"))) <= 4
+    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
+
+
+def _process():
+    return os.getpid()
+
+
+@pytest.fixture
+def dask(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    place = {"local_directory": str(tmp_path), "dashboard_address": None, "silence_logs": 50}
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **place) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
+
+
+FEW = {"method": "random", "runs": 40, "seed": 5}
+
+
+@pytest.mark.filterwarnings("ignore")  # of its own
+def test_a_worker_of_dask_that_is_killed_changes_nothing(dask):
+    workers, killed = list(dask.run(_process).values()), []
+
+    def kill_one(step):
+        if not killed:
+            os.kill(workers[0], signal.SIGKILL)
+            killed.append(step)
+
+    found = cogging.sweep(SMALL, MOVE, MANY, executor=dask.get_executor(), progress=kill_one, **FEW)
+    assert killed == ["1 of 40 pieces"]
+    same(found, cogging.sweep(SMALL, MOVE, MANY, **FEW))
