@@ -1,8 +1,8 @@
 #include "bindings.hpp"
 #include "cogging/estimation/replay_controller.hpp"
-#include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
+#include "lanes/batch.hpp"
 #include "own_controller.hpp"
 #include "without_gil.hpp"
 
@@ -121,22 +121,41 @@ Raises:
           if (is_serial(plant.effects)) threads = 1;
         std::vector<GivenController> given;
         for (const py::object& controller : controllers) given.push_back(take_controller(controller));
-        std::vector<Log<>> logs(plants.size());
-        without_gil([&](StopRequest* stop) {
-          run_batch(plants.size(), threads, stop, [&](std::size_t i) {
-            logs[i] = run(plants[i], given[i], reference,
-                          options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0), stop);
+        RunOptions options = options_of(duration, 0, steps_per_sample, false, {}, 0.0);
+        const BatchOfRuns batch{plants, given, seeds, reference, options};
+        auto [logs, in_lanes] = without_gil([&](StopRequest* stop) {
+          return run_in_packs(batch, threads, stop, [&](std::size_t i) {
+            RunOptions own = options;
+            own.seed = batch.seed(i);
+            return run(plants[i], given[i], reference, own, stop);
           });
         });
         std::vector<std::map<std::string, py::array_t<double>>> result;
         for (Log<>& log : logs)
           result.push_back(to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>());
-        return result;
+        return std::pair(std::move(result), std::vector<bool>(in_lanes));
       },
       py::arg("plants"), py::arg("controllers"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
       py::arg("seeds") = std::vector<std::uint64_t>{}, py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
       "Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the "
-      "number. Controllers of Python's run one at a time, beside those of the core and compiled ones.");
+      "number, and of each run whether it shared its steps with others of its course. Controllers of Python's run one "
+      "at a time, beside those of the core and compiled ones.");
+
+  module.def(
+      "instruction_sets",
+      [] {
+        std::map<std::string, std::size_t> sets;
+        for (const InstructionSet& set : instruction_sets()) sets[set.name] = set.lanes;
+        return sets;
+      },
+      "Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.");
+  module.def(
+      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr}).name; },
+      R"(The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
+COGGING_INSTRUCTIONS names; "none": each run alone.
+
+Raises:
+    ValueError: COGGING_INSTRUCTIONS names one that this machine lacks.)");
 
   module.def(
       "replay_controller",

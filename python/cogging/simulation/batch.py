@@ -24,6 +24,7 @@ class Batch(ByValue, Sequence[Log]):
         plants: the machine of each run.
         controllers: the controller of each run, as it was given.
         seeds: of each run's noise.
+        in_lanes: of each run, whether it went through the processor side by side with others of its course.
 
     Example:
         >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))
@@ -38,6 +39,7 @@ class Batch(ByValue, Sequence[Log]):
     plants: tuple[Plant, ...]
     controllers: tuple[AnyController, ...]
     seeds: tuple[int, ...]
+    in_lanes: tuple[bool, ...]
 
     def _brief(self) -> str:
         return f"{len(self.logs)} runs" + (f" of {len(self.logs[0])} rows" if self.logs else "")
@@ -55,7 +57,8 @@ class Batch(ByValue, Sequence[Log]):
     def __getitem__(self, which: int | slice) -> Log | Batch:
         """The log of a run, or a batch of some of them."""
         if isinstance(which, slice):
-            return Batch(self.logs[which], self.plants[which], self.controllers[which], self.seeds[which])
+            of_all = (self.logs, self.plants, self.controllers, self.seeds, self.in_lanes)
+            return Batch(*(of_each[which] for of_each in of_all))
         return self.logs[which]
 
 
@@ -72,6 +75,13 @@ def closed_loop_batch(
 ) -> Batch:
     """Run many plants under their controllers along one reference: the bits of closed_loop for each.
 
+    Runs of one course go side by side through the lanes of the processor's vectors; `in_lanes` of the result says which
+    did. They have controllers of one type and rate, as they were made, whose settings without a lane of their own
+    (lists, bounds, limits) are equal, and machines with the same travel, knots of the cogging and kinds of effects,
+    whose friction is smooth. Others run alone: machines that stick or have a state of their own, effects and
+    controllers of one's own. The environment variable COGGING_INSTRUCTIONS chooses the instructions: v2, v3, v4 (x86-64
+    with SSE4.2, AVX2, AVX-512), neon, or none. No result depends on it.
+
     Args:
         plants: one a run.
         controllers: one for each plant; they are copied, not changed. Those of Python run one at a time, beside those
@@ -87,7 +97,7 @@ def closed_loop_batch(
 
     Raises:
         ValueError: lists of different lengths, a reference that leaves the travel, no duration for a motion without
-            an end.
+            an end; COGGING_INSTRUCTIONS names what this machine lacks.
         TypeError: a controller is none, or cannot be copied; says what it lacks.
         DivergedError: a run left its travel by half its length, or is not finite; says when and where.
         ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
@@ -100,7 +110,7 @@ def closed_loop_batch(
         >>> [f"{1e6 * abs(log.error).max():.0f} um" for log in batch]
         ['181 um', '306 um']
     """
-    runs = _core.closed_loop_batch(
+    runs, in_lanes = _core.closed_loop_batch(
         plants,
         controllers,
         reference,
@@ -110,4 +120,4 @@ def closed_loop_batch(
         threads=threads,
     )
     told = tuple(seeds) or (0,) * len(runs)
-    return Batch(tuple(Log.of(columns) for columns in runs), tuple(plants), tuple(controllers), told)
+    return Batch(tuple(Log.of(columns) for columns in runs), tuple(plants), tuple(controllers), told, tuple(in_lanes))
