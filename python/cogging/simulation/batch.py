@@ -57,8 +57,8 @@ class Batch(ByValue, Sequence[Log]):
     def __getitem__(self, which: int | slice) -> Log | Batch:
         """The log of a run, or a batch of some of them."""
         if isinstance(which, slice):
-            of_all = (self.logs, self.plants, self.controllers, self.seeds, self.in_lanes)
-            return Batch(*(of_each[which] for of_each in of_all))
+            made_of = self.plants[which], self.controllers[which], self.seeds[which]
+            return Batch(self.logs[which], *made_of, self.in_lanes[which])
         return self.logs[which]
 
 
