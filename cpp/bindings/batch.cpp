@@ -1,7 +1,10 @@
 // Many runs, of each of which indexes and what else was asked for are kept.
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -12,6 +15,7 @@
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/run_record.hpp"
 #include "cogging/simulation/shared_rows.hpp"
+#include "lanes/jobs.hpp"
 #include "own_controller.hpp"
 #include "without_gil.hpp"
 
@@ -38,6 +42,7 @@ struct RecordedBatch {
   std::vector<std::vector<std::vector<double>>> columns;
   std::vector<std::string> reasons;  // empty: the run came to its end
   std::vector<double> times;
+  std::vector<char> in_lanes;
 
   std::size_t width() const { return index_count + request.reductions.size(); }
 
@@ -46,6 +51,7 @@ struct RecordedBatch {
     values.assign(plants.size() * width(), none);
     times.assign(plants.size(), none);
     reasons.resize(plants.size());
+    in_lanes.assign(plants.size(), 0);
     columns.resize(request.columns.empty() ? 0 : plants.size());
   }
 
@@ -54,33 +60,46 @@ struct RecordedBatch {
     return list[list.size() == 1 ? 0 : i];
   }
 
-  template <class C>
-  void run_with(const C& controller, std::size_t i, StopRequest* stop) {
+  const Reference& reference(std::size_t i) const { return *one_of(references, i); }
+
+  RunOptions options_of(std::size_t i, StopRequest* stop) const {
     RunOptions options;
     options.seed = seeds.empty() ? 0 : seeds[i];
     options.steps_per_sample = one_of(steps, i);
     options.duration = one_of(durations, i);
     options.stop = stop;
     detail::require_options(options);
-    RunRecord<double> record(request);
-    const auto motion = rows.of(*one_of(references, i), options.duration, controller.sample_rate(), stop);
-    closed_loop_into<double>(record, plants[i], controller, *motion, options);
-    const Performance found = record.performance_of_lane(0);
+    return options;
+  }
+
+  void keep(std::size_t i, KeptOfRun&& kept) {
+    const Performance& found = kept.performance;
     double* row = values.data() + i * width();
     for (double index : {found.error_max, found.error_rms, found.error_final_max, found.command_rms,
                          found.command_change_rms, found.command_chatter})
       *row++ = index;
-    for (double reduction : record.reductions_of_lane(0)) *row++ = reduction;
-    if (!columns.empty()) columns[i] = record.columns_of_lane(0);
+    for (double reduction : kept.reductions) *row++ = reduction;
+    if (!columns.empty()) columns[i] = std::move(kept.columns);
   }
 
-  void run(std::size_t i, StopRequest* stop) {
+  template <class C>
+  void run_with(const C& controller, std::size_t i, StopRequest* stop) {
+    const RunOptions options = options_of(i, stop);
+    RunRecord<double> record(request);
+    const auto motion = rows.of(reference(i), options.duration, controller.sample_rate(), stop);
+    closed_loop_into<double>(record, plants[i], controller, *motion, options);
+    keep(i, record.take_lane(0));
+  }
+
+  /// What ended run i stands in its row, unless it ends the batch.
+  template <class Run>
+  void guard(std::size_t i, const Run& run) {
     const auto failed = [&](const std::exception& error, double time) {
       reasons[i] = error.what();
       times[i] = time;
     };
     try {
-      close_with(controllers[i], stop, [&](const auto& c, StopRequest* turns) { run_with(c, i, turns); });
+      run();
     } catch (const DivergedError& error) {
       failed(error, error.time);
     } catch (const ControllerError& error) {
@@ -90,6 +109,63 @@ struct RecordedBatch {
       if (!keeps_refused) throw std::invalid_argument("run " + std::to_string(i) + ": " + error.what());
       failed(error, std::numeric_limits<double>::quiet_NaN());
     }
+  }
+
+  void run_alone(std::size_t i, StopRequest* stop) {
+    guard(i, [&] {
+      close_with(controllers[i], stop, [&](const auto& c, StopRequest* turns) { run_with(c, i, turns); });
+    });
+  }
+
+  /// Those of the machine and its controller, and that the motion is the same.
+  std::optional<SharedCourse> course_of(std::size_t i) const {
+    std::optional<SharedCourse> course = course_of_run(plants[i], controllers[i]);
+    if (!course) return course;
+    course->add(reinterpret_cast<std::uintptr_t>(&reference(i)));
+    course->add(one_of(durations, i)), course->add(one_of(steps, i));
+    return course;
+  }
+
+  /// Runs a pack; false where it cannot be set up: each of its runs alone then says why.
+  bool run_pack(const std::vector<std::size_t>& job, const InstructionSet& set, StopRequest* stop) {
+    std::vector<RunInLane> runs;
+    std::vector<AnyController<>> own;
+    std::vector<const AnyController<>*> own_places;
+    std::vector<KeptOfRun> kept(job.size());
+    for (const std::size_t i : job) {
+      runs.push_back({&plants[i], seeds.empty() ? 0 : seeds[i]});
+      std::visit(
+          [&]<class C>(const C& c) {
+            if constexpr (std::is_constructible_v<AnyController<>, const C&>) own.emplace_back(c);
+          },
+          controllers[i]);
+    }
+    for (const auto& controller : own) own_places.push_back(&controller);
+    try {
+      const RunOptions options = options_of(job[0], stop);
+      const double rate = std::visit([](const auto& c) { return c.sample_rate(); }, own[0]);
+      const auto motion = rows.of(reference(job[0]), options.duration, rate, stop);
+      set.run({runs, own_places, kept, request, *motion, options});
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    for (std::size_t place = 0; place < job.size(); ++place)
+      guard(job[place], [&] {
+        in_lanes[job[place]] = 1;
+        if (runs[place].ended) std::rethrow_exception(runs[place].ended);
+        keep(job[place], std::move(kept[place]));
+      });
+    return true;
+  }
+
+  void run(unsigned threads, StopRequest* stop) {
+    const std::optional<InstructionSet> set = instruction_set();
+    const Jobs jobs = jobs_of(plants.size(), set, [&](std::size_t i) { return course_of(i); });
+    run_batch(jobs.size(), threads, stop, [&](std::size_t number) {
+      const std::vector<std::size_t>& job = jobs[number];
+      if (job.size() > 1 && run_pack(job, *set, stop)) return;
+      for (const std::size_t i : job) run_alone(i, stop);
+    });
   }
 };
 
@@ -115,6 +191,7 @@ py::dict kept_of(RecordedBatch&& batch) {
   kept["values"] = to_array(std::move(batch.values), {runs, width});
   kept["failures"] = failures;
   kept["columns"] = columns;
+  kept["in_lanes"] = std::vector<bool>(batch.in_lanes.begin(), batch.in_lanes.end());
   return kept;
 }
 
@@ -144,11 +221,9 @@ void bind_batch(py::module_& module) {
         for (const auto& [quantity, kind, at] : reductions) request.reductions.push_back({quantity, kind, at});
         const RunRecord<double> refuses_what_is_wrong(request);
         RecordedBatch batch{plants, given, references, durations, seeds, steps_per_sample, request, keeps_refused,
-                            {},     {},    {},         {},        {}};
+                            {},     {},    {},         {},        {},    {}};
         batch.make_room();
-        without_gil([&](StopRequest* request_to_stop) {
-          run_batch(plants.size(), threads, request_to_stop, [&](std::size_t i) { batch.run(i, request_to_stop); });
-        });
+        without_gil([&](StopRequest* request_to_stop) { batch.run(threads, request_to_stop); });
         return kept_of(std::move(batch));
       },
       py::arg("plants"), py::arg("controllers"), py::arg("references"), py::kw_only(), py::arg("durations"),
@@ -157,5 +232,22 @@ void bind_batch(py::module_& module) {
       R"(Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
 
 `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
-run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.)");
+run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
+`in_lanes`: of each run whether it shared its steps with others of its course.)");
+
+  module.def(
+      "instruction_sets",
+      [] {
+        std::map<std::string, std::size_t> sets;
+        for (const InstructionSet& set : instruction_sets()) sets[set.name] = set.lanes;
+        return sets;
+      },
+      "Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.");
+  module.def(
+      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, 1, nullptr}).name; },
+      R"(The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
+COGGING_INSTRUCTIONS names; "none": each run alone.
+
+Raises:
+    ValueError: COGGING_INSTRUCTIONS names one that this machine lacks.)");
 }

@@ -1,6 +1,5 @@
 #include "bindings.hpp"
 #include "cogging/estimation/replay_controller.hpp"
-#include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
 #include "own_controller.hpp"
@@ -94,36 +93,6 @@ Raises:
         needs more than 1e5 steps (the message says how fast).
     ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
     DivergedError: the state left the travel by half its length or is not finite; says when and where.)");
-
-  module.def(
-      "closed_loop_batch",
-      [](const std::vector<Plant<>>& plants, const std::vector<py::object>& controllers, const Reference& reference,
-         double duration, const std::vector<std::uint64_t>& seeds, int steps_per_sample, unsigned threads) {
-        require(controllers.size() == plants.size(), "controllers", "must be one for each plant",
-                static_cast<double>(controllers.size()));
-        require(seeds.empty() || seeds.size() == plants.size(), "seeds", "must be one for each plant",
-                static_cast<double>(seeds.size()));
-        // Where a plant asks Python, it holds a lock for which other threads would only wait.
-        for (const Plant<>& plant : plants)
-          if (is_serial(plant.effects)) threads = 1;
-        std::vector<GivenController> given;
-        for (const py::object& controller : controllers) given.push_back(take_controller(controller));
-        std::vector<Log<>> logs(plants.size());
-        without_gil([&](StopRequest* stop) {
-          run_batch(plants.size(), threads, stop, [&](std::size_t i) {
-            logs[i] = run(plants[i], given[i], reference,
-                          options_of(duration, seeds.empty() ? 0 : seeds[i], steps_per_sample, false, {}, 0.0), stop);
-          });
-        });
-        std::vector<std::map<std::string, py::array_t<double>>> result;
-        for (Log<>& log : logs)
-          result.push_back(to_columns(std::move(log)).cast<std::map<std::string, py::array_t<double>>>());
-        return result;
-      },
-      py::arg("plants"), py::arg("controllers"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
-      py::arg("seeds") = std::vector<std::uint64_t>{}, py::arg("steps_per_sample") = 1, py::arg("threads") = 0,
-      "Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the "
-      "number. Controllers of Python's run one at a time, beside those of the core and compiled ones.");
 
   module.def(
       "replay_controller",

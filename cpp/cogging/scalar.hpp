@@ -85,6 +85,11 @@ inline double gather(const double* table, int index) {
 inline void scatter(double* table, int index, double value) {
   table[index] = value;
 }
+/// function(index), as a plain integer where that serves all lanes.
+template <class Function>
+COGGING_INLINE decltype(auto) with_index(int index, const Function& function) {
+  return function(index);
+}
 
 /// S(v) = (2/pi) atan(v / width); width = 0 is sgn(v), with sgn(0) = 0. Each lane by its own width.
 template <class Scalar>

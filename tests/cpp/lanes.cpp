@@ -200,9 +200,7 @@ PidParameters<Scalar> pid_of(const std::vector<Machine>& list) {
 }
 
 double spread(const Four& value) {
-  double low = value.lane[0], high = value.lane[0];
-  for (double entry : value.lane) low = std::min(low, entry), high = std::max(high, entry);
-  return high - low;
+  return largest(value) - smallest(value);
 }
 
 // Prints the largest difference of any column between the lanes and the single runs, and how far the lanes
@@ -226,7 +224,7 @@ void compare(const char* name, const FourParameters& four_parameters, const OneP
     const auto column = [&](const std::vector<Four>& pack, const std::vector<double>& single) {
       if (pack.size() != single.size()) worst = INFINITY;
       for (std::size_t k = 0; k < single.size(); ++k) {
-        const double difference = std::abs(pack[k].lane[lane] - single[k]);
+        const double difference = std::abs(pack[k][lane] - single[k]);
         if (!(difference <= worst)) worst = difference;
       }
     };
@@ -300,7 +298,7 @@ void lose_readings() {
   std::vector<OneController> ones(width, OneController(one_parameters));
   double worst = 0.0;
   const auto compare_to = [&](const Four& pack, std::size_t lane, double single) {
-    const double difference = std::abs(pack.lane[lane] - single);
+    const double difference = std::abs(pack[lane] - single);
     if (!(difference <= worst)) worst = std::isnan(difference) ? INFINITY : difference;
   };
   std::array<int, width> left{3, 0, 1, 20};  // samples that each lane still loses
@@ -312,23 +310,23 @@ void lose_readings() {
     Four reading;
     for (std::size_t lane = 0; lane < width; ++lane) {
       if (left[lane] == 0 && uniform() < 0.01) left[lane] = uniform() < 0.8 ? 1 + int(16 * uniform()) : 30;
-      reading.lane[lane] = left[lane] > 0 ? (k % 2 ? NAN : INFINITY) : now.position + 1e-4 * (uniform() - 0.5);
+      reading.set(lane, left[lane] > 0 ? (k % 2 ? NAN : INFINITY) : now.position + 1e-4 * (uniform() - 0.5));
       left[lane] -= left[lane] > 0;
     }
     const Four command = ask(four, now, ahead, reading);
     Four applied = clamp(command, Four(-2.0), Four(2.0));
-    if (k % 300 == 5) applied.lane[1] = NAN;
+    if (k % 300 == 5) applied.set(1, NAN);
     four.update(applied);
     for (std::size_t lane = 0; lane < width; ++lane) {
-      compare_to(command, lane, ask(ones[lane], now, ahead, reading.lane[lane]));
-      ones[lane].update(applied.lane[lane]);
+      compare_to(command, lane, ask(ones[lane], now, ahead, reading[lane]));
+      ones[lane].update(applied[lane]);
       compare_to(four.samples_refused(), lane, ones[lane].samples_refused());
       for (std::size_t i = 0; i < ones[lane].estimates().size(); ++i)
         compare_to(four.estimates()[i], lane, ones[lane].estimates()[i]);
     }
   }
   std::printf("%s_lost_difference %.17g\n%s_lost %.17g\n", name.c_str(), worst, name.c_str(),
-              four.samples_refused().lane[0]);
+              four.samples_refused()[0]);
 }
 
 // Every controller of the list.

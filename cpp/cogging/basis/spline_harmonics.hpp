@@ -123,20 +123,21 @@ class SplineHarmonics {
   // sum_q (sum_j weight_j A_jq) harmonic_q over the active control points j and the columns q.
   template <class Scalar, class Index>
   Scalar combine(const Index& first, const Scalar* weight, const Scalar* harmonic, const Scalar* coefficients) const {
-    return spline_.with_order([&](auto order) {
-      const int columns = this->columns();
-      const Index start = first * columns;
-      const auto amplitude = [&](int q) {
-        Scalar sum = weight[0] * gather(coefficients + q, start);
-        for (int j = 1; j < order; ++j) sum += weight[j] * gather(coefficients + j * columns + q, start);
-        return sum;
-      };
-      Scalar sines = 0.0, cosines = 0.0;
-      for (int q = 0; q < columns; q += 2) {
-        sines += amplitude(q) * harmonic[q];
-        cosines += amplitude(q + 1) * harmonic[q + 1];
-      }
-      return sines + cosines;
+    const int columns = this->columns();
+    return with_index(first * columns, [&](const auto& start) {
+      return spline_.with_order([&](auto order) {
+        const auto amplitude = [&](int q) {
+          Scalar sum = weight[0] * gather(coefficients + q, start);
+          for (int j = 1; j < order; ++j) sum += weight[j] * gather(coefficients + j * columns + q, start);
+          return sum;
+        };
+        Scalar sines = 0.0, cosines = 0.0;
+        for (int q = 0; q < columns; q += 2) {
+          sines += amplitude(q) * harmonic[q];
+          cosines += amplitude(q + 1) * harmonic[q + 1];
+        }
+        return sines + cosines;
+      });
     });
   }
 

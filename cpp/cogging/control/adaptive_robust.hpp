@@ -211,13 +211,14 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
     const Scalar step = -q.cogging_adaptation * sample_time_ * p;
     const Scalar minimum = q.cogging_bounds[0], maximum = q.cogging_bounds[1];
     const int columns = basis_.columns();
-    const auto start = active_.spline.first * columns;
-    for (int j = 0; j < basis_.spline().order(); ++j) {
-      Scalar* row = estimates_.data() + plain + j * columns;
-      const Scalar row_step = step * active_.spline.weight[j];
-      for (int c = 0; c < columns; ++c)
-        scatter(row + c, start, adapt(gather(row + c, start), row_step * active_.harmonic[c], minimum, maximum));
-    }
+    with_index(active_.spline.first * columns, [&](const auto& start) {
+      for (int j = 0; j < basis_.spline().order(); ++j) {
+        Scalar* row = estimates_.data() + plain + j * columns;
+        const Scalar row_step = step * active_.spline.weight[j];
+        for (int c = 0; c < columns; ++c)
+          scatter(row + c, start, adapt(gather(row + c, start), row_step * active_.harmonic[c], minimum, maximum));
+      }
+    });
   }
 
  private:

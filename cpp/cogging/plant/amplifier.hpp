@@ -36,6 +36,12 @@ class Amplifier {
   void accept(const Scalar& command) {
     const Scalar shaped = laws_.shaped(command);
     if (!all_finite(shaped)) refuse_command(shaped);
+    pass_on(shaped);
+  }
+
+  /// What `accept` makes of a command, which it passes on where it is a number.
+  Scalar shaped(const Scalar& command) const { return laws_.shaped(command); }
+  void pass_on(const Scalar& shaped) {
     commands_.push(shaped);
     ++accepted_;
   }
@@ -46,6 +52,16 @@ class Amplifier {
     const double switch_time = std::min(time + switch_, time_next);
     if (time < switch_time) piece(drive(whole_ + 1), time, switch_time);
     if (switch_time < time_next) piece(drive(whole_), switch_time, time_next);
+  }
+
+  /// Raises DivergedError: the command of now is no number.
+  template <class Value>
+  [[noreturn]] COGGING_NOINLINE void refuse_command(const Value& command) const {
+    std::string value = "a lane's";
+    if constexpr (std::is_same_v<Value, double>) value = format(command) + " V";
+    const double time = static_cast<double>(accepted_) * sample_time_;
+    throw DivergedError("the run diverged at " + format(time) + " s: the command must be a finite number, got " + value,
+                        time);
   }
 
   /// See AmplifierLaws::followed_until.
@@ -62,14 +78,6 @@ class Amplifier {
   Drive<Scalar> drive(std::size_t age) const {
     const Scalar target = commands_.at(age);
     return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
-  }
-
-  [[noreturn]] COGGING_NOINLINE void refuse_command(const Scalar& command) const {
-    std::string value = "a lane's";
-    if constexpr (std::is_same_v<Scalar, double>) value = format(command) + " V";
-    const double time = static_cast<double>(accepted_) * sample_time_;
-    throw DivergedError("the run diverged at " + format(time) + " s: the command must be a finite number, got " + value,
-                        time);
   }
 
   AmplifierLaws<Scalar> laws_;

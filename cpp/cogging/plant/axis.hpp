@@ -152,6 +152,12 @@ class Axis {
     state.speed_max = larger(state.speed_max, abs(state.velocity));
   }
 
+  /// One step of the integrator where nothing sticks or has a state; by how much it errs more than it may, m/s: at most
+  /// 0 where `advance` would do the same.
+  Scalar try_step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
+    return move(state, drive, time, 0.0, h);
+  }
+
   /// Takes steps as they are given, whatever they err by.
   void leave_steps() { accuracy_.leave_steps(); }
 

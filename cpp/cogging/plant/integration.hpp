@@ -72,7 +72,7 @@ void advance_in_pieces(State& state, double from, double until, const Step& step
 /// ends, and while the current loop settles steps are short. steps_of(start, end) says in how many steps of the
 /// integrator each part is made. The drive settles along the way.
 template <class Axis, class AnyAmplifier, class Scalar, class StepsOf>
-void advance_through_events(const Axis& axis, AnyAmplifier& amplifier, AxisState<Scalar>& state, Drive<Scalar>& drive,
+void advance_through_events(Axis& axis, AnyAmplifier& amplifier, AxisState<Scalar>& state, Drive<Scalar>& drive,
                             double from, double to, const StepsOf& steps_of) {
   double now = from;
   while (now < to) {

@@ -34,12 +34,15 @@ struct RunOptions {
 namespace detail {
 
 // Half a travel beyond its ends, the run is over: a number from there would be no measurement of anything.
-template <class Scalar>
-void require_bounded(const AxisState<Scalar>& state, const Range& travel, double time) {
+inline Range bounds_of(const Range& travel) {
   const double length = travel[1] - travel[0];
   const double margin = std::isfinite(length) ? 0.5 * length : 0.0;
-  const double lower = std::isfinite(travel[0]) ? travel[0] - margin : -1e6;
-  const double upper = std::isfinite(travel[1]) ? travel[1] + margin : 1e6;
+  return {std::isfinite(travel[0]) ? travel[0] - margin : -1e6, std::isfinite(travel[1]) ? travel[1] + margin : 1e6};
+}
+
+template <class Scalar>
+void require_bounded(const AxisState<Scalar>& state, const Range& travel, double time) {
+  const auto [lower, upper] = bounds_of(travel);
   if (all(state.position > lower) && all(state.position < upper) && all_finite(state.velocity)) return;
   std::string where = "a lane";
   if constexpr (std::is_same_v<Scalar, double>)
@@ -52,8 +55,8 @@ void require_bounded(const AxisState<Scalar>& state, const Range& travel, double
 }  // namespace detail
 
 /// Integrates the plant over one sample, with `steps` steps of the integrator where nothing happens within it.
-template <class Scalar>
-void advance_sample(const Axis<Scalar>& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
+template <class AnyAxis, class Scalar>
+void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
                     double time_next, const Scalar& force, int steps) {
   const double sample_time = time_next - time;
   const auto steps_of = [&](double start, double end) {

@@ -58,6 +58,13 @@ inline std::size_t column_number(const std::string& name) {
   return static_cast<std::size_t>(found - column_names.begin());
 }
 
+/// What is left of one run.
+struct KeptOfRun {
+  Performance performance;
+  std::vector<double> reductions;            // in the order in which they were asked for
+  std::vector<std::vector<double>> columns;  // likewise
+};
+
 /// The recorder that keeps it, for one run or for as many as the scalar has lanes.
 template <class Scalar>
 class RunRecord {
@@ -74,40 +81,48 @@ class RunRecord {
     reductions_.clear();
     for (const Reduction& one : request_.reductions)
       reductions_.push_back(Quantity{quantity_of(one.quantity), make_reduction<Scalar>(one, rows_.size())});
-    columns_.assign(which_.size(), {});
+    columns_.assign(which_.size() * lanes_of<Scalar>, {});
     for (auto& column : columns_) column.reserve((rows - 1) / request_.every + 1);
-    until_kept_ = 0;
+    waiting_.resize(which_.size() * block);
+    until_kept_ = waiting_rows_ = 0;
+    last_ = rows - 1;
   }
 
   void row(const RunRow<Scalar>& row) {
     if (rows_.holds(row.index)) reduce(row);
-    if (columns_.empty()) return;
+    if (which_.empty()) return;
     if (until_kept_ == 0) {
-      for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].push_back(column_of(which_[i], row));
+      for (std::size_t c = 0; c < which_.size(); ++c) waiting_[c * block + waiting_rows_] = column_of(which_[c], row);
+      ++waiting_rows_;
       until_kept_ = request_.every;
     }
     --until_kept_;
+    if (waiting_rows_ == block || row.index == last_) write_waiting();
   }
 
-  Performance performance_of_lane(std::size_t i) const { return sums_.of_lane(i); }
-
-  /// In the order in which they were asked for.
-  std::vector<double> reductions_of_lane(std::size_t i) const {
-    std::vector<double> values;
+  /// Of a run that came to its end; its columns are given away.
+  KeptOfRun take_lane(std::size_t i) {
+    KeptOfRun kept{sums_.of_lane(i), {}, {}};
     for (const Quantity& one : reductions_)
-      values.push_back(std::visit([&](const auto& reduction) { return reduction.of_lane(i); }, one.reduction));
-    return values;
-  }
-
-  /// One vector a column, in the order in which they were asked for.
-  std::vector<std::vector<double>> columns_of_lane(std::size_t i) const {
-    std::vector<std::vector<double>> columns(columns_.size());
-    for (std::size_t c = 0; c < columns_.size(); ++c)
-      for (const Scalar& value : columns_[c]) columns[c].push_back(lane(value, i));
-    return columns;
+      kept.reductions.push_back(std::visit([&](const auto& reduction) { return reduction.of_lane(i); }, one.reduction));
+    for (std::size_t c = 0; c < which_.size(); ++c)
+      kept.columns.push_back(std::move(columns_[c * lanes_of<Scalar> + i]));
+    return kept;
   }
 
  private:
+  // Rows wait until there are so many of them: each lane's columns lie far from those of the next.
+  static constexpr std::size_t block = 32;
+
+  COGGING_NOINLINE void write_waiting() {
+    for (std::size_t c = 0; c < which_.size(); ++c)
+      for (std::size_t i = 0; i < lanes_of<Scalar>; ++i) {
+        std::vector<double>& column = columns_[c * lanes_of<Scalar> + i];
+        for (std::size_t k = 0; k < waiting_rows_; ++k) column.push_back(lane(waiting_[c * block + k], i));
+      }
+    waiting_rows_ = 0;
+  }
+
   struct Quantity {
     std::size_t quantity;
     AnyReduction<Scalar> reduction;
@@ -130,8 +145,9 @@ class RunRecord {
   RowsOfWindow rows_;
   PerformanceSums<Scalar> sums_;
   std::vector<Quantity> reductions_;
-  std::vector<std::vector<Scalar>> columns_;
-  std::size_t until_kept_ = 0;
+  std::vector<std::vector<double>> columns_;  // column by column, in each lane by lane
+  std::vector<Scalar> waiting_;               // the last rows of each column
+  std::size_t until_kept_ = 0, waiting_rows_ = 0, last_ = 0;
 };
 
 }  // namespace cogging

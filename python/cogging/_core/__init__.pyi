@@ -9,7 +9,7 @@ import typing
 from . import references
 from . import effects
 from . import controllers
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_batch', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -2290,16 +2290,13 @@ def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, d
         ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_batch(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], reference: Reference, *, duration: typing.SupportsFloat | typing.SupportsIndex = 0.0, seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], steps_per_sample: typing.SupportsInt | typing.SupportsIndex = 1, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> list[dict[str, numpy.typing.NDArray[numpy.float64]]]:
-    """
-    Many runs on `threads` threads (0 = all cores): the bits of closed_loop for each, whatever the number. Controllers of Python's run one at a time, beside those of the core and compiled ones.
-    """
 def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool) -> dict:
     """
     Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
     
     `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
     run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
+    `in_lanes`: of each run whether it shared its steps with others of its course.
     """
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
@@ -2375,6 +2372,18 @@ def friction_slope_max(coulomb_width: typing.SupportsFloat | typing.SupportsInde
     Example:
         >>> print(f"{cogging.friction_slope_max(1.11e-3):.1f}")
         573.5
+    """
+def instruction_set() -> str:
+    """
+    The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
+    COGGING_INSTRUCTIONS names; "none": each run alone.
+    
+    Raises:
+        ValueError: COGGING_INSTRUCTIONS names one that this machine lacks.
+    """
+def instruction_sets() -> dict[str, int]:
+    """
+    Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.
     """
 def performance(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], error: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, start: typing.SupportsFloat | typing.SupportsIndex = ..., stop: typing.SupportsFloat | typing.SupportsIndex = ..., final_window: typing.SupportsFloat | typing.SupportsIndex = 2.0) -> Performance:
     """

@@ -58,6 +58,7 @@ class Kept(NamedTuple):
     values: FloatArray
     failures: tuple[Failed, ...]
     columns: dict[str, list[FloatArray]]
+    in_lanes: tuple[bool, ...]
 
 
 def reduction(name: str) -> tuple[str, str, float]:
@@ -138,4 +139,5 @@ def kept_of_runs(
         keeps_refused=keeps_refused,
     )
     failures = tuple(Failed(*failure) for failure in kept["failures"])
-    return Kept(kept["values"], failures, dict(zip(columns, kept["columns"], strict=True)))
+    by_column = dict(zip(columns, kept["columns"], strict=True))
+    return Kept(kept["values"], failures, by_column, tuple(kept["in_lanes"]))

@@ -30,8 +30,7 @@ struct ForceConstantDrift {
 
   Scalar command_gain(const Scalar&, double time) const { return change * (1.0 - exp(Scalar(-time) / time_constant)); }
   Variation variation() const {
-    const double rate = 1.0 / smallest(time_constant);
-    return {.gain = largest(abs(change)), .rate = rate, .decay = rate};
+    return {.gain = largest(abs(change)), .rate = 1.0 / smallest(time_constant), .decay = 1.0 / largest(time_constant)};
   }
 };
 

@@ -236,7 +236,7 @@ def run(
 ) -> dict[str, Log]:
     """Run C1, C2 and C3 on the same machine."""
     controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
-    logs = closed_loop_batch(
+    logs, _ = closed_loop_batch(
         [machine] * len(controllers),
         controllers,
         motion or reference(axis),

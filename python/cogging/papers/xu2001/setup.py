@@ -205,7 +205,7 @@ def run(
     unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
 ) -> dict[str, Log]:
     """Run one controller through the three sets of case 1."""
-    logs = closed_loop_batch(
+    logs, _ = closed_loop_batch(
         [plant(unknowns, name, **(axis_changes or {})) for name in SETS],
         [controller] * len(SETS),
         reference(),

@@ -1,0 +1,49 @@
+#include <cstdlib>
+#include <string_view>
+
+#include "run_lanes.hpp"
+
+// Defined where run_lanes.cpp is compiled for them; the value is the size of a pack.
+#define COGGING_DECLARED(set) void run_lanes_##set(const PackOfRuns&);
+#ifdef COGGING_LANES_v2
+COGGING_DECLARED(v2)
+COGGING_DECLARED(v3)
+COGGING_DECLARED(v4)
+#endif
+#ifdef COGGING_LANES_neon
+COGGING_DECLARED(neon)
+#endif
+
+std::vector<InstructionSet> instruction_sets() {
+  std::vector<InstructionSet> sets;
+#ifdef COGGING_LANES_v2
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt"))
+    sets.push_back({"v2", COGGING_LANES_v2, 6, run_lanes_v2});
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+      __builtin_cpu_supports("bmi2"))
+    sets.push_back({"v3", COGGING_LANES_v3, 5, run_lanes_v3});
+  if (sets.size() == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    sets.push_back({"v4", COGGING_LANES_v4, 3, run_lanes_v4});
+#endif
+#ifdef COGGING_LANES_neon
+  sets.push_back({"neon", COGGING_LANES_neon, 6, run_lanes_neon});
+#endif
+  return sets;
+}
+
+std::optional<InstructionSet> instruction_set() {
+  const std::vector<InstructionSet> sets = instruction_sets();
+  const char* asked = std::getenv("COGGING_INSTRUCTIONS");
+  if (asked == nullptr || *asked == '\0') return sets.empty() ? std::nullopt : std::optional(sets.back());
+  const std::string_view name = asked;
+  if (name == "none") return std::nullopt;
+  std::string known;
+  for (const InstructionSet& set : sets) {
+    if (name == set.name) return set;
+    known += std::string(set.name) + ", ";
+  }
+  cogging::refuse("COGGING_INSTRUCTIONS", "must be one that this machine has: " + known + "or none",
+                  "\"" + std::string(name) + "\"");
+}

@@ -1,0 +1,40 @@
+#pragma once
+// Packs of runs, compiled once for each instruction set of the processor; which one runs is chosen at run time.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cogging/control/list.hpp"
+#include "cogging/simulation/lanes_loop.hpp"
+#include "cogging/simulation/reference_rows.hpp"
+#include "cogging/simulation/run_record.hpp"
+
+/// Runs of one course (see SharedCourse), as many as an instruction set has lanes or fewer, and what is left of each.
+struct PackOfRuns {
+  std::span<cogging::RunInLane> runs;
+  std::span<const cogging::AnyController<>* const> controllers;
+  std::span<cogging::KeptOfRun> kept;
+  const cogging::RecordRequest& request;
+  const cogging::ReferenceRows& reference;
+  const cogging::RunOptions& options;
+};
+
+/// Instructions for which this module was compiled and that this machine has.
+struct InstructionSet {
+  std::string name;
+  std::size_t lanes;               // runs in a pack
+  std::size_t fewest;              // runs for which a pack is quicker than one after the other, as measured
+  void (*run)(const PackOfRuns&);  // raises what a run raises before its first row
+};
+
+/// The widest last.
+std::vector<InstructionSet> instruction_sets();
+
+/// The one in use: the widest, or what the environment variable COGGING_INSTRUCTIONS names; none where there is none,
+/// or where it says `none`.
+///
+/// Raises std::invalid_argument for a name that is none of this machine's.
+std::optional<InstructionSet> instruction_set();

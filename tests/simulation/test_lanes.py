@@ -1,0 +1,232 @@
+"""Runs of a batch side by side: each has the bits that it has alone, whatever shares its pack, and on any machine."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging import _core
+from cogging.model.model import CONTROLLERS
+from tests.fixtures.log_columns import columns_of
+from tests.fixtures.plants_by_hand import EXAMPLES, effect
+
+ROOT = Path(__file__).resolve().parents[2]
+SETS = ["none", *_core.instruction_sets()]
+RATE, MASS = 5000.0, 0.3
+MOVE = cogging.Sine(cogging.SineParameters(center=0.05, amplitude=0.03, frequency=6.0))
+FEEDFORWARD = {"sample_rate": RATE, "mass": MASS, "viscous": 0.4, "coulomb": 0.1, "coulomb_width": 0.003}
+LEARNS = {
+    "sample_rate": RATE,
+    "mass": MASS,
+    "mass_bounds": [0.1, 0.6],
+    "mass_adaptation": 1.0,
+    "viscous_adaptation": 10.0,
+    "coulomb_adaptation": 10.0,
+    "disturbance_adaptation": 1000.0,
+    "cogging_harmonics": [1, 2],
+    "cogging_control_points": 9,
+    "cogging_adaptation": 100.0,
+    "epsilon": 0.1,
+}
+TUNED = {
+    "pid": {"kp": 9600.0, "ki": 1e5, "kd": 60.0, "feedforward_velocity": "measured"} | FEEDFORWARD,
+    "cascade": {"kp": 100.0, "kv": 60.0} | FEEDFORWARD,
+    "speed": {"kp": 20.0, "delay": 3.3e-4} | FEEDFORWARD,
+    "arc": LEARNS,
+    "dcarc": LEARNS,
+    "output_feedback_arc": {"theta": [8.4, 2.5, 0.0], "sample_rate": RATE, "coulomb": 0.1},
+    "observer_based": {
+        "sample_rate": RATE,
+        "periods": [0.05, 0.025],
+        "observer_gain": [600.0, 1.2e5, 8e6, 0.0, 0.0, 0.0, 0.0],
+        "delay": 0.0003,
+        "mass": MASS,
+    },
+}
+PACKED_GAINS = {"pid": "kp", "cascade": "kv", "speed": "kp", "arc": "feedback_gain", "dcarc": "error_gain"}
+HAS_STATE = {"presliding_friction", "backlash", "flexible_mode"}
+RIVALS = [{"backlash", "flexible_mode"}]
+
+
+def differing(rng, fields):
+    """The fields of an effect with each number a little different, and lists as they are."""
+    return {
+        name: value * rng.uniform(0.9, 1.1) if isinstance(value, float) else value for name, value in fields.items()
+    }
+
+
+def drawn_effects(rng):
+    """One to four kinds of effects, each once; of those that exclude each other one."""
+    names = set(rng.choice(sorted(EXAMPLES), size=int(rng.integers(1, 5)), replace=False))
+    if rng.random() < 0.7:
+        names -= HAS_STATE
+    for rivals in RIVALS:
+        names -= set(sorted(names & rivals)[1:])
+    return sorted(names)
+
+
+def drawn_family(kind, seed):
+    """Plants and controllers of one motion: some share a course, others differ in what a pack says but once."""
+    rng = np.random.default_rng(seed)
+    names, differ, sticks = drawn_effects(rng), rng.random() < 0.5, rng.random() < 0.15
+    struct, make = CONTROLLERS[kind]
+    basis = cogging.SplineHarmonics(pitch=0.02, harmonics=[1, 3], order=int(rng.integers(1, 5)), control_points=9)
+    noise = cogging.NoiseParameters(force=0.01 * (rng.random() < 0.5), bandwidth=100.0)
+    count = int(rng.integers(5, 20))
+    plants, controllers = [], []
+    for i in range(count):
+        axis = cogging.AxisParameters(
+            mass=MASS * rng.uniform(0.9, 1.1),
+            viscous=0.4 * rng.uniform(0.5, 1.5),
+            coulomb=0.1 * rng.uniform(0.5, 1.5),
+            coulomb_width=0.0 if sticks and i % 3 == 0 else 0.003 * rng.uniform(0.3, 3),
+            travel=[-0.2, 0.6],
+        )
+        model = cogging.CoggingModel(basis, *(0.05 * rng.normal(size=(2, 2, 9))))
+        fields = {name: differing(rng, EXAMPLES[name][0]) if differ else EXAMPLES[name][0] for name in names}
+        effects = [effect(name, **fields[name]) for name in names]
+        encoder = cogging.EncoderParameters(resolution=1e-6 * rng.uniform(0.5, 2), noise=1e-7 * rng.integers(2))
+        plants.append(cogging.Plant(axis, cogging=model, effects=effects, encoder=encoder, noise=noise))
+        settings = struct(**TUNED[kind])
+        if kind in PACKED_GAINS:
+            name = PACKED_GAINS[kind]
+            settings = settings.replace(**{name: getattr(settings, name) * rng.uniform(0.7, 1.2)})
+        if rng.random() < 0.1:
+            settings = settings.replace(command_limit=50.0)
+        controllers.append(make(settings))
+    return plants, controllers, [int(seed) for seed in rng.integers(1000, size=count)], names, sticks
+
+
+@pytest.fixture(autouse=True)
+def instructions(monkeypatch):
+    monkeypatch.delenv("COGGING_INSTRUCTIONS", raising=False)
+
+
+def run_alone(plant, controller, **options):
+    """The log of a run, or the text of what ended it."""
+    try:
+        return cogging.closed_loop(plant, controller, MOVE, **options)
+    except cogging.DivergedError as error:
+        return str(error)
+
+
+def assert_same(batch, alone):
+    for i, (log, expected) in enumerate(zip(batch, alone, strict=True)):
+        one, other = columns_of(log), columns_of(expected)
+        assert one.keys() == other.keys()
+        for name in one:
+            assert one[name].tobytes() == other[name].tobytes(), (i, name)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("kind", CONTROLLERS)
+def test_a_run_in_a_pack_has_the_bits_of_the_run_alone(kind, seed, monkeypatch):
+    plants, controllers, seeds, names, sticks = drawn_family(kind, [seed, *kind.encode()])
+    options = {"duration": 0.06, "steps_per_sample": 1 + seed % 2}
+    runs = list(zip(plants, controllers, seeds, strict=True))
+    alone = [run_alone(plant, controller, seed=number, **options) for plant, controller, number in runs]
+    ended = [told for told in alone if isinstance(told, str)]
+    stand = [i for i, log in enumerate(alone) if not isinstance(log, str)]
+    for number, instructions in enumerate(SETS):
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+        assert _core.instruction_set() == instructions
+        chosen = options | {"threads": 1 + (seed + number) % 3}
+        if ended:
+            with pytest.raises(cogging.DivergedError) as error:
+                cogging.closed_loop_batch(plants, controllers, MOVE, seeds=seeds, **chosen)
+            assert str(error.value) == ended[0]
+        lists = ([one[i] for i in stand] for one in (plants, controllers, seeds))
+        of_plants, of_controllers, of_seeds = lists
+        batch = cogging.closed_loop_batch(of_plants, of_controllers, MOVE, seeds=of_seeds, **chosen)
+        assert_same(batch, [alone[i] for i in stand])
+        if instructions == "none" or HAS_STATE & set(names):
+            assert not any(batch.in_lanes)
+        elif sticks:
+            assert not any(in_lanes for i, in_lanes in zip(stand, batch.in_lanes, strict=True) if i % 3 == 0)
+
+
+def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
+    """Nine of one course, one with a limit of its own, one with a past, one that sticks."""
+    if SETS == ["none"]:
+        pytest.skip("no instruction set was compiled for this machine")
+    settings = cogging.PidParameters(**TUNED["pid"])
+    axis = cogging.AxisParameters(mass=MASS, viscous=0.4, coulomb=0.1, coulomb_width=0.003, travel=[-0.2, 0.6])
+    warm = cogging.Pid(settings)
+    warm.command(reference=0.05, reference_velocity=0.0, reference_acceleration=0.0, reading=0.0501)
+    axes = [axis.replace(mass=MASS * (1 + 0.02 * i)) for i in range(12)]
+    axes[11] = axis.replace(coulomb_width=0.0)
+    controllers = [cogging.Pid(settings) for _ in range(12)]
+    controllers[9] = cogging.Pid(settings.replace(command_limit=9.0))
+    controllers[10] = warm
+    plants = [cogging.Plant(one) for one in axes]
+    batch = cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02)
+    lanes = _core.instruction_sets()[_core.instruction_set()]
+    expected = [i < 9 - (9 % lanes == 1) for i in range(12)]
+    assert list(batch.in_lanes) == expected
+    assert_same(
+        batch, [cogging.closed_loop(p, c, MOVE, duration=0.02) for p, c in zip(plants, controllers, strict=True)]
+    )
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", "none")
+    assert not any(cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02).in_lanes)
+
+
+@pytest.mark.parametrize("instructions", SETS)
+@pytest.mark.parametrize("where", [0, 3, 8])
+def test_a_run_that_diverges_says_in_a_pack_what_it_says_alone(instructions, where, monkeypatch):
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+    settings = cogging.PidParameters(**TUNED["pid"])
+    plant = cogging.Plant(cogging.AxisParameters(mass=MASS, coulomb_width=0.003, coulomb=0.1, travel=[-0.2, 0.6]))
+    gains = [9600.0] * 9
+    gains[where] = 1e7
+    controllers = [cogging.Pid(settings.replace(kp=kp)) for kp in gains]
+    told = []
+    for run in (
+        lambda: cogging.closed_loop(plant, controllers[where], MOVE, duration=0.5),
+        lambda: cogging.closed_loop_batch([plant] * 9, controllers, MOVE, duration=0.5),
+    ):
+        with pytest.raises(cogging.DivergedError, match="diverged at") as error:
+            run()
+        told.append(str(error.value))
+    assert told[0] == told[1]
+
+
+def test_an_instruction_set_that_the_machine_lacks_is_one_line(monkeypatch):
+    for name in ("v9", "avx2", "V3", " "):
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", name)
+        with pytest.raises(ValueError, match=r"^COGGING_INSTRUCTIONS: must be one that this ") as error:
+            cogging.closed_loop_batch([], [], MOVE, duration=0.1)
+        told = str(error.value)
+        assert "\n" not in told
+        assert told.endswith(f'none, got "{name}"')
+        assert all(known in told for known in _core.instruction_sets())
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", "")
+    assert _core.instruction_set() == list(_core.instruction_sets() or ["none"])[-1]
+
+
+def built_objects():
+    """What run_lanes.cpp was compiled to for this module, by instruction set."""
+    found = {}
+    for path in (ROOT / "build").glob("**/lanes_v*.dir/**/run_lanes.cpp.o*"):
+        name = next(part for part in path.parts if part.startswith("lanes_v"))[len("lanes_") : -len(".dir")]
+        if name not in found or path.stat().st_mtime > found[name].stat().st_mtime:
+            found[name] = path
+    return found
+
+
+def test_no_function_of_an_instruction_set_has_a_name_outside_of_its_object():
+    """Else the linker might take one with AVX-512 in it where a machine without it needs the same inline function."""
+    nm, objects = shutil.which("nm"), built_objects()
+    if nm is None or not objects:
+        assert "CI" not in os.environ or not _core.instruction_sets(), "continuous integration keeps what it has built"
+        pytest.skip("no objects of a build, or no nm")
+    for name, path in objects.items():
+        listed = subprocess.run([nm, "--defined-only", "--extern-only", str(path)], capture_output=True, text=True)
+        assert listed.returncode == 0, listed.stderr
+        kinds = [line.split()[-2:] for line in listed.stdout.splitlines()]
+        functions = [symbol for kind, symbol in kinds if kind in "TtWwi"]
+        assert len(functions) == 1, (name, functions)
+        assert f"run_lanes_{name}" in functions[0]
