@@ -71,9 +71,9 @@ def core_arguments(setup, machines):
     return plants, [controller] * len(plants), reference
 
 
-def run_core(arguments, instructions, threads=1):
+def run_core(arguments, instructions, threads=1, logs=True):
     os.environ["COGGING_INSTRUCTIONS"] = instructions
-    return cogging.closed_loop_batch(*arguments, threads=threads)
+    return cogging.closed_loop_batch(*arguments, threads=threads, logs=logs)
 
 
 def main(repeats, runs):

@@ -186,8 +186,8 @@ def main(repeats):
         position, command = largest_difference(core, run())
         print(f"{name} less core: {position:.1e} m, {command:.1e} V at most")
     batch = 4
-    runs["batch, 2 threads"] = lambda: _core.closed_loop_batch(
-        [plant] * batch, [controller] * batch, reference, threads=2
+    runs["batch, 2 threads"] = lambda: cogging.closed_loop_batch(
+        [plant] * batch, [controller] * batch, reference, threads=2, logs=True
     )
 
     seconds = measure(runs, repeats)

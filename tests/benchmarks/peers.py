@@ -81,7 +81,7 @@ def core(problem: Problem) -> Run:
     motion = cogging.Sampled(moments, position, None, acceleration)
 
     def run() -> Answer:
-        logs = cogging.closed_loop_batch(plants, controllers, motion, threads=1)
+        logs = cogging.closed_loop_batch(plants, controllers, motion, threads=1, logs=True)
         last = np.array([log.true_position[-1] for log in logs])
         return last, np.array([float(np.sqrt(np.mean((log.true_position - position) ** 2))) for log in logs])
 

@@ -99,7 +99,7 @@ def test_the_walk_sees_the_whole_core():
     names = {kind.__name__ for kind in CLASSES}
     assert {"Pid", "Plant", "NumberReader", "Predictor", "Prediction", "Reference", "Backlash"} <= names
     assert len(CLASSES) > 50
-    assert {"closed_loop", "closed_loop_batch", "replay_controller"} <= {name.split(".")[-1] for name, _ in FUNCTIONS}
+    assert {"closed_loop", "closed_loop_records", "replay_controller"} <= {name.split(".")[-1] for name, _ in FUNCTIONS}
 
 
 @EVERY

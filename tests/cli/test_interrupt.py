@@ -38,11 +38,12 @@ def run(duration=40.0, steps=200, **options):
 
 def batch(count, threads):
     controllers = [cogging.Pid(PID)] * count
-    _core.closed_loop_batch([PLANT] * count, controllers, SINE, duration=40.0, steps_per_sample=200, threads=threads)
+    cogging.closed_loop_batch([PLANT] * count, controllers, SINE, duration=40.0, steps_per_sample=200, threads=threads)
 
 
-def batch_of_indexes():
-    cogging.closed_loop_batch([PLANT] * 6, [cogging.Pid(PID)] * 6, SINE, duration=40.0, steps_per_sample=200, threads=2)
+def batch_in_lanes():
+    plant = cogging.Plant(AXIS.replace(coulomb_width=0.01))
+    cogging.closed_loop_batch([plant] * 16, [cogging.Pid(PID)] * 16, SINE, duration=40.0, steps_per_sample=200)
 
 
 def sweep_on_threads():
@@ -62,7 +63,7 @@ LOOPS = {
     "a batch on one thread": lambda: batch(8, 1),
     "a batch on four threads": lambda: batch(8, 4),
     "a batch, the caller's thread first done": lambda: batch(3, 2),
-    "a batch that keeps indexes": batch_of_indexes,
+    "a batch in lanes": batch_in_lanes,
     "a sweep on an executor's threads": sweep_on_threads,
     "one prediction": lambda: predictor().predict(PLANT),
     "many predictions": lambda: predictor().innovations([PLANT] * 4, threads=2),

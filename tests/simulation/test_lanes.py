@@ -49,6 +49,18 @@ TUNED = {
 }
 PACKED_GAINS = {"pid": "kp", "cascade": "kv", "speed": "kp", "arc": "feedback_gain", "dcarc": "error_gain"}
 HAS_STATE = {"presliding_friction", "backlash", "flexible_mode"}
+KEPT = {
+    "reductions": [
+        "command_max",
+        "true_error_rms",
+        "error_final",
+        "error_quantile(0.9)",
+        "error_tone(6.0)",
+        "command_wave(0.02)",
+    ],
+    "columns": ["time", "command", "true_velocity"],
+    "every": 7,
+}
 RIVALS = [{"backlash", "flexible_mode"}]
 
 
@@ -115,8 +127,13 @@ def run_alone(plant, controller, **options):
 
 
 def assert_same(batch, alone):
-    for i, (log, expected) in enumerate(zip(batch, alone, strict=True)):
-        one, other = columns_of(log), columns_of(expected)
+    """Each run's log has the bits of its log alone, or its row the reason that ended it alone."""
+    reasons = {failure.run: failure.reason for failure in batch.failures}
+    assert reasons == {i: told for i, told in enumerate(alone) if isinstance(told, str)}
+    for i, expected in enumerate(alone):
+        if i in reasons:
+            continue
+        one, other = columns_of(batch[i]), columns_of(expected)
         assert one.keys() == other.keys()
         for name in one:
             assert one[name].tobytes() == other[name].tobytes(), (i, name)
@@ -129,24 +146,22 @@ def test_a_run_in_a_pack_has_the_bits_of_the_run_alone(kind, seed, monkeypatch):
     options = {"duration": 0.06, "steps_per_sample": 1 + seed % 2}
     runs = list(zip(plants, controllers, seeds, strict=True))
     alone = [run_alone(plant, controller, seed=number, **options) for plant, controller, number in runs]
-    ended = [told for told in alone if isinstance(told, str)]
-    stand = [i for i, log in enumerate(alone) if not isinstance(log, str)]
+    kept = []
     for number, instructions in enumerate(SETS):
         monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
         assert _core.instruction_set() == instructions
-        chosen = options | {"threads": 1 + (seed + number) % 3}
-        if ended:
-            with pytest.raises(cogging.DivergedError) as error:
-                cogging.closed_loop_batch(plants, controllers, MOVE, seeds=seeds, **chosen)
-            assert str(error.value) == ended[0]
-        lists = ([one[i] for i in stand] for one in (plants, controllers, seeds))
-        of_plants, of_controllers, of_seeds = lists
-        batch = cogging.closed_loop_batch(of_plants, of_controllers, MOVE, seeds=of_seeds, **chosen)
-        assert_same(batch, [alone[i] for i in stand])
+        chosen = options | {"seeds": seeds, "threads": 1 + (seed + number) % 3}
+        batch = cogging.closed_loop_batch(plants, controllers, MOVE, logs=True, **chosen)
+        assert_same(batch, alone)
         if instructions == "none" or HAS_STATE & set(names):
             assert not any(batch.in_lanes)
         elif sticks:
-            assert not any(in_lanes for i, in_lanes in zip(stand, batch.in_lanes, strict=True) if i % 3 == 0)
+            assert not any(batch.in_lanes[::3])
+        kept.append(cogging.closed_loop_batch(plants, controllers, MOVE, **KEPT, **chosen))
+        assert all(kept[0].indexes[name].tobytes() == values.tobytes() for name, values in kept[-1].indexes.items())
+        every_7th = [None if isinstance(log, str) else columns_of(log)["command"][::7].tobytes() for log in alone]
+        found = zip(every_7th, kept[-1].columns["command"], strict=True)
+        assert [None if told is None else run.tobytes() for told, run in found] == every_7th
 
 
 def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
@@ -163,9 +178,10 @@ def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
     controllers[9] = cogging.Pid(settings.replace(command_limit=9.0))
     controllers[10] = warm
     plants = [cogging.Plant(one) for one in axes]
-    batch = cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02)
+    batch = cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02, logs=True)
     lanes = _core.instruction_sets()[_core.instruction_set()]
-    expected = [i < 9 - (9 % lanes == 1) for i in range(12)]
+    assert lanes == 8  # the ninth is left over
+    expected = [i < 8 for i in range(12)]
     assert list(batch.in_lanes) == expected
     assert_same(
         batch, [cogging.closed_loop(p, c, MOVE, duration=0.02) for p, c in zip(plants, controllers, strict=True)]
@@ -183,15 +199,11 @@ def test_a_run_that_diverges_says_in_a_pack_what_it_says_alone(instructions, whe
     gains = [9600.0] * 9
     gains[where] = 1e7
     controllers = [cogging.Pid(settings.replace(kp=kp)) for kp in gains]
-    told = []
-    for run in (
-        lambda: cogging.closed_loop(plant, controllers[where], MOVE, duration=0.5),
-        lambda: cogging.closed_loop_batch([plant] * 9, controllers, MOVE, duration=0.5),
-    ):
-        with pytest.raises(cogging.DivergedError, match="diverged at") as error:
-            run()
-        told.append(str(error.value))
-    assert told[0] == told[1]
+    with pytest.raises(cogging.DivergedError, match="diverged at") as error:
+        cogging.closed_loop(plant, controllers[where], MOVE, duration=0.5)
+    batch = cogging.closed_loop_batch([plant] * 9, controllers, MOVE, duration=0.5)
+    assert [(failure.run, failure.reason) for failure in batch.failures] == [(where, str(error.value))]
+    assert np.isfinite(np.delete(batch.indexes["error_max"], where)).all()
 
 
 def test_an_instruction_set_that_the_machine_lacks_is_one_line(monkeypatch):
