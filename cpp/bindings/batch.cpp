@@ -160,7 +160,7 @@ struct RecordedBatch {
 
   void run(unsigned threads, StopRequest* stop) {
     const std::optional<InstructionSet> set = instruction_set();
-    const Jobs jobs = jobs_of(plants.size(), set, [&](std::size_t i) { return course_of(i); });
+    const Jobs jobs = jobs_of(plants.size(), set, threads_of(threads), [&](std::size_t i) { return course_of(i); });
     run_batch(jobs.size(), threads, stop, [&](std::size_t number) {
       const std::vector<std::size_t>& job = jobs[number];
       if (job.size() > 1 && run_pack(job, *set, stop)) return;

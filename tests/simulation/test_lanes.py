@@ -178,7 +178,7 @@ def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
     controllers[9] = cogging.Pid(settings.replace(command_limit=9.0))
     controllers[10] = warm
     plants = [cogging.Plant(one) for one in axes]
-    batch = cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02, logs=True)
+    batch = cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02, threads=1, logs=True)
     lanes = _core.instruction_sets()[_core.instruction_set()]
     assert lanes == 8  # the ninth is left over
     expected = [i < 8 for i in range(12)]

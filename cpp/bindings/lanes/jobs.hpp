@@ -1,6 +1,7 @@
 #pragma once
 // The runs of a batch as jobs: packs of those that share a course, and single runs.
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -30,30 +31,40 @@ inline std::optional<cogging::SharedCourse> course_of_run(const cogging::Plant<>
 
 using Jobs = std::vector<std::vector<std::size_t>>;
 
+/// Whether runs of one course on so many threads end sooner in packs than one after the other.
+inline bool packs_pay(std::size_t runs, const InstructionSet& set, std::size_t threads) {
+  const auto rounds = [&](std::size_t jobs) { return (jobs + threads - 1) / threads; };
+  return runs >= set.fewest && rounds((runs + set.lanes - 1) / set.lanes) * set.fewest <= rounds(runs);
+}
+
 /// Packs of at most as many runs as the set has lanes, each of one course, and single runs, in the order of their first
 /// runs. course(i) is that of run i, or none.
 template <class CourseOf>
-Jobs jobs_of(std::size_t runs, const std::optional<InstructionSet>& set, const CourseOf& course_of) {
-  Jobs packs;
-  std::unordered_map<std::string, std::size_t> open;  // the pack to which the next run of a course belongs
+Jobs jobs_of(std::size_t runs, const std::optional<InstructionSet>& set, std::size_t threads,
+             const CourseOf& course_of) {
+  if (!set) {
+    Jobs jobs(runs);
+    for (std::size_t i = 0; i < runs; ++i) jobs[i] = {i};
+    return jobs;
+  }
+  Jobs courses;  // the runs of each, those that run alone by themselves
+  std::unordered_map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < runs; ++i) {
-    const std::optional<cogging::SharedCourse> course = set ? course_of(i) : std::nullopt;
-    if (course) {
-      const auto [place, is_new] = open.try_emplace(course->text(), packs.size());
-      if (!is_new && packs[place->second].size() < set->lanes) {
-        packs[place->second].push_back(i);
-        continue;
-      }
-      place->second = packs.size();
-    }
-    packs.push_back({i});
+    const std::optional<cogging::SharedCourse> course = course_of(i);
+    const std::size_t place = course ? known.try_emplace(course->text(), courses.size()).first->second : courses.size();
+    if (place == courses.size()) courses.emplace_back();
+    courses[place].push_back(i);
   }
   Jobs jobs;
-  for (std::vector<std::size_t>& pack : packs) {
-    if (set && pack.size() >= set->fewest)
-      jobs.push_back(std::move(pack));
-    else
-      for (const std::size_t i : pack) jobs.push_back({i});
+  for (const std::vector<std::size_t>& of_course : courses) {
+    const std::size_t packed = packs_pay(of_course.size(), *set, threads) ? of_course.size() : 0;
+    for (auto first = of_course.begin(); first != of_course.end();) {
+      const auto left = static_cast<std::size_t>(of_course.end() - first);
+      const std::size_t many = packed == 0 || left < set->fewest ? 1 : std::min(left, set->lanes);
+      jobs.emplace_back(first, first + static_cast<std::ptrdiff_t>(many));
+      first += static_cast<std::ptrdiff_t>(many);
+    }
   }
+  std::sort(jobs.begin(), jobs.end());
   return jobs;
 }

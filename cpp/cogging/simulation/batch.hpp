@@ -86,6 +86,12 @@ class JobQueue {
   std::atomic<bool> interrupted_{false};
 };
 
+/// How many threads are used where `threads` are asked for (0 = as many as the machine has, 1024 at most).
+inline unsigned threads_of(unsigned threads) {
+  require(threads <= threads_max, "threads", "must be from 0 to " + format(threads_max), threads);
+  return threads > 0 ? threads : std::max(1u, std::min(threads_max, std::thread::hardware_concurrency()));
+}
+
 /// Calls job(0) to job(count - 1), each once, on `threads` threads (0 = as many as the machine has, 1024 at most).
 /// What a job throws is thrown here, of the job with the lowest number, once all threads have ended. The order in
 /// which jobs run has no influence on what each does. Throws Interrupted, with all threads ended, where `stop` (or
@@ -94,9 +100,7 @@ class JobQueue {
 /// Raises std::invalid_argument for more than 1024 threads, and where the system cannot start as many as are used.
 template <class Job>
 void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job& job) {
-  require(threads <= threads_max, "threads", "must be from 0 to " + format(threads_max), threads);
-  if (threads == 0) threads = std::max(1u, std::min(threads_max, std::thread::hardware_concurrency()));
-  threads = static_cast<unsigned>(std::min<std::size_t>(threads, std::max<std::size_t>(count, 1)));
+  threads = static_cast<unsigned>(std::min<std::size_t>(threads_of(threads), std::max<std::size_t>(count, 1)));
   JobQueue<Job> jobs(count, stop, job);
   ThreadsAtWork at_work;
   const auto work_and_end = [&] {

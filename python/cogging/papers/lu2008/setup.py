@@ -22,11 +22,11 @@ from cogging._core import (
     PointToPoint,
     PointToPointParameters,
     SplineHarmonics,
-    closed_loop_batch,
     performance,
 )
 from cogging.files import parse_toml
 from cogging.logs.log import Log
+from cogging.simulation.batch import closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
 TRAVEL = (0.0, 0.51)  # m (section "Experimental Setup")
@@ -236,14 +236,15 @@ def run(
 ) -> dict[str, Log]:
     """Run C1, C2 and C3 on the same machine."""
     controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
-    logs, _ = closed_loop_batch(
+    batch = closed_loop_batch(
         [machine] * len(controllers),
         controllers,
         motion or reference(axis),
         seeds=[seed] * len(controllers),
         steps_per_sample=steps_per_sample,
+        logs=True,
     )
-    return {name: Log.of(columns) for name, columns in zip(CONTROLLERS, logs, strict=True)}
+    return dict(zip(CONTROLLERS, batch, strict=True))
 
 
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:

@@ -25,13 +25,13 @@ from cogging._core import (
     Plant,
     PointToPoint,
     PointToPointParameters,
-    closed_loop_batch,
     performance,
 )
 from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.simulation.batch import closed_loop_batch
 
 if TYPE_CHECKING:
     pass
@@ -205,14 +205,15 @@ def run(
     unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, axis_changes: Mapping[str, Any] | None = None
 ) -> dict[str, Log]:
     """Run one controller through the three sets of case 1."""
-    logs, _ = closed_loop_batch(
+    batch = closed_loop_batch(
         [plant(unknowns, name, **(axis_changes or {})) for name in SETS],
         [controller] * len(SETS),
         reference(),
         duration=DURATION,
         seeds=[seed] * len(SETS),
+        logs=True,
     )
-    return {name: Log.of(columns) for name, columns in zip(SETS, logs, strict=True)}
+    return dict(zip(SETS, batch, strict=True))
 
 
 def to_dict(unknowns: Unknowns) -> dict[str, float]:
