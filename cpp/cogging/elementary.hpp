@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+#include "cogging/inlining.hpp"
+
 namespace cogging {
 
 /// What a number and a register of numbers (registers.hpp) share: `Number` is either.
@@ -18,7 +20,7 @@ inline constexpr double round_shift = 6755399441055744.0, two_over_pi = 0.636619
 
 /// Sine and cosine of angle - turns * pi / 2, at most some pi / 4.
 template <class Number>
-inline void quarter_sin_cos(const Number& angle, const Number& turns, Number& sine, Number& cosine) {
+COGGING_INLINE void quarter_sin_cos(const Number& angle, const Number& turns, Number& sine, Number& cosine) {
   // pi/2 in three parts of 33 bits: products with a whole number below 2^20 are exact.
   const Number r = ((angle - turns * 1.57079632673412561417) - turns * 6.07710050630396597660e-11) -
                    turns * 2.02226624879595063154e-21;
@@ -47,7 +49,7 @@ inline constexpr double atan_low[] = {2.26987774529616870924e-17, 3.061616997868
 
 /// 1 - atan(t) / t for |t| < 7/16.
 template <class Number>
-inline Number atan_series(const Number& t) {
+COGGING_INLINE Number atan_series(const Number& t) {
   const Number z = t * t, w = z * z;
   const Number odd = z * (3.33333333333329318027e-01 +
                           w * (1.42857142725034663711e-01 +
@@ -65,7 +67,7 @@ inline Number atan_series(const Number& t) {
 }  // namespace elementary
 
 /// Sine and cosine of an angle (rad). Beyond a million radians the library's functions answer.
-inline void sin_cos(double angle, double& sine, double& cosine) {
+COGGING_INLINE void sin_cos(double angle, double& sine, double& cosine) {
   if (!(std::abs(angle) < 1e6)) {
     sine = std::sin(angle);
     cosine = std::cos(angle);
@@ -81,7 +83,7 @@ inline void sin_cos(double angle, double& sine, double& cosine) {
 }
 
 /// Arctangent, rad.
-inline double atan(double value) {
+COGGING_INLINE double atan(double value) {
   using elementary::atan_high, elementary::atan_low;
   const double x = std::abs(value);
   double high = 0.0, low = 0.0, t = x;  // |t| < 7/16

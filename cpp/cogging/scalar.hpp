@@ -4,17 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "cogging/elementary.hpp"
-
-// What the compiler cannot know: the hot loop gains from these two.
-#ifdef _MSC_VER
-#define COGGING_INLINE __forceinline
-#define COGGING_NOINLINE __declspec(noinline)
-#else
-#define COGGING_INLINE inline __attribute__((always_inline))
-#define COGGING_NOINLINE __attribute__((noinline))
-#endif
 
 namespace cogging {
 
@@ -93,7 +85,7 @@ COGGING_INLINE decltype(auto) with_index(int index, const Function& function) {
 
 /// S(v) = (2/pi) atan(v / width); width = 0 is sgn(v), with sgn(0) = 0. Each lane by its own width.
 template <class Scalar>
-Scalar smooth_sign(const Scalar& velocity, const Scalar& width) {
+COGGING_INLINE Scalar smooth_sign(const Scalar& velocity, const Scalar& width) {
   constexpr double two_over_pi = 0.63661977236758134308;
   const auto smooth = width > 0.0;
   if (all(smooth)) return two_over_pi * atan(velocity / width);
@@ -102,5 +94,27 @@ Scalar smooth_sign(const Scalar& velocity, const Scalar& width) {
   else
     return select(smooth, two_over_pi * atan(velocity / select(smooth, width, Scalar(1.0))), sign(velocity));
 }
+
+/// smooth_sign of one width without the division, whose result every stage of a step would wait for.
+template <class Scalar>
+class SmoothSign {
+ public:
+  SmoothSign() = default;
+  explicit SmoothSign(const Scalar& width)
+      : width_(width),
+        inverse_(smaller(Scalar(1.0) / width, Scalar(std::numeric_limits<double>::max()))),
+        smooth_(all(width > 0.0)) {}
+
+  COGGING_INLINE Scalar operator()(const Scalar& velocity) const {
+    constexpr double two_over_pi = 0.63661977236758134308;
+    if (smooth_) [[likely]]
+      return two_over_pi * atan(velocity * inverse_);
+    return smooth_sign(velocity, width_);
+  }
+
+ private:
+  Scalar width_ = 0.0, inverse_ = 0.0;
+  bool smooth_ = false;
+};
 
 }  // namespace cogging

@@ -68,9 +68,15 @@ class BSpline {
   }
 
   template <class Scalar>
-  void evaluate(const Scalar& position, Active<Scalar>& active) const {
+  COGGING_INLINE void evaluate(const Scalar& position, Active<Scalar>& active) const {
+    with_order([&](auto order) COGGING_INLINE_LAMBDA { evaluate(order, position, active); });
+  }
+
+  /// The same within with_order.
+  template <class Order, class Scalar>
+  COGGING_INLINE void evaluate(Order order, const Scalar& position, Active<Scalar>& active) const {
     const Scalar t = locate(position, active.first);
-    with_order([&](auto order) { fill(order, t, active.weight); });
+    fill(order, t, active.weight);
   }
 
   /// Also the slope of each weight, in 1/m.
@@ -96,7 +102,7 @@ class BSpline {
 
  private:
   template <class Scalar>
-  Scalar locate(const Scalar& position, typename IndexOf<Scalar>::type& span) const {
+  COGGING_INLINE Scalar locate(const Scalar& position, typename IndexOf<Scalar>::type& span) const {
     // Clamped before it becomes an integer: a position far outside must not overflow.
     const Scalar u = clamp((position - origin_) * inverse_pitch_, Scalar(0.0), Scalar(spans()));
     span = clamp_index(truncate_to_index(u), 0, spans() - 1);
@@ -105,7 +111,7 @@ class BSpline {
 
   // The Cox-de Boor recursion for knots one unit apart, t in [0, 1].
   template <class Order, class Scalar>
-  static void fill(Order order, const Scalar& t, std::array<Scalar, order_max>& weight) {
+  COGGING_INLINE static void fill(Order order, const Scalar& t, std::array<Scalar, order_max>& weight) {
     weight[0] = 1.0;
     if (order == 1) return;
     weight[0] = 1.0 - t;

@@ -6,11 +6,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <iterator>
 #include <numbers>
+#include <type_traits>
 #include <vector>
 
 #include "cogging/basis/b_spline.hpp"
+#include "cogging/registers.hpp"
 
 namespace cogging {
 
@@ -44,6 +47,7 @@ class SplineHarmonics {
     basis.wavenumber_ = 2.0 * std::numbers::pi / pitch;
     basis.pitch_ = pitch;
     for (int harmonic : harmonics) basis.wavenumbers_.push_back(basis.wavenumber_ * harmonic);
+    basis.columns_ = 2 * static_cast<int>(harmonics.size());
     basis.harmonics_ = std::move(harmonics);
     basis.plan_powers();
     return basis;
@@ -57,6 +61,7 @@ class SplineHarmonics {
     require_coefficients("control_points", spline.control_points(), periods.size());
     basis.spline_ = spline;
     for (double period : periods) basis.wavenumbers_.push_back(2.0 * std::numbers::pi / period);
+    basis.columns_ = 2 * static_cast<int>(periods.size());
     basis.periods_ = std::move(periods);
     return basis;
   }
@@ -70,33 +75,37 @@ class SplineHarmonics {
             control_points);
   }
 
-  int terms() const { return static_cast<int>(wavenumbers_.size()); }
-  int columns() const { return 2 * terms(); }
+  int terms() const { return columns_ / 2; }
+  int columns() const { return columns_; }  // twice the terms
   int coefficients() const { return spline_.control_points() * columns(); }
   double pitch() const { return pitch_; }
   const BSpline& spline() const { return spline_; }
   const std::vector<int>& harmonics() const { return harmonics_; }
   const std::vector<double>& periods() const { return periods_; }
   const std::vector<double>& wavenumbers() const { return wavenumbers_; }
-  bool empty() const { return wavenumbers_.empty(); }
+  bool empty() const { return columns_ == 0; }
 
   template <class Scalar>
-  void evaluate(const Scalar& position, Active<Scalar>& active) const {
+  COGGING_INLINE void evaluate(const Scalar& position, Active<Scalar>& active) const {
     spline_.evaluate(position, active.spline);
     evaluate_harmonics(position, active.harmonic);
   }
 
   /// A_r^T S_r(x), in the unit of the coefficients.
   template <class Scalar>
-  Scalar value(const Active<Scalar>& active, const Scalar* coefficients) const {
-    return combine(active.spline.first, active.spline.weight.data(), active.harmonic.data(), coefficients);
+  COGGING_INLINE Scalar value(const Active<Scalar>& active, const Scalar* coefficients) const {
+    return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA { return value(order, active, coefficients); });
   }
 
+  /// In one go: the weights of the control points then stay in registers.
   template <class Scalar>
-  Scalar value(const Scalar& position, const Scalar* coefficients) const {
-    Active<Scalar> active;
-    evaluate(position, active);
-    return value(active, coefficients);
+  COGGING_INLINE Scalar value(const Scalar& position, const Scalar* coefficients) const {
+    return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
+      Active<Scalar> active;
+      spline_.evaluate(order, position, active.spline);
+      evaluate_harmonics(position, active.harmonic);
+      return value(order, active, coefficients);
+    });
   }
 
   /// d/dx of value.
@@ -111,8 +120,10 @@ class SplineHarmonics {
       harmonic_slope[2 * i] = active.harmonic[2 * i + 1] * wavenumbers_[i];
       harmonic_slope[2 * i + 1] = active.harmonic[2 * i] * (-wavenumbers_[i]);
     }
-    return combine(active.spline.first, weight_slope.data(), active.harmonic.data(), coefficients) +
-           combine(active.spline.first, active.spline.weight.data(), harmonic_slope.data(), coefficients);
+    return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
+      return combine(order, active.spline.first, weight_slope.data(), active.harmonic.data(), coefficients) +
+             combine(order, active.spline.first, active.spline.weight.data(), harmonic_slope.data(), coefficients);
+    });
   }
 
  private:
@@ -120,29 +131,54 @@ class SplineHarmonics {
     std::ptrdiff_t factor, place;  // columns: the power at `place` is the last one plus the one at `factor`
   };
 
+  template <class Order, class Scalar>
+  COGGING_INLINE Scalar value(Order order, const Active<Scalar>& active, const Scalar* coefficients) const {
+    return combine(order, active.spline.first, active.spline.weight.data(), active.harmonic.data(), coefficients);
+  }
+
+#if defined(__GNUC__)
+  using Pair = Register<2>::Numbers;
+  COGGING_INLINE static Pair pair_at(const double* place) {
+    Pair pair;
+    std::memcpy(&pair, place, sizeof(pair));
+    return pair;
+  }
+#endif
+
   // sum_q (sum_j weight_j A_jq) harmonic_q over the active control points j and the columns q.
-  template <class Scalar, class Index>
-  Scalar combine(const Index& first, const Scalar* weight, const Scalar* harmonic, const Scalar* coefficients) const {
+  template <class Order, class Scalar, class Index>
+  COGGING_INLINE Scalar combine(Order order, const Index& first, const Scalar* weight, const Scalar* harmonic,
+                                const Scalar* coefficients) const {
+#if defined(__GNUC__)
+    if constexpr (std::is_same_v<Scalar, double>) {  // sine and cosine of a term side by side, in the same order
+      const double* row = coefficients + first * columns();
+      Pair total{};
+      for (int q = 0; q < columns(); q += 2) {
+        Pair sum = weight[0] * pair_at(row + q);
+        for (int j = 1; j < order; ++j) sum += weight[j] * pair_at(row + j * columns() + q);
+        total += sum * pair_at(harmonic + q);
+      }
+      return total[0] + total[1];
+    }
+#endif
     const int columns = this->columns();
-    return with_index(first * columns, [&](const auto& start) {
-      return spline_.with_order([&](auto order) {
-        const auto amplitude = [&](int q) {
-          Scalar sum = weight[0] * gather(coefficients + q, start);
-          for (int j = 1; j < order; ++j) sum += weight[j] * gather(coefficients + j * columns + q, start);
-          return sum;
-        };
-        Scalar sines = 0.0, cosines = 0.0;
-        for (int q = 0; q < columns; q += 2) {
-          sines += amplitude(q) * harmonic[q];
-          cosines += amplitude(q + 1) * harmonic[q + 1];
-        }
-        return sines + cosines;
-      });
+    return with_index(first * columns, [&](const auto& start) COGGING_INLINE_LAMBDA {
+      const auto amplitude = [&](int q) COGGING_INLINE_LAMBDA {
+        Scalar sum = weight[0] * gather(coefficients + q, start);
+        for (int j = 1; j < order; ++j) sum += weight[j] * gather(coefficients + j * columns + q, start);
+        return sum;
+      };
+      Scalar sines = 0.0, cosines = 0.0;
+      for (int q = 0; q < columns; q += 2) {
+        sines += amplitude(q) * harmonic[q];
+        cosines += amplitude(q + 1) * harmonic[q + 1];
+      }
+      return sines + cosines;
     });
   }
 
   template <class Scalar>
-  void evaluate_harmonics(const Scalar& position, std::array<Scalar, 2 * powers_max>& harmonic) const {
+  COGGING_INLINE void evaluate_harmonics(const Scalar& position, std::array<Scalar, 2 * powers_max>& harmonic) const {
     if (harmonics_.empty()) {
       for (int i = 0; i < terms(); ++i) sin_cos(position * wavenumbers_[i], harmonic[2 * i], harmonic[2 * i + 1]);
       return;
@@ -205,6 +241,7 @@ class SplineHarmonics {
   BSpline spline_;
   double pitch_ = 0.0;
   double wavenumber_ = 0.0;
+  int columns_ = 0;
   std::vector<int> harmonics_;
   std::vector<double> periods_;
   std::vector<double> wavenumbers_;
@@ -231,7 +268,7 @@ class CoggingModel {
   const SplineHarmonics& basis() const { return basis_; }
   const std::vector<Scalar>& coefficients() const { return coefficients_; }
 
-  Scalar force(const Scalar& position) const {
+  COGGING_INLINE Scalar force(const Scalar& position) const {
     return basis_.empty() ? Scalar(0.0) : basis_.value(position, coefficients_.data());
   }
   Scalar slope(const Scalar& position) const {

@@ -33,18 +33,24 @@ class Amplifier {
 
   /// Raises DivergedError where what is passed on to the motor would not be a number: behind a current loop or under
   /// friction that sticks, an infinity could look like rest.
-  void accept(const Scalar& command) {
+  COGGING_INLINE void accept(const Scalar& command) {
     const Scalar shaped = laws_.shaped(command);
-    if (!all_finite(shaped)) refuse_command(shaped);
+    if (!all_finite(shaped)) [[unlikely]]
+      refuse_command(shaped);
     pass_on(shaped);
   }
 
   /// What `accept` makes of a command, which it passes on where it is a number.
-  Scalar shaped(const Scalar& command) const { return laws_.shaped(command); }
+  COGGING_INLINE Scalar shaped(const Scalar& command) const { return laws_.shaped(command); }
   void pass_on(const Scalar& shaped) {
     commands_.push(shaped);
     ++accepted_;
   }
+
+  /// Whether one command acts over a whole sample, and at once.
+  bool holds() const { return switch_ == 0.0 && !laws_.lagging(); }
+  /// The drive of such a sample.
+  Drive<Scalar> held() const { return drive(whole_); }
 
   /// Calls piece(drive, from, to) for each part of the sample [time, time_next] in which one command acts; times in s.
   template <class Piece>

@@ -63,6 +63,7 @@ class Axis {
       : parameters_(validated(parameters)),
         cogging_(std::move(cogging)),
         inverse_mass_(Scalar(1.0) / parameters.mass),
+        direction_of_(parameters.coulomb_width),
         has_friction_(!all(parameters.coulomb == 0.0)) {
     const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
     for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) {
@@ -96,6 +97,9 @@ class Axis {
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
   const CoggingModel<Scalar>& cogging() const { return cogging_; }
 
+  /// Whether a force law jumps at times.
+  bool has_events() const { return !events_.empty(); }
+
   /// The next time after `time` at which a force law jumps; infinite if there is none.
   double next_event(double time) const {
     double next = std::numeric_limits<double>::infinity();
@@ -119,7 +123,7 @@ class Axis {
   /// Force balance over mass, m/s^2, with the smooth sign S(v); motor and load as one.
   Scalar acceleration(const Scalar& position, const Scalar& velocity, const Scalar& drive, double time,
                       const Scalar& held = 0.0) const {
-    const Scalar direction = smooth_sign(velocity, parameters_.coulomb_width);
+    const Scalar direction = direction_of_(velocity);
     const auto [push, friction_level] = balance(position, velocity, direction, drive, held, time);
     return (push - friction_level * direction) * inverse_mass_;
   }
@@ -141,7 +145,7 @@ class Axis {
   /// Moves the state on by h from `time` with the drive held: one classical Runge-Kutta step of fourth order where
   /// that is accurate (StepAccuracy), else as many as it takes. With coulomb_width = 0 the step is cut where the
   /// axis stops or breaks away, so that it sticks and slips exactly.
-  void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
+  COGGING_INLINE void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
     if (!plain_) {
       advance_other(state, drive, time, h);
     } else {
@@ -184,7 +188,7 @@ class Axis {
     Scalar without_friction, friction_level;  // V
   };
 
-  Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity, const Scalar& direction,
+  COGGING_INLINE Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity, const Scalar& direction,
                 double time) const {
     const Forces sum{-parameters_.viscous * velocity - cogging, parameters_.coulomb};
     return laws_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
@@ -244,13 +248,13 @@ class Axis {
     if (!all(excess <= 0.0)) move_in_pieces(state, start, excess, drive, time, h);
   }
 
-  // One step with the smooth sign; by how much it errs more than it may.
-  Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h) const {
+  // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.
+  COGGING_NOINLINE Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h) const {
     if (gains_.empty())
-      return step(state, drive, time, offset, h, [this](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
+      return step(state, drive, time, offset, h, [this](Scalar x, Scalar v, Scalar u, double t) {
         // Cogging first: in a Runge-Kutta step the position is known before the velocity.
         const Scalar cogging = cogging_.force(x);
-        const Scalar direction = smooth_sign(v, parameters_.coulomb_width);
+        const Scalar direction = direction_of_(v);
         const auto [force, friction_level] = forces(cogging, x, v, direction, t);
         return (u + force - friction_level * direction) * inverse_mass_;
       });
@@ -278,7 +282,7 @@ class Axis {
 
   // One step with f(position, velocity, command, time); by how much it errs more than it may.
   template <class Acceleration>
-  Scalar step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
+  COGGING_INLINE Scalar step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
               const Acceleration& f) const {
     struct Slope {
       Scalar velocity, acceleration;
@@ -359,6 +363,7 @@ class Axis {
   AxisParameters<Scalar> parameters_;
   CoggingModel<Scalar> cogging_;
   Scalar inverse_mass_ = 1.0;
+  SmoothSign<Scalar> direction_of_;
   bool has_friction_ = false, sticks_ = false, has_states_ = false;
   bool plain_ = true;                                  // smooth friction without states or gains: the fast way
   std::vector<Effect<Scalar>> laws_, gains_, events_;  // by what they answer to

@@ -41,9 +41,12 @@ inline Range bounds_of(const Range& travel) {
 }
 
 template <class Scalar>
-void require_bounded(const AxisState<Scalar>& state, const Range& travel, double time) {
-  const auto [lower, upper] = bounds_of(travel);
-  if (all(state.position > lower) && all(state.position < upper) && all_finite(state.velocity)) return;
+COGGING_INLINE bool is_bounded(const AxisState<Scalar>& state, const Range& bounds) {
+  return all(state.position > bounds[0]) && all(state.position < bounds[1]) && all_finite(state.velocity);
+}
+
+template <class Scalar>
+[[noreturn]] COGGING_NOINLINE void refuse_state(const AxisState<Scalar>& state, const Range& travel, double time) {
   std::string where = "a lane";
   if constexpr (std::is_same_v<Scalar, double>)
     where = "position " + format(state.position) + " m, velocity " + format(state.velocity) + " m/s";
@@ -54,10 +57,12 @@ void require_bounded(const AxisState<Scalar>& state, const Range& travel, double
 
 }  // namespace detail
 
-/// Integrates the plant over one sample, with `steps` steps of the integrator where nothing happens within it.
+namespace detail {
+
+// Where events happen within the sample, or the command changes or settles in it.
 template <class AnyAxis, class Scalar>
-void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
-                    double time_next, const Scalar& force, int steps) {
+COGGING_NOINLINE void advance_eventful_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state,
+                                              double time, double time_next, const Scalar& force, int steps) {
   const double sample_time = time_next - time;
   const auto steps_of = [&](double start, double end) {
     const bool whole = start == time && end == time_next;
@@ -67,6 +72,22 @@ void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, AxisState<Scala
     drive.force = force;
     advance_through_events(axis, amplifier, state, drive, from, to, steps_of);
   });
+}
+
+}  // namespace detail
+
+/// Integrates the plant over one sample, with `steps` steps of the integrator where nothing happens within it.
+template <class AnyAxis, class Scalar>
+COGGING_INLINE void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
+                                   double time_next, const Scalar& force, int steps) {
+  if (!amplifier.holds() || axis.has_events()) {
+    detail::advance_eventful_sample(axis, amplifier, state, time, time_next, force, steps);
+    return;
+  }
+  Drive<Scalar> drive = amplifier.held();
+  drive.force = force;
+  const double h = (time_next - time) / steps;
+  for (int step = 0; step < steps; ++step) axis.advance(state, drive, time + step * h, h);
 }
 
 namespace detail {
@@ -122,10 +143,12 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
   reference.require_within(plant.axis.travel);
 
   AxisState<Scalar> state{options.initial_position.value_or(reference.at(0).position), options.initial_velocity};
+  const Range bounds = detail::bounds_of(plant.axis.travel);
   double time = 0.0;
   for (std::size_t k = 0; k < rows; ++k) {
     stop.row();
-    detail::require_bounded(state, plant.axis.travel, time);
+    if (!detail::is_bounded(state, bounds)) [[unlikely]]
+      detail::refuse_state(state, plant.axis.travel, time);
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
     if constexpr (MayFail<C>) controller.begin_row(k, time);

@@ -70,6 +70,7 @@ class AxesInLanes {
     for (const Plant<double>* plant : plants) alone_.emplace_back(plant->axis, plant->cogging, plant->effects);
   }
 
+  bool has_events() const { return together_.has_events(); }
   double next_event(double time) const { return together_.next_event(time); }
 
   void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) {
@@ -113,6 +114,7 @@ class MachinesInLanes {
       : at_work_(runs),
         plants_(plants_of(runs)),
         pack_(packed_plant<count>(plants_)),
+        bounds_(detail::bounds_of(pack_.axis.travel)),
         axes_(pack_, plants_, at_work_),
         amplifier_(pack_.effects, sample_time),
         steps_(options.steps_per_sample),
@@ -135,13 +137,12 @@ class MachinesInLanes {
   /// Ends runs that have left their travel.
   void require_bounded(double time) {
     if (!at_work_.all()) fill_idle_lanes();
-    const auto [lower, upper] = detail::bounds_of(pack_.axis.travel);
-    if (all(state_.position > lower) && all(state_.position < upper) && all_finite(state_.velocity)) [[likely]]
+    if (detail::is_bounded(state_, bounds_)) [[likely]]
       return;
     for (std::size_t i = 0; i < count; ++i)
       at_work_.guard(i, [&] {
-        detail::require_bounded(AxisState<double>{lane(state_.position, i), lane(state_.velocity, i)},
-                                pack_.axis.travel, time);
+        const AxisState<double> one{lane(state_.position, i), lane(state_.velocity, i)};
+        if (!detail::is_bounded(one, bounds_)) detail::refuse_state(one, pack_.axis.travel, time);
       });
     fill_idle_lanes();
   }
@@ -191,6 +192,7 @@ class MachinesInLanes {
   LanesAtWork<count> at_work_;
   Plants plants_;
   Plant<Scalar> pack_;
+  Range bounds_;
   AxesInLanes<count> axes_;
   Amplifier<Scalar> amplifier_;
   std::vector<ForceNoise> force_noise_;

@@ -51,8 +51,8 @@ class ReferenceRows {
   double sample_rate() const { return sample_rate_; }
   const Reference& reference() const { return *reference_; }
   double time(std::size_t k) const { return static_cast<double>(k) / sample_rate_; }
-  ReferencePoint at(std::size_t k) const {
-    if (k < kept_) return {position_[k], velocity_[k], acceleration_[k]};
+  COGGING_INLINE ReferencePoint at(std::size_t k) const {
+    if (k < kept_) [[likely]] return {position_[k], velocity_[k], acceleration_[k]};
     return reference_->at(time(k));
   }
 
