@@ -244,7 +244,7 @@ run failed. `failures`: run, time (s), reason. `columns`: one list for each, an 
       },
       "Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.");
   module.def(
-      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, 1, nullptr}).name; },
+      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr}).name; },
       R"(The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
 COGGING_INSTRUCTIONS names; "none": each run alone.
 

@@ -26,7 +26,6 @@ struct PackOfRuns {
 struct InstructionSet {
   std::string name;
   std::size_t lanes;               // runs in a pack
-  std::size_t fewest;              // runs for which a pack is quicker than one after the other, as measured
   void (*run)(const PackOfRuns&);  // raises what a run raises before its first row
 };
 
