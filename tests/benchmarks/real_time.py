@@ -34,7 +34,7 @@ COLUMNS = {
     "mean": ("mean", "7.1f"),
     "median": ("median", "8.0f"),
     "99.99 %": ("most", "9.0f"),
-    "worst": ("worst", "9.0f"),
+    "worst": ("worst", "11.0f"),
     "> 10 us": ("longer", "9.0f"),
     "own worst": ("own_worst", "11.0f"),
     "cold": ("cold", "6.0f"),
@@ -155,7 +155,17 @@ def main(calls):
         print(f"{name:20}{printed(row)}")
 
 
-if __name__ == "__main__":
+def asked():
+    """The number of calls on the command line; status 2 where it cannot be."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--calls", type=int, default=10_000_000)
-    sys.exit(run_command(lambda: main(parser.parse_args().calls), unwinds=True))
+    calls = parser.parse_args().calls
+    if not 1 <= calls <= 1_000_000_000:
+        parser.error(f"--calls: must be from 1 to 1000000000, got {calls}")
+    if compiler() is None:
+        parser.error("needs a C++ compiler: $CXX, c++, g++ or clang++")
+    return calls
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(lambda: main(asked()), unwinds=True))

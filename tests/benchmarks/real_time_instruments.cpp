@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <new>
 
-#ifdef __linux__
+#ifdef __GLIBC__
 #include <ucontext.h>
 #endif
 
@@ -82,7 +82,7 @@ void operator delete(void* memory, std::size_t) noexcept {
 
 namespace real_time {
 
-#ifdef __linux__
+#ifdef __GLIBC__
 namespace {
 
 constexpr unsigned char paint = 0xa5;

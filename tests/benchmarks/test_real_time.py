@@ -4,6 +4,7 @@ Each instrument is shown what it must see beside what it must not.
 """
 
 import os
+import platform
 import sys
 
 import numpy as np
@@ -34,7 +35,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def program(folder):
-    return real_time.build(folder, "-Werror")
+    return real_time.build(folder, *(["-Werror"] if reports_stack() else []))
 
 
 @pytest.fixture(scope="module")
@@ -58,8 +59,8 @@ def test_every_controller_of_the_list_is_measured(rows):
     assert list(rows) == ["none", *CONTROLLERS]
     for row in rows.values():
         assert row["calls"] == CALLS
-        assert 0.0 < row["median"] <= row["most"] <= row["worst"]
-        assert row["mean"] <= row["most"]
+        assert 0.0 <= row["median"] <= row["most"] <= row["worst"]
+        assert 0.0 < row["mean"] <= row["most"]
         assert row["median"] <= row["own_worst"] <= row["worst"]
         assert row["differs"] == 0  # both runs of the loop do the same
 
@@ -110,7 +111,7 @@ def test_what_the_instruments_must_see(program):
     assert said["denormal"] == {"500": 0, "1000": 1}
     # Of 1, 2, ... 20000 ticks, and one of a million.
     assert said["quantile"] == {"0.500000": 10001, "0.999900": 19999, "largest": 1e6, "longer_than_15000.5": 5001}
-    if sys.platform == "linux":
+    if platform.libc_ver()[0] == "glibc":
         assert 9000 <= said["stack"]["10000"] - said["stack"]["1000"] < 9100
 
 
