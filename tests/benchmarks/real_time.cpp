@@ -69,12 +69,13 @@ void say(const std::string& name, const char* figure, double value) {
 }
 
 struct Parts {
-  Run moving, again, cold, gap, resting;
+  Run moving, again, cold, gap, resting, tiny, flushed;
   std::vector<std::uint32_t> shortest;  // ticks of each call, by the quicker of both loops
 };
 
-/// A fresh controller for each part: the closed loop twice, cold samples behind it, gaps, and two rests. Both loops do
-/// the same to the bit, so that what is long in one of them alone was the machine's doing.
+/// A fresh controller for each part: the closed loop twice, cold samples behind it, gaps, two rests, and
+/// denormal inputs. Both loops do the same to the bit, so that what is long in one of them alone was the machine's
+/// doing.
 void measure(const std::function<Controlled()>& fresh, long calls, Parts& found) {
   const cogging::PointToPoint along(motion());
   Run warm_up;
@@ -88,6 +89,9 @@ void measure(const std::function<Controlled()>& fresh, long calls, Parts& found)
   loop.run(c, std::min(200L, calls / 1000 + 1), found.cold, evict);
   gaps(fresh(), along, 1000, found.gap);
   for (const double start : {along.parameters().start, 0.0}) rest(fresh(), start, 100'000, false, found.resting);
+  tiny(fresh(), 20'000, found.tiny);
+  if (Denormals::flush(true)) tiny(fresh(), 20'000, found.flushed);
+  Denormals::flush(false);
 }
 
 void say_parts(const std::string& name, const Parts& found, double ticks) {
@@ -103,6 +107,8 @@ void say_parts(const std::string& name, const Parts& found, double ticks) {
   in_nanoseconds("cold", found.cold.durations.quantile(0.5));
   in_nanoseconds("gap", found.gap.durations.quantile(0.5));
   in_nanoseconds("resting", found.resting.durations.mean(0.9999));
+  in_nanoseconds("tiny", found.tiny.durations.mean(0.99));
+  if (found.flushed.durations.count() > 0) in_nanoseconds("flushed", found.flushed.durations.mean(0.99));
   say(name, "longer", static_cast<double>(moving.durations.longer_than(10e3 * ticks)));
   const double calls = static_cast<double>(moving.durations.count());
   say(name, "calls", calls);
@@ -114,6 +120,7 @@ void say_parts(const std::string& name, const Parts& found, double ticks) {
   for (const Run* run : {&moving, &found.again, &found.cold, &found.gap, &found.resting}) allocated += run->allocations;
   say(name, "allocations", static_cast<double>(allocated));
   say(name, "denormal_moving", static_cast<double>(moving.denormal));
+  say(name, "denormal_tiny", static_cast<double>(found.tiny.denormal));
   say(name, "denormal_resting", static_cast<double>(found.resting.denormal));
 }
 

@@ -40,6 +40,8 @@ COLUMNS = {
     "cold": ("cold", "6.0f"),
     "gap": ("gap", "6.0f"),
     "at rest": ("resting", "9.1f"),
+    "tiny": ("tiny", "6.0f"),
+    "flushed": ("flushed", "9.0f"),
     "bytes": ("bytes", "7.0f"),
     "heap": ("heap", "6.0f"),
     "allocations": ("allocations", "13.0f"),

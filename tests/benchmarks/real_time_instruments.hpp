@@ -114,10 +114,16 @@ class Denormals {
 #if defined(__x86_64__)
   static void forget() noexcept { _mm_setcsr(_mm_getcsr() & ~flags); }
   static bool met() noexcept { return (_mm_getcsr() & flags) != 0; }
+  /// From here on they are taken as 0, and put out as 0; gives whether this can be.
+  static bool flush(bool wanted) noexcept {
+    _mm_setcsr(wanted ? _mm_getcsr() | to_zero : _mm_getcsr() & ~to_zero);
+    return true;
+  }
 
  private:
-  static constexpr unsigned flags = 0x02 | 0x10;  // DE and UE of MXCSR
+  static constexpr unsigned flags = 0x02 | 0x10, to_zero = 0x40 | 0x8000;  // DE, UE; DAZ, FTZ of MXCSR
 #else
+  static bool flush(bool) noexcept { return false; }
   static void forget() noexcept { std::feclearexcept(FE_UNDERFLOW); }
   static bool met() noexcept { return std::fetestexcept(FE_UNDERFLOW) != 0; }
 #endif

@@ -110,6 +110,14 @@ inline void gaps(const Controlled& c, const cogging::PointToPoint& along, long s
   found.allocations += lost.allocations;
 }
 
+/// Readings and reference that have died away into denormal numbers, as those of a simulation or of a filter may.
+inline void tiny(const Controlled& c, long samples, Run& found) {
+  for (long k = 0; k < samples; ++k) {
+    const double x = 1e-310 * (2.0 + std::sin(0.1 * static_cast<double>(k)));
+    found.take(c, {x, -x, x}, {x, -x, x}, 2.0 * x);
+  }
+}
+
 /// What lies in the caches is pushed out, as by all that a machine does between two samples.
 inline void evict() {
   static std::vector<unsigned char> other(std::size_t{1} << 25);
