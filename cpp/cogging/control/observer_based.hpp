@@ -227,8 +227,8 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
       if (i >= 3 && frozen) break;
       const double gain = q.observer_gain[i] + (q.observer_gain_slope.empty() ? 0.0 : speed * q.observer_gain_slope[i]);
       const bool mirrored = i >= 4 && i % 2 == 0;
-      sample.set(state_[i],
-                 state_[i] + (mirrored ? select(direction_ < 0.0, Scalar(-gain), Scalar(gain)) : Scalar(gain)) * step);
+      const Scalar signed_gain = mirrored ? select(direction_ < 0.0, Scalar(-gain), Scalar(gain)) : Scalar(gain);
+      sample.set(state_[i], died_away(state_[i] + signed_gain * step));
     }
   }
 

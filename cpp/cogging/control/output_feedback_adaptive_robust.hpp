@@ -323,8 +323,8 @@ filters of the applied command go on through samples that are refused; that of t
   }
 
   COGGING_INLINE State step(const State& x, const Scalar& input) const {
-    return {transition_[0] * x[0] + transition_[1] * x[1] + response_[0] * input,
-            transition_[2] * x[0] + transition_[3] * x[1] + response_[1] * input};
+    return {died_away(transition_[0] * x[0] + transition_[1] * x[1] + response_[0] * input),
+            died_away(transition_[2] * x[0] + transition_[3] * x[1] + response_[1] * input)};
   }
 
   // x' = A_0 x + e_2 input with the input held: exp(A_0 T) and its integral, by their Taylor series with halving.

@@ -1,0 +1,56 @@
+"""At rest exactly where a motion began: what dies away ends at 0, and nothing that is kept is a denormal number."""
+
+import numpy as np
+import pytest
+
+from cogging.model.model import CONTROLLERS
+from tests.golden.logs import CONTROLLERS as FIELDS
+
+RATE, RESOLUTION = 5000.0, 0.5e-6
+SMALLEST = np.finfo(float).tiny
+
+
+def states_at_rest(kind, start, seed):
+    """The numbers that a controller keeps, ten times a second over 10 s behind a motion from `start` that is drawn."""
+    rng = np.random.default_rng([seed, *kind.encode()])
+    struct, made = CONTROLLERS[kind]
+    controller = made(struct(**FIELDS[kind]))
+    count, (size, turns) = 2000, rng.uniform([1e-3, 1.0], [2e-2, 3.0])
+    w, t = 2 * np.pi * round(turns) * RATE / count, np.arange(count) / RATE
+    lags = RESOLUTION * rng.integers(-4, 5, count)
+    lags[0] = 0.0  # positions of the output feedback count from here
+    for time, lag in zip(t, lags, strict=True):
+        x = size * (1 - np.cos(w * time))
+        step(controller, (start + x, size * w * np.sin(w * time), size * w**2 * np.cos(w * time)), start + x + lag)
+    states = []
+    for k in range(int(10 * RATE)):
+        step(controller, (start, 0.0, 0.0), start)
+        if k % 500 == 0:
+            states.append(controller.__getstate__()[1])
+    return np.array(states)
+
+
+def step(controller, point, reading):
+    if hasattr(controller, "preview"):
+        command = controller.command(reference=point, ahead=point, reading=reading)
+    else:
+        x, v, a = point
+        command = controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=reading)
+    controller.update(command)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("start", [0.0, 0.2])
+@pytest.mark.parametrize("kind", FIELDS)
+def test_no_state_is_denormal(kind, start, seed):
+    size = np.abs(states_at_rest(kind, start, seed))
+    assert np.isfinite(size).all()
+    assert not ((size > 0.0) & (size < SMALLEST)).any()
+
+
+def test_the_filter_of_the_readings_dies_away():
+    """eta of the output feedback falls by 1/e in 5 ms: behind 10 s it would be exp(-2000) of what it was."""
+    states = states_at_rest("output_feedback_arc", 0.2, seed=7)
+    lost = (states[0] != 0.0) & (states[-1] == 0.0)
+    assert np.count_nonzero(lost) >= 2
+    assert np.abs(states[-1]).max() > 0.1
