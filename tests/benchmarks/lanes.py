@@ -1,7 +1,8 @@
 """Time of a step of many machines side by side: the core's batch beside packs of lanes written by hand.
 
 The C3 loop of lu2008_loop.py for machines that differ in mass, friction and cogging, under each instruction set of this
-machine, on one core; then the same batch on two threads. Logs are written by both.
+machine, on one core; then the same batch on two threads. The core keeps the indexes of each run, its default, and
+beside that whole logs of eight columns; the packs by hand write four columns.
 
     python tests/benchmarks/lanes.py [--repeats 15] [--runs 64]
 """
@@ -76,29 +77,43 @@ def run_core(arguments, instructions, threads=1, logs=True):
     return cogging.closed_loop_batch(*arguments, threads=threads, logs=logs)
 
 
-def main(repeats, runs):
-    """Prints the table."""
+def timed(repeats, runs):
+    """Rows of a run, and median seconds of all runs by each way; after a look at whether they do the same."""
     setup = lu2008_loop.SETUP | {"repeats": 1.0}
     machines = drawn_machines(runs, setup)
     arguments = core_arguments(setup, machines)
     rows = len(run_core([part[:1] if isinstance(part, list) else part for part in arguments], "none")[0])
-    timed = {}
+    ways = {}
     for name in _core.instruction_sets():
         by_hand = compile_by_hand(name, WIDTHS[name])
         core = run_core(arguments, name)
-        timed[f"core, {name}"] = lambda name=name: run_core(arguments, name)
-        timed[f"by hand, {name}"] = lambda by_hand=by_hand: by_hand(setup, machines, rows)
-        logs, places = core, timed[f"by hand, {name}"]()["true_position"]
+        ways[f"core, {name}"] = lambda name=name: run_core(arguments, name, logs=False)
+        ways[f"core, {name}, logs"] = lambda name=name: run_core(arguments, name)
+        ways[f"by hand, {name}"] = lambda by_hand=by_hand: by_hand(setup, machines, rows)
+        logs, places = core, ways[f"by hand, {name}"]()["true_position"]
         apart = max(np.max(np.abs(log.true_position - x)) for log, x in zip(logs, places, strict=True))
+        assert apart <= setup["resolution"], f"{name} is off the packs by hand by {apart:.1e} m"  # a count
         print(f"{name}: {sum(core.in_lanes)} of {runs} runs in lanes; by hand less core {apart:.1e} m at most")
     widest = list(_core.instruction_sets() or ["none"])[-1]
-    timed["core, alone"] = lambda: run_core(arguments, "none")
-    timed[f"core, {widest}, 2 threads"] = lambda: run_core(arguments, widest, threads=2)
-    seconds = lu2008_loop.measure(timed, repeats)
+    ways["core, alone"] = lambda: run_core(arguments, "none", logs=False)
+    ways[f"core, {widest}, 2 threads"] = lambda: run_core(arguments, widest, threads=2, logs=False)
+    return rows, lu2008_loop.measure(ways, repeats)
+
+
+def by_hand_of(name, seconds):
+    """Of the packs by hand with the same instructions; None where there are none."""
+    kind, instructions, *_ = name.split(", ")
+    return seconds.get(f"by hand, {instructions}") if kind == "core" else None
+
+
+def main(repeats, runs):
+    """Prints the table."""
+    rows, seconds = timed(repeats, runs)
+    widest = list(_core.instruction_sets() or ["none"])[-1]
     print(f"\nC3, X axis: {runs} runs of {rows} rows, median of {repeats} repeats in turns, {os.cpu_count()} cores")
     for name, value in seconds.items():
-        hand = seconds.get(name.replace("core", "by hand"))
-        ratio = f"{value / hand:8.2f} of by hand" if hand and name.startswith("core") else ""
+        hand = by_hand_of(name, seconds)
+        ratio = f"{value / hand:8.2f} of by hand" if hand and "threads" not in name else ""
         print(f"{name:24}{1e9 * value / rows / runs:8.1f} ns/step{ratio}")
     print(f"two threads: {seconds[f'core, {widest}'] / seconds[f'core, {widest}, 2 threads']:.2f} times as fast")
 

@@ -165,25 +165,26 @@ def measure(runs, repeats):
     return {name: statistics.median(values) for name, values in seconds.items()}
 
 
-def main(repeats):
-    """Prints the table."""
+def timed(repeats, setup=SETUP):
+    """Samples of a run, and median seconds of a run by each; after a look at whether they do the same."""
     coefficients = random_coefficients()
-    plant, controller, reference = core_arguments(SETUP, coefficients)
+    plant, controller, reference = core_arguments(setup, coefficients)
     core = _core.closed_loop(plant, controller, reference)
     rows = len(core["time"])
     hand_written, with_library = compile_hand_written(), compile_hand_written("LIBRARY_FUNCTIONS")
     runs = {
         "core": lambda: _core.closed_loop(plant, controller, reference),
-        "hand-written": lambda: hand_written(SETUP, coefficients, rows),
-        "hand-written, libm": lambda: with_library(SETUP, coefficients, rows),
+        "hand-written": lambda: hand_written(setup, coefficients, rows),
+        "hand-written, libm": lambda: with_library(setup, coefficients, rows),
     }
     try:
         numba = compile_numba()
-        runs["numba"] = lambda: numba(SETUP, coefficients, rows)
+        runs["numba"] = lambda: numba(setup, coefficients, rows)
     except ImportError:
         print("numba is not installed: its row is left out")
     for name, run in runs.items():  # also compiles and warms up
         position, command = largest_difference(core, run())
+        assert position <= setup["resolution"], f"{name} is off the core by {position:.1e} m"  # a count of the encoder
         print(f"{name} less core: {position:.1e} m, {command:.1e} V at most")
     batch = 4
     runs["batch, 2 threads"] = lambda: cogging.closed_loop_batch(
@@ -192,6 +193,12 @@ def main(repeats):
 
     seconds = measure(runs, repeats)
     seconds["batch, 2 threads"] /= batch
+    return rows, seconds
+
+
+def main(repeats):
+    """Prints the table."""
+    rows, seconds = timed(repeats)
     print(f"\nC3, X axis: {rows} samples, median of {repeats} repeats in turns")
     print(f"{'':24}{'ns/step':>8}{'/ hand-written':>16}{'/ core':>8}")
     for name, value in seconds.items():

@@ -16,7 +16,6 @@ import argparse
 import importlib.util
 import json
 import os
-import resource
 import statistics
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.benchmarks.memory import peak_megabytes
 
 ROOT = Path(__file__).resolve().parents[2]
 RATE, SECONDS = 5000.0, 0.4  # Hz; s of one move there and back
@@ -348,35 +348,43 @@ def measured(name: str, runs: int, rows: int, repeats: int) -> dict[str, float]:
         begin = time.perf_counter()
         run()
         seconds.append(time.perf_counter() - begin)
-    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     usual = statistics.median(seconds)
     return {
         "seconds": usual,
         "compile": max(first - usual, 0.0),
-        "megabytes": after / 1024,
+        "megabytes": peak_megabytes(),
     }
 
 
 def in_a_process(*arguments: object) -> dict[str, float]:
-    """What this module prints for these arguments, in a process of its own, on one thread.
-
-    The one that asks stays small: a process is charged with the memory of the one that began it.
-    """
+    """What this module prints for these arguments, in a process of its own, on one thread."""
     alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
     command = [sys.executable, "-m", "tests.benchmarks.peers", *map(str, arguments)]
     done = subprocess.run(command, cwd=ROOT, env={**os.environ, **alone}, capture_output=True, text=True, check=True)
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def table(counts: list[int], rows: int, rounds: int, repeats: int) -> list[str]:
-    """Lines of the table: ns a step and ratio to the core for each number of runs."""
+@dataclass(frozen=True)
+class Figure:
+    """What a library takes for so many runs: ns a step and run, its ratio to the core, s to compile, most MB held."""
+
+    name: str
+    runs: int
+    step: float
+    ratio: float
+    compile: float
+    megabytes: float
+
+
+def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[Figure]:
+    """Of all that are installed, once their answers are seen to be the core's."""
     names = installed()
     off = in_a_process("--compare", 8, min(rows, 501))
     wrong = {name: value for name, value in off.items() if value > CLOSE}
     if wrong:
         raise SystemExit(f"answers differ by more than {CLOSE:g} m, nothing is timed: {wrong}")
-    lines = [f"the same answers: {max(off.values()):.1e} m at most", ""]
-    lines += [f"{'':16}{'runs':>7}{'ns a step':>11}{'/ cogging':>11}{'compile, s':>12}{'peak, MB':>10}"]
+    print(f"the same answers: {max(off.values()):.1e} m at most\n")
+    measured_ones = []
     for runs in counts:
         timed = [name for name in names if name not in SLOW or runs == 1]
         found: dict[str, list[dict[str, float]]] = {name: [] for name in timed}
@@ -388,9 +396,16 @@ def table(counts: list[int], rows: int, rounds: int, repeats: int) -> list[str]:
             compiled = statistics.median(one["compile"] for one in found[name])
             peak = max(one["megabytes"] for one in found[name])
             step = 1e9 * usual[name] / runs / (rows - 1)
-            lines.append(
-                f"{name:16}{runs:7}{step:11.1f}{usual[name] / usual['cogging']:11.2f}{compiled:12.2f}{peak:10.0f}"
-            )
+            measured_ones.append(Figure(name, runs, step, usual[name] / usual["cogging"], compiled, peak))
+    return measured_ones
+
+
+def table(found: list[Figure]) -> list[str]:
+    """Lines of it."""
+    lines = [f"{'':16}{'runs':>7}{'ns a step':>11}{'/ cogging':>11}{'compile, s':>12}{'peak, MB':>10}"]
+    for one in found:
+        numbers = f"{one.step:11.1f}{one.ratio:11.2f}{one.compile:12.2f}{one.megabytes:10.0f}"
+        lines.append(f"{one.name:16}{one.runs:7}{numbers}")
     return lines
 
 
@@ -412,7 +427,7 @@ def main() -> None:
         name, *numbers = options.alone
         print(json.dumps(measured(name, *map(int, numbers))))
         return
-    print("\n".join(table(options.runs, options.rows, options.rounds, options.repeats)))
+    print("\n".join(table(figures(options.runs, options.rows, options.rounds, options.repeats))))
 
 
 if __name__ == "__main__":

@@ -143,17 +143,24 @@ def printed(row):
     return "".join(cells)
 
 
-def main(calls):
-    """Prints the table."""
+def rows(calls):
+    """Figures of every controller's step, by its name."""
     with tempfile.TemporaryDirectory() as folder:
-        rows = measure(build(Path(folder)), calls)
+        found = measure(build(Path(folder)), calls)
         stacks = report(compile_unit(Path(folder)), list(CONTROLLERS))
-    print(f"{calls} calls of each step on {processor()}, in ns; a 5 kHz loop has 200000")
-    print(" " * 20 + "".join(head.rjust(int(form.split(".")[0])) for head, (_, form) in COLUMNS.items()))
-    for name, row in rows.items():
+    for name, row in found.items():
         row["denormal"] = row["denormal_moving"] + row["denormal_resting"]
         if name in stacks:
             row["stack"] = stacks[name].bytes
+    return found
+
+
+def main(calls):
+    """Prints the table."""
+    found = rows(calls)
+    print(f"{calls} calls of each step on {processor()}, in ns; a 5 kHz loop has 200000")
+    print(" " * 20 + "".join(head.rjust(int(form.split(".")[0])) for head, (_, form) in COLUMNS.items()))
+    for name, row in found.items():
         print(f"{name:20}{printed(row)}")
 
 
