@@ -1,14 +1,11 @@
 """Sweeps: every path, every way of drawing, and finished runs that stand whatever ends the sweep."""
 
-import concurrent.futures
 import itertools
-import os
 import random
 import signal
 import subprocess
 import sys
 import time
-from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pytest
@@ -20,23 +17,10 @@ from cogging.simulation import sweep_pieces
 from cogging.simulation.sweep_points import points_of, variation_of
 from cogging.simulation.varied import Setup, numbers_of, with_numbers
 from tests.fixtures.examples import MODEL
+from tests.fixtures.sweeps import DOCUMENT, DRAWN, MANY, MOVE, SMALL, same
 
 pytestmark = pytest.mark.filterwarnings("ignore:The balance properties of Sobol")
-DOCUMENT = {
-    "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 1e-3, "travel": [-0.1, 0.5]},
-    "controller": {"type": "pid", "kp": 9600.0, "ki": 1e5, "kd": 48.0, "sample_rate": 1000.0},
-    "noise": {"force": 0.02},
-    "bounds": {"axis.mass": [0.11, 0.135], "axis.viscous": [0.1, 0.3], "axis.coulomb": [0.0, float("inf")]},
-}
-SMALL = cogging.Model.from_dict(DOCUMENT)
-MOVE = {"type": "sine", "amplitude": 0.01, "frequency": 5.0, "duration": 0.2}
 SINE = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=5.0))
-
-
-def same(one, other):
-    assert list(one.table) == list(other.table)
-    for name, values in one.table.items():
-        np.testing.assert_array_equal(np.asarray(values, dtype=str), np.asarray(other.table[name], dtype=str), name)
 
 
 def test_a_row_is_the_run_that_its_numbers_say():
@@ -147,9 +131,6 @@ def test_a_wrong_sweep_is_answered_in_one_line(vary, options, text):
 
 
 # Finished work --------------------------------------------------------------------------------------------------------
-
-MANY = {"axis.mass": {"from": 0.1, "to": 0.14}}
-DRAWN = {"method": "random", "runs": 300, "seed": 5}
 
 
 class Full(Exception):
@@ -273,87 +254,3 @@ def test_a_command_that_is_killed_goes_on(tmp_path):
     alone = cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, **DRAWN)
     alone.write(tmp_path / "alone.csv")
     assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "runs.csv").read_bytes()
-
-
-# Executors ------------------------------------------------------------------------------------------------------------
-
-
-def test_threads_and_processes_give_the_same_table():
-    alone = cogging.sweep(SMALL, MOVE, MANY, **DRAWN)
-    with concurrent.futures.ThreadPoolExecutor(3) as threads:
-        same(cogging.sweep(SMALL, MOVE, MANY, executor=threads, **DRAWN), alone)
-    with concurrent.futures.ProcessPoolExecutor(1) as processes:
-        same(cogging.sweep(SMALL, MOVE, MANY, executor=processes, **DRAWN), alone)
-
-
-class Dies(concurrent.futures.Executor):
-    """After a few pieces its workers are gone."""
-
-    def __init__(self, error):
-        self.left, self.error = 4, error
-
-    def submit(self, function, *given):
-        future = concurrent.futures.Future()
-        self.left -= 1
-        if self.left < 0:
-            future.set_exception(self.error)
-        else:
-            future.set_result(function(*given))
-        return future
-
-
-@pytest.mark.parametrize(
-    ("error", "text"),
-    [
-        (
-            BrokenProcessPool("a child process\nended"),
-            "Dies has died: BrokenProcessPool: a child process ended",
-        ),
-        (
-            ModuleNotFoundError("No module named 'cogging'"),
-            "Dies has a worker that cannot import the package: ModuleNotFound",
-        ),
-        (RuntimeError("gone"), "Dies could not run a piece: RuntimeError: gone"),
-    ],
-)
-def test_an_executor_that_dies_is_one_line_and_finished_runs_stand(tmp_path, error, text):
-    out = tmp_path / "runs.csv"
-    with pytest.raises(
-        cogging.InputError, match=f"^executor: {text}.*finished runs stand in .*pieces, the same"
-    ) as found:
-        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **DRAWN)
-    assert "\n" not in str(found.value)
-    assert 1 <= len(list((tmp_path / "runs.csv.pieces").glob("[0-9]*.npz"))) <= 4
-    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
-
-
-def _process():
-    return os.getpid()
-
-
-@pytest.fixture
-def dask(tmp_path):
-    distributed = pytest.importorskip("distributed")
-    place = {"local_directory": str(tmp_path), "dashboard_address": None, "silence_logs": 50}
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **place) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client
-
-
-FEW = {"method": "random", "runs": 40, "seed": 5}
-
-
-@pytest.mark.filterwarnings("ignore")  # of its own
-def test_a_worker_of_dask_that_is_killed_changes_nothing(dask):
-    workers, killed = list(dask.run(_process).values()), []
-
-    def kill_one(step):
-        if not killed:
-            os.kill(workers[0], signal.SIGKILL)
-            killed.append(step)
-
-    found = cogging.sweep(SMALL, MOVE, MANY, executor=dask.get_executor(), progress=kill_one, **FEW)
-    assert killed == ["1 of 40 pieces"]
-    same(found, cogging.sweep(SMALL, MOVE, MANY, **FEW))

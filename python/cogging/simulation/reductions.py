@@ -36,6 +36,15 @@ COLUMNS = (
     "true_position",
     "true_velocity",
 )
+#: Of what a table of runs holds under these names; every other reduction is in the unit of its quantity.
+UNITS = {
+    "time": "s",
+    "reference_velocity": "m/s",
+    "reference_acceleration": "m/s^2",
+    "true_velocity": "m/s",
+    "command_chatter": "1",
+    "failed_at": "s",
+}
 
 
 class Failed(NamedTuple):
@@ -77,6 +86,15 @@ def reduction(name: str) -> tuple[str, str, float]:
     except ValueError:
         raise ValueError(f"reductions: {name}: must have a number in its brackets, got {quoted(text)}") from None
     return quantity, plain or numbered, number
+
+
+def unit_of(name: str) -> str:
+    """The unit of an index, a reduction or a column; nothing where it has none, or is none of them."""
+    if name in UNITS:
+        return UNITS[name]
+    if name in COLUMNS or name in INDEXES or NAMED.fullmatch(name):
+        return "V" if name.startswith("command") else "m"
+    return ""
 
 
 def names_of(reductions: Iterable[str]) -> tuple[str, ...]:

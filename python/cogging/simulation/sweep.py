@@ -4,32 +4,31 @@ from __future__ import annotations
 
 import importlib.metadata
 import os
-import pickle
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from cogging._core import Reference, StopFlag
+from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, takes
 from cogging.files import InputError
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.frames import to_pandas, write_frame
+from cogging.simulation.frames import is_parquet, library, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
+from cogging.simulation.sweep_executor import run_elsewhere
 from cogging.simulation.sweep_pieces import Pieces, Table, joined
 from cogging.simulation.sweep_points import points_of, variation_of
-from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, with_numbers
+from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
 from cogging.values import ByValue
 
 PIECES = 100  # of a sweep, or more
 PIECE_MOST = 1000  # runs of one
-WAITING_MOST = 64  # pieces that an executor is given ahead
 EXECUTOR = Kind((Executor, type(None)), "a concurrent.futures.Executor")
 
 
@@ -41,6 +40,7 @@ class SweepRuns(ByValue):
         table: arrays by name: `run`, the varied numbers by path, `seed` of the noise, the indexes (those of
             Performance, then the reductions; NaN where a run failed), `failed_at` (s) and `reason` where one failed.
         varied: the paths of the varied numbers.
+        units: of the varied numbers, by path.
 
     Example:
         >>> runs = cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]})
@@ -50,6 +50,7 @@ class SweepRuns(ByValue):
 
     table: Mapping[str, Any]
     varied: tuple[str, ...]
+    units: Mapping[str, str]
 
     def _brief(self) -> str:
         failed = self.failed
@@ -74,14 +75,22 @@ class SweepRuns(ByValue):
         """
         return to_pandas(self.table).set_index("run")
 
+    def to_xarray(self) -> Any:
+        """The table as an xarray Dataset over `run`, each variable with its `units`.
+
+        Raises:
+            ImportError: xarray is not there; names the extra that brings it.
+        """
+        return to_xarray(self.table, {}, self.units)
+
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as CSV, or as Parquet where the name ends so.
+        """Write the table as CSV, or as Parquet where the name ends so, with `units` of its columns.
 
         Raises:
             InputError: the file cannot be written.
             ImportError: pyarrow is not there for Parquet; names the extra that brings it.
         """
-        write_frame(path, self.table)
+        write_frame(path, self.table, self.units)
 
 
 class Piece(NamedTuple):
@@ -156,6 +165,7 @@ def sweep(
         ValueError: a path that the run has not (with the nearest), a variation, method or reduction that is none, or
             no run could begin.
         InputError: a file cannot be used or written, or the executor has died; finished runs stand.
+        ImportError: pyarrow is not there for Parquet; names the extra that brings it.
 
     Example:
         >>> drawn = {"axis.mass": {"mean": 0.12, "deviation": 0.005}, "controller.kp": [9000.0, 9600.0]}
@@ -168,6 +178,8 @@ def sweep(
     make_controller(model)
     paths, points = _points(Setup(model, motion), vary, method, runs, seed)
     require_reductions(reductions)
+    if out is not None and is_parquet(out):
+        library("pyarrow")
     common = Piece(
         setup=Setup(model, motion),
         paths=paths,
@@ -187,10 +199,14 @@ def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None
     size = max(1, min(PIECE_MOST, len(points) // PIECES))
     pieces = [common._replace(points=points[i : i + size], first=i) for i in range(0, len(points), size)]
     kept = None if out is None else Pieces(out, _asked(common, points, size))
-    found = SweepRuns(joined(_tables(pieces, kept, executor, progress)), common.paths)
+    table = joined(_tables(pieces, kept, executor, progress))
+    found = SweepRuns(table, common.paths, units_of(common.setup, common.paths))
     _require_one(found)
     if kept is not None:
-        found.write(out)
+        try:
+            found.write(out)
+        except InputError as error:
+            raise InputError(f"{error}; {kept.stands}") from None
         kept.remove()
     return found
 
@@ -272,8 +288,7 @@ def _tables(pieces: list[Piece], kept: Pieces | None, executor: Executor | None,
     missing = [(place, piece) for place, piece in enumerate(pieces) if place not in tables]
     done, total = len(pieces) - len(missing), len(pieces)
     with steps(progress, "sweep", len(missing)) as step:
-        made = _here(missing) if executor is None else _elsewhere(missing, executor, kept)
-        for place, table in made:
+        for place, table in _made(missing, executor, "" if kept is None else kept.stands):
             tables[place] = table
             if kept is not None:
                 kept.keep(place, table)
@@ -282,68 +297,13 @@ def _tables(pieces: list[Piece], kept: Pieces | None, executor: Executor | None,
     return [tables[place] for place in range(total)]
 
 
-def _here(pieces: list[tuple[int, Piece]]) -> Iterator[tuple[int, Table]]:
-    for place, piece in pieces:
-        yield place, run_piece(piece)
-
-
-def _elsewhere(pieces: list[tuple[int, Piece]], executor: Executor, kept: Pieces | None) -> Iterator[tuple[int, Table]]:
-    """The tables as an executor's workers finish them, never more than a few pieces ahead."""
-    stop = StopFlag()
-
-    def submitted(piece: Piece) -> Future[Table]:
-        if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can heed a flag
-            return executor.submit(_run_and_heed, piece, stop)
-        # A worker that lacks the package must fail in its task, where its error is told, and not before it.
-        future: Future[Table] = executor.submit(pickle.loads, pickle.dumps(_RunWhenLoaded(piece)))
-        return future
-
-    waiting: dict[Future[Table], int] = {}
-    left = iter(pieces)
-    try:
-        while True:
-            for place, piece in left:
-                waiting[submitted(piece)] = place
-                if len(waiting) >= WAITING_MOST:
-                    break
-            if not waiting:
-                return
-            done = wait(waiting, return_when=FIRST_COMPLETED).done
-            for future in sorted(done, key=lambda one: one.cancelled() or one.exception() is not None):  # failed: last
-                yield waiting.pop(future), future.result()
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:
-        raise InputError(_died(error, executor, kept)) from error
-    finally:
-        stop.set()
-        for future in waiting:
-            future.cancel()
-
-
-def _run_and_heed(piece: Piece, stop: StopFlag) -> Table:
-    stop.heed()
-    return run_piece(piece)
-
-
-class _RunWhenLoaded:
-    """A piece that is run when it is unpickled: what comes out of its pickle is its table."""
-
-    def __init__(self, piece: Piece) -> None:
-        self._piece = piece
-
-    def __reduce__(self) -> Any:
-        return run_piece, (self._piece,)
-
-
-def _died(error: Exception, executor: Executor, kept: Pieces | None) -> str:
-    """One line about an executor that did not do its work."""
-    what = f"{type(error).__name__}: {' '.join(str(error).split())}"
-    stands = f"; {kept.stands}" if kept is not None else ""
-    how = "has died" if isinstance(error, BrokenExecutor) else "could not run a piece"
-    if isinstance(error, ImportError):
-        how = "has a worker that cannot import the package"
-    return f"executor: {type(executor).__name__} {how}: {what}{stands}"
+def _made(pieces: list[tuple[int, Piece]], executor: Executor | None, stands: str) -> Iterator[tuple[int, Table]]:
+    if executor is None:
+        for place, piece in pieces:
+            yield place, run_piece(piece)
+        return
+    for which, table in run_elsewhere(run_piece, [piece for _, piece in pieces], executor, stands):
+        yield pieces[which][0], table
 
 
 def _require_one(found: SweepRuns) -> None:

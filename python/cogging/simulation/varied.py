@@ -42,6 +42,21 @@ def numbers_of(setup: Setup) -> dict[str, float | None]:
     return numbers
 
 
+def units_of(setup: Setup, paths: Iterable[str]) -> dict[str, str]:
+    """The units of numbers by path; none of the seed."""
+    parameters = parameters_of(setup.model, together=True)
+    structs = {name: getattr(setup.model, name) for name in SECTIONS}
+    structs["reference"] = getattr(setup.reference, "parameters", None)
+    units = {}
+    for path in paths:
+        section, _, rest = path.partition(".")
+        if section in structs:
+            units[path] = structs[section].FIELDS[rest.partition("[")[0]][0] or ""
+        elif path != SEED:
+            units[path] = parameters[path].unit
+    return units
+
+
 def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
     """Refuse a path that the run has not, with the nearest that it has.
 
