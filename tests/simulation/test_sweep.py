@@ -2,6 +2,9 @@
 
 import itertools
 import random
+import re
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -138,32 +141,32 @@ class Full(Exception):
 
 
 def test_a_sweep_goes_on_where_it_was_ended(tmp_path, monkeypatch):
-    """Ended at random pieces until it is done: no run is lost, none is made twice."""
+    """Ended at random pieces until it is done, each time with other threads: no run is lost, none is made twice."""
     out, rng, made = tmp_path / "runs.csv", random.Random(3), []
     plain = sweeps.run_piece
 
     def ends_at_times(piece):
-        if rng.random() < 0.1:
+        if rng.random() < 0.2:
             raise Full
-        made.append(piece.first)
+        made.extend(range(piece.first, piece.first + len(piece.points)))
         return plain(piece)
 
     monkeypatch.setattr(sweeps, "run_piece", ends_at_times)
     ended = 0
     while True:
         try:
-            runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+            runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **{**DRAWN, "threads": rng.randint(1, 5)})
             break
         except Full:
             ended += 1
             assert not out.exists()
     assert ended > 3
-    assert sorted(made) == list(range(0, 300, 3))
+    assert sorted(made) == list(range(800))
     monkeypatch.undo()
     same(runs, cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
     assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
     lines = out.read_text().splitlines()
-    assert len(lines) == 301
+    assert len(lines) == 801
     assert float(lines[9].split(",")[3]) == runs.table["error_max"][8]
 
 
@@ -173,10 +176,10 @@ def test_another_sweep_is_not_resumed(tmp_path, monkeypatch):
     with pytest.raises(ZeroDivisionError):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
     monkeypatch.undo()
-    for other in ({"seed": 6}, {"runs": 301}, {"duration": 0.1}, {"reductions": ["error_final"]}, {"stop": 0.1}):
+    for other in ({"seed": 6}, {"runs": 801}, {"duration": 0.1}, {"reductions": ["error_final"]}, {"stop": 0.1}):
         with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: holds pieces of another sweep"):
             cogging.sweep(SMALL, MOVE, MANY, out=out, **{**DRAWN, **other})
-    assert len(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)) == 300
+    assert len(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)) == 800
 
 
 def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
@@ -184,7 +187,7 @@ def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
     out, plain, seen = tmp_path / "runs.csv", sweeps.run_piece, []
 
     def ends_late(piece):
-        if piece.first >= 150:
+        if piece.first >= 400:
             raise Full
         return plain(piece)
 
@@ -197,7 +200,7 @@ def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
     pieces[9].write_bytes(b"PK\x03\x04 no archive")
     monkeypatch.setattr(sweeps, "run_piece", lambda piece: seen.append(piece.first) or plain(piece))
     runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
-    assert seen == [0, 21, 27, *range(150, 300, 3)]
+    assert seen == [0, 56, 72, *range(400, 800, 8)]
     monkeypatch.undo()
     same(runs, cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
 
@@ -221,17 +224,58 @@ def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypat
     same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
 
 
+@pytest.mark.skipif(
+    shutil.which("unshare") is None
+    or subprocess.run(["unshare", "-Urm", "true"], capture_output=True, check=False).returncode != 0,
+    reason="needs a file system of its own",
+)
+def test_a_disk_that_is_full_indeed(tmp_path):
+    """A small one; when it has grown, the same command goes on."""
+    command = write_files(tmp_path, 800, 0.2)
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    command[-1] = str(disk / "runs.csv")
+    script = f"""
+        mount -t tmpfs -o size=256k none {disk} || exit 9
+        {shlex.join(command)} >&2; echo $?
+        ls -A {disk}; ls {disk}/runs.csv.pieces | grep -c npz
+        mount -o remount,size=8m {disk}
+        {shlex.join(command)} >&2; echo $?
+        ls -A {disk}
+        cat {disk}/runs.csv
+    """
+    done = subprocess.run(["unshare", "-Urm", "sh", "-c", script], capture_output=True, text=True, check=True)
+    status, left, pieces, again, whole, *lines = done.stdout.splitlines()
+    assert (status, left, again, whole) == ("2", "runs.csv.pieces", "0", "runs.csv")
+    assert 3 < int(pieces) < 100
+    first, second = done.stderr.splitlines()
+    assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs stand in .*", first)
+    assert "800 runs over axis.mass" in second
+    cogging.sweep(SMALL, MOVE, MANY, **DRAWN).write(tmp_path / "alone.csv")
+    assert (tmp_path / "alone.csv").read_text().splitlines() == lines
+
+
 def write_files(folder, runs, duration):
     (folder / "model.toml").write_text(to_toml(DOCUMENT))
     (folder / "move.toml").write_text(to_toml({**MOVE, "duration": duration}))
     asked = {"model": "model.toml", "reference": "move.toml", "method": "random", "runs": runs, "seed": 5, "vary": MANY}
     (folder / "sweep.toml").write_text(to_toml(asked))
-    return [sys.executable, "-m", "cogging", "sweep", str(folder / "sweep.toml"), "--out", str(folder / "runs.csv")]
+    return [
+        sys.executable,
+        "-m",
+        "cogging",
+        "sweep",
+        str(folder / "sweep.toml"),
+        "--threads",
+        "1",
+        "--out",
+        str(folder / "runs.csv"),
+    ]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
 def test_a_command_that_is_killed_goes_on(tmp_path):
-    command = write_files(tmp_path, 300, 1.0)
+    command = write_files(tmp_path, 800, 2.0)
     pieces = tmp_path / "runs.csv.pieces"
     rng, kept = random.Random(7), 0
     for number in (signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
@@ -249,8 +293,16 @@ def test_a_command_that_is_killed_goes_on(tmp_path):
         kept = now
         assert not (tmp_path / "runs.csv").exists()
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    assert "300 runs over axis.mass" in done.stdout
+    assert "800 runs over axis.mass" in done.stdout
     assert not pieces.exists()
-    alone = cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, **DRAWN)
+    alone = cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, **DRAWN)
     alone.write(tmp_path / "alone.csv")
     assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "runs.csv").read_bytes()
+
+
+@pytest.mark.parametrize(("runs", "threads"), [(1, 1), (40, 2), (5000, 1), (5000, 64), (10**6, 2), (10**6, 128)])
+def test_a_piece_fills_all_threads_and_is_no_more_than_it_must(runs, threads):
+    size = sweeps.piece_size(runs, threads)
+    assert size % (sweeps.LANES * threads) == 0
+    assert size - sweeps.LANES * threads < max(runs / sweeps.PIECES, 1)
+    assert size <= max(sweeps.PIECE_MOST, sweeps.LANES * threads)

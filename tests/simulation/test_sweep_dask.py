@@ -58,7 +58,7 @@ def test_a_worker_that_is_killed_changes_nothing(started, seed):
         SMALL, {**MOVE, "duration": 2.0}, MANY, executor=client.get_executor(), progress=kill_one, **FEW
     )
     assert workers == []
-    assert told == [f"{done} of 40 pieces" for done in range(1, 41)]
+    assert told == [f"{8 * done} of 320 runs" for done in range(1, 41)]
     same(found, cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, **FEW))
 
 
@@ -93,7 +93,7 @@ def test_where_no_worker_is_left_it_ends(started, monkeypatch, tmp_path):
     cluster, client = started(1)
 
     def take_all(step):
-        if step.startswith("5 of"):
+        if step.startswith("40 of"):
             cluster.scale(0)
 
     text = (
@@ -117,7 +117,7 @@ def test_a_connection_that_is_lost_is_one_line(started, ends, tmp_path):
     cluster, client = started(1)
 
     def close(step):
-        if step.startswith("3 of"):
+        if step.startswith("24 of"):
             (client if ends == "client" else cluster).close()
 
     with pytest.raises(cogging.InputError, match=r"^executor: ClientExecutor [^\n]*; finished runs stand in [^\n]*$"):

@@ -86,7 +86,7 @@ def test_a_process_that_is_killed_is_one_line_and_the_same_call_goes_on(tmp_path
     told.clear()
     stood = kept(tmp_path)
     again = cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, out=out, progress=told.append, **DRAWN)
-    assert told[0] == f"{stood + 1} of 100 pieces"
+    assert told[0] == f"{8 * stood + 8} of 800 runs"
     same(again, cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, **DRAWN))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -22,13 +23,14 @@ from cogging.simulation.frames import is_parquet, library, to_pandas, to_xarray,
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.sweep_executor import run_elsewhere
-from cogging.simulation.sweep_pieces import Pieces, Table, joined
+from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
 from cogging.simulation.sweep_points import points_of, variation_of
 from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
 from cogging.values import ByValue
 
-PIECES = 100  # of a sweep, or more
-PIECE_MOST = 1000  # runs of one
+PIECES = 100  # of a sweep, or more, where it has so many runs
+PIECE_MOST = 256  # runs of one, or what fills all threads once
+LANES = 8  # runs that a thread may make at a time
 EXECUTOR = Kind((Executor, type(None)), "a concurrent.futures.Executor")
 
 
@@ -196,12 +198,13 @@ def sweep(
 
 def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None, progress: Progress) -> SweepRuns:
     """Run all points piece by piece, and write what they gave where it is asked for."""
-    size = max(1, min(PIECE_MOST, len(points) // PIECES))
-    pieces = [common._replace(points=points[i : i + size], first=i) for i in range(0, len(points), size)]
-    kept = None if out is None else Pieces(out, _asked(common, points, size))
-    table = joined(_tables(pieces, kept, executor, progress))
+    kept = None if out is None else Pieces(out, _asked(common, points))
+    table = _table(common, points, kept, executor, progress)
     found = SweepRuns(table, common.paths, units_of(common.setup, common.paths))
-    _require_one(found)
+    if _none_began(found):
+        if kept is not None:
+            kept.remove()
+        raise ValueError(f"no run could begin: {found.table['reason'][0]}")
     if kept is not None:
         try:
             found.write(out)
@@ -278,49 +281,48 @@ def _seeds(piece: Piece) -> list[int]:
     return [piece.seed + piece.first + place for place in range(len(piece.points))]
 
 
-def _tables(pieces: list[Piece], kept: Pieces | None, executor: Executor | None, progress: Progress) -> list[Table]:
-    """The tables of all pieces in order, those that are kept already among them."""
-    tables: dict[int, Table] = {}
-    for place in range(len(pieces)) if kept is not None else ():
-        table = kept.read(place) if kept is not None else None
-        if table is not None:
-            tables[place] = table
-    missing = [(place, piece) for place, piece in enumerate(pieces) if place not in tables]
-    done, total = len(pieces) - len(missing), len(pieces)
-    with steps(progress, "sweep", len(missing)) as step:
-        for place, table in _made(missing, executor, "" if kept is None else kept.stands):
-            tables[place] = table
+def _table(
+    common: Piece, points: FloatArray, kept: Pieces | None, executor: Executor | None, progress: Progress
+) -> Table:
+    """The rows of all points in order, those that are kept already among them."""
+    tables = [] if kept is None else kept.tables(len(points))
+    done, size = sum(len(table["run"]) for table in tables), piece_size(len(points), common.threads)
+    pieces = [
+        common._replace(points=points[runs.start : runs.stop], first=runs.start)
+        for runs in missing(tables, len(points), size)
+    ]
+    with steps(progress, "sweep", len(pieces)) as step:
+        for table in _made(pieces, executor, "" if kept is None else kept.stands):
+            tables.append(table)
             if kept is not None:
-                kept.keep(place, table)
-            done += 1
-            step(f"{done} of {total} pieces")
-    return [tables[place] for place in range(total)]
+                kept.keep(table)
+            done += len(table["run"])
+            step(f"{done} of {len(points)} runs")
+    return joined(tables)
 
 
-def _made(pieces: list[tuple[int, Piece]], executor: Executor | None, stands: str) -> Iterator[tuple[int, Table]]:
-    if executor is None:
-        for place, piece in pieces:
-            yield place, run_piece(piece)
-        return
-    for which, table in run_elsewhere(run_piece, [piece for _, piece in pieces], executor, stands):
-        yield pieces[which][0], table
+def piece_size(runs: int, threads: int) -> int:
+    """How many runs a piece has: what fills the lanes of all threads, and more where there are many."""
+    least = LANES * (threads or os.cpu_count() or 1)
+    return least * math.ceil(min(max(1, PIECE_MOST // least), runs / PIECES / least))
 
 
-def _require_one(found: SweepRuns) -> None:
-    """Raise where no run could even begin: then what is wrong is no single run."""
-    times, reasons = found.table["failed_at"], found.table["reason"]
-    if found.failed == len(found) and np.isnan(times).all():
-        raise ValueError(f"no run could begin: {reasons[0]}")
+def _made(pieces: list[Piece], executor: Executor | None, stands: str) -> Iterator[Table]:
+    return map(run_piece, pieces) if executor is None else run_elsewhere(run_piece, pieces, executor, stands)
 
 
-def _asked(common: Piece, points: FloatArray, size: int) -> dict[str, Any]:
+def _none_began(found: SweepRuns) -> bool:
+    """Whether no run could even begin: then what is wrong is no single run."""
+    return found.failed == len(found) and bool(np.isnan(found.table["failed_at"]).all())
+
+
+def _asked(common: Piece, points: FloatArray) -> dict[str, Any]:
     return {
         "version": importlib.metadata.version("cogging"),
         "model": common.setup.model.to_dict(),
         "reference": reference_to_dict(common.setup.reference),
         "paths": list(common.paths),
         "points": points,
-        "size": size,
         "seed": common.seed,
         "duration": common.duration,
         "window": list(common.window),

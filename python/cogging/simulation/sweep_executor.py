@@ -23,7 +23,7 @@ from cogging.files import InputError
 
 PieceOf = TypeVar("PieceOf")
 Found = TypeVar("Found")
-WAITING_MOST = 64  # pieces that an executor is given ahead
+WAITING_MOST = 1024  # pieces that an executor is given ahead: as many workers are kept busy
 LOOK_EVERY = 2.0  # s, between two looks at whether workers are left
 GONE_MOST = 60.0  # s, that all workers may be gone, as those are that are started anew
 
@@ -49,8 +49,8 @@ CALL = "(exec(program, space), space['run'](version, task))[1]"
 
 def run_elsewhere(
     function: Callable[[PieceOf], Found], pieces: Sequence[PieceOf], executor: Executor, stands: str
-) -> Iterator[tuple[int, Found]]:
-    """What a function of the package gives for each piece, with its place, as an executor's workers finish it.
+) -> Iterator[Found]:
+    """What a function of the package gives for each piece, as an executor's workers finish them.
 
     Never more than a few pieces ahead are waiting there.
 
@@ -64,23 +64,24 @@ def run_elsewhere(
         InputError: the executor has died, no worker is left, or one lacks the package or has another version of it.
     """
     stop = StopFlag()
-    waiting: dict[Future[Any], int] = {}
-    left = iter(enumerate(pieces))
+    waiting: set[Future[Any]] = set()
+    left = iter(pieces)
     seen = _Workers(executor)
     try:
         while True:
-            for place, piece in left:
-                waiting[_submitted(function, piece, executor, stop)] = place
+            for piece in left:
+                waiting.add(_submitted(function, piece, executor, stop))
                 if len(waiting) >= WAITING_MOST:
                     break
             if not waiting:
                 return
             done = wait(waiting, LOOK_EVERY, return_when=FIRST_COMPLETED).done
             for future in sorted(done, key=_failed):  # those last
-                place, (refused, found) = waiting.pop(future), future.result()
+                waiting.remove(future)
+                refused, found = future.result()
                 if refused:
                     raise InputError(_told(executor, f"has a worker that {refused}: {found}", stands))
-                yield place, found
+                yield found
             if seen.gone(bool(done)):
                 raise InputError(_told(executor, f"has had no worker left for {GONE_MOST:g} s", stands))
     except (InputError, MemoryError):
