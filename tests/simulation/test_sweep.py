@@ -110,7 +110,7 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
 @pytest.mark.parametrize(
     ("vary", "options", "text"),
     [
-        ({"axis.mas": [1]}, {}, r"vary: 'axis.mas': is no number of this run; did you mean axis.mass\?"),
+        ({"axis.mas": [1]}, {}, r"^vary.axis.mas: is no number of this run; did you mean axis.mass\?"),
         ({"controler.kp": [1]}, {}, r"did you mean controller.kp\?"),
         ({"reference.freqency": [1]}, {}, r"did you mean reference.frequency\?"),
         ({}, {}, r"vary: must give at least one number"),
@@ -171,8 +171,8 @@ def test_a_sweep_goes_on_where_it_was_ended(tmp_path, monkeypatch):
 
 
 def test_another_sweep_is_not_resumed(tmp_path, monkeypatch):
-    out = tmp_path / "runs.csv"
-    monkeypatch.setattr(sweeps, "run_piece", lambda piece: 1 / 0)
+    out, plain = tmp_path / "runs.csv", sweeps.run_piece
+    monkeypatch.setattr(sweeps, "run_piece", lambda piece: plain(piece) if piece.first < 80 else 1 / 0)
     with pytest.raises(ZeroDivisionError):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
     monkeypatch.undo()
@@ -180,6 +180,13 @@ def test_another_sweep_is_not_resumed(tmp_path, monkeypatch):
         with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: holds pieces of another sweep"):
             cogging.sweep(SMALL, MOVE, MANY, out=out, **{**DRAWN, **other})
     assert len(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)) == 800
+
+
+def test_a_sweep_that_ends_before_its_first_piece_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweeps, "run_piece", lambda piece: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **DRAWN)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
@@ -275,7 +282,7 @@ def write_files(folder, runs, duration):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
 def test_a_command_that_is_killed_goes_on(tmp_path):
-    command = write_files(tmp_path, 800, 2.0)
+    command = write_files(tmp_path, 800, 1.0)
     pieces = tmp_path / "runs.csv.pieces"
     rng, kept = random.Random(7), 0
     for number in (signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
@@ -295,7 +302,7 @@ def test_a_command_that_is_killed_goes_on(tmp_path):
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     assert "800 runs over axis.mass" in done.stdout
     assert not pieces.exists()
-    alone = cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, **DRAWN)
+    alone = cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, **DRAWN)
     alone.write(tmp_path / "alone.csv")
     assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "runs.csv").read_bytes()
 

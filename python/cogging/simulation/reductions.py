@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
@@ -85,6 +86,11 @@ def reduction(name: str) -> tuple[str, str, float]:
         number = float(text) if text else 0.0
     except ValueError:
         raise ValueError(f"reductions: {name}: must have a number in its brackets, got {quoted(text)}") from None
+    if numbered == "quantile" and not 0.0 <= number <= 1.0:
+        raise ValueError(f"reductions: {name}: quantile: must be from 0 to 1, got {number:g}")
+    if numbered and numbered != "quantile" and not 0.0 < number < math.inf:
+        what = "frequency" if numbered == "tone" else "period"
+        raise ValueError(f"reductions: {name}: {what}: must be finite and above 0, got {number:g}")
     return quantity, plain or numbered, number
 
 

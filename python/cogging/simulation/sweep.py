@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.sweep_executor import run_elsewhere
 from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
-from cogging.simulation.sweep_points import points_of, variation_of
+from cogging.simulation.sweep_points import points_of, require_numbers, variation_of
 from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
 from cogging.values import ByValue
 
@@ -175,9 +175,8 @@ def sweep(
         >>> len(runs), runs.failed
         (8, 0)
     """
-    model = model if isinstance(model, Model) else Model.read(model)
-    motion, own_duration = _motion(reference)
-    make_controller(model)
+    require_numbers(seed, runs, duration, (start, stop, final_window), threads)
+    model, motion, own_duration = _setup(model, reference)
     paths, points = _points(Setup(model, motion), vary, method, runs, seed)
     require_reductions(reductions)
     if out is not None and is_parquet(out):
@@ -187,9 +186,9 @@ def sweep(
         paths=paths,
         points=points[:0],
         first=0,
-        seed=seed,
-        duration=duration or own_duration,
-        threads=threads or int(executor is not None),
+        seed=int(seed),
+        duration=float(duration) or own_duration,
+        threads=int(threads) or int(executor is not None),
         window=(start, stop, final_window),
         reductions=tuple(reductions),
     )
@@ -199,7 +198,12 @@ def sweep(
 def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None, progress: Progress) -> SweepRuns:
     """Run all points piece by piece, and write what they gave where it is asked for."""
     kept = None if out is None else Pieces(out, _asked(common, points))
-    table = _table(common, points, kept, executor, progress)
+    try:
+        table = _table(common, points, kept, executor, progress)
+    except BaseException:
+        if kept is not None:
+            kept.remove_empty()
+        raise
     found = SweepRuns(table, common.paths, units_of(common.setup, common.paths))
     if _none_began(found):
         if kept is not None:
@@ -250,7 +254,7 @@ def run_piece(piece: Piece) -> Table:
     return {
         "run": np.arange(piece.first, piece.first + len(piece.points)),
         **varied,
-        "seed": np.array(_seeds(piece)),
+        "seed": np.array(_seeds(piece), dtype=np.int64),
         **dict(zip(names, indexes.T, strict=True)),
         "failed_at": times,
         "reason": np.array(reasons, dtype=str),
@@ -292,7 +296,7 @@ def _table(
         for runs in missing(tables, len(points), size)
     ]
     with steps(progress, "sweep", len(pieces)) as step:
-        for table in _made(pieces, executor, "" if kept is None else kept.stands):
+        for table in _made(pieces, executor, lambda: "" if kept is None else kept.stands):
             tables.append(table)
             if kept is not None:
                 kept.keep(table)
@@ -307,7 +311,7 @@ def piece_size(runs: int, threads: int) -> int:
     return least * math.ceil(min(max(1, PIECE_MOST // least), runs / PIECES / least))
 
 
-def _made(pieces: list[Piece], executor: Executor | None, stands: str) -> Iterator[Table]:
+def _made(pieces: list[Piece], executor: Executor | None, stands: Callable[[], str]) -> Iterator[Table]:
     return map(run_piece, pieces) if executor is None else run_elsewhere(run_piece, pieces, executor, stands)
 
 
@@ -330,7 +334,13 @@ def _asked(common: Piece, points: FloatArray) -> dict[str, Any]:
     }
 
 
-def _motion(reference: Any) -> tuple[Reference, float]:
+def _setup(model: Any, reference: Any) -> tuple[Model, Reference, float]:
+    """Model, motion and the duration that the reference file says, each read where it is a path."""
+    path, model = model, model if isinstance(model, Model) else Model.read(model)
+    try:
+        make_controller(model)
+    except ValueError as error:
+        raise (error if model is path else InputError(f"{path}: {error}")) from None
     if isinstance(reference, Reference):
-        return reference, 0.0
-    return reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference)
+        return model, reference, 0.0
+    return model, *(reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference))

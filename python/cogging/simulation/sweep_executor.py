@@ -48,7 +48,7 @@ CALL = "(exec(program, space), space['run'](version, task))[1]"
 
 
 def run_elsewhere(
-    function: Callable[[PieceOf], Found], pieces: Sequence[PieceOf], executor: Executor, stands: str
+    function: Callable[[PieceOf], Found], pieces: Sequence[PieceOf], executor: Executor, stands: Callable[[], str]
 ) -> Iterator[Found]:
     """What a function of the package gives for each piece, as an executor's workers finish them.
 
@@ -58,7 +58,7 @@ def run_elsewhere(
         function: that can be pickled.
         pieces: its arguments.
         executor: whose workers run it.
-        stands: what to tell of finished work where the executor does not do its own; or nothing.
+        stands: gives what to tell of finished work where the executor does not do its own, or nothing.
 
     Raises:
         InputError: the executor has died, no worker is left, or one lacks the package or has another version of it.
@@ -80,14 +80,14 @@ def run_elsewhere(
                 waiting.remove(future)
                 refused, found = future.result()
                 if refused:
-                    raise InputError(_told(executor, f"has a worker that {refused}: {found}", stands))
+                    raise InputError(_told(executor, f"has a worker that {refused}: {found}", stands()))
                 yield found
             if seen.gone(bool(done)):
-                raise InputError(_told(executor, f"has had no worker left for {GONE_MOST:g} s", stands))
+                raise InputError(_told(executor, f"has had no worker left for {GONE_MOST:g} s", stands()))
     except (InputError, MemoryError):
         raise
     except Exception as error:
-        raise InputError(_told(executor, _died(error), stands)) from error
+        raise InputError(_told(executor, _died(error), stands())) from error
     finally:
         stop.set()
         for future in waiting:

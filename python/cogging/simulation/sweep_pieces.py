@@ -66,7 +66,7 @@ class Pieces:
         try:
             write_bytes(self.folder / f"{table['run'][0]:09d}.npz", file.getvalue())
         except InputError as error:
-            raise InputError(f"{error}; {self.stands}") from None
+            raise InputError("; ".join(filter(None, (str(error), self.stands)))) from None
 
     def tables(self, runs: int) -> list[Table]:
         """The pieces that were finished, of a sweep of so many runs; no two hold the same run."""
@@ -83,9 +83,16 @@ class Pieces:
         """Take the folder away."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
+    def remove_empty(self) -> None:
+        """Take the folder away where it has no piece."""
+        if not any(self.folder.glob("[0-9]*.npz")):
+            self.remove()
+
     @property
     def stands(self) -> str:
-        """What to tell of the finished runs where a sweep has ended before its time."""
+        """What to tell of the finished runs where a sweep has ended before its time; nothing where none is."""
+        if not any(self.folder.glob("[0-9]*.npz")):
+            return ""
         return f"finished runs stand in {self._called}, the same call goes on from there"
 
 

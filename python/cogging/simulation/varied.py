@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 from cogging._core import Reference
 from cogging.calls import did_you_mean
+from cogging.files import FieldError
 from cogging.model.model import CONTROLLERS, Model
 from cogging.model.parameters import parameters_of, with_values
-from cogging.shown import quoted
 from cogging.simulation.reference import REFERENCES
 
 SEED = "seed"
@@ -61,13 +61,13 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
     """Refuse a path that the run has not, with the nearest that it has.
 
     Raises:
-        ValueError: names it.
+        FieldError: names it.
     """
     known = numbers_of(setup)
     for path in paths:
         if path not in known:
             section = [name for name in known if name.split(".")[0] == path.split(".")[0]]
-            raise ValueError(f"vary: {quoted(path)}: is no number of this run; {did_you_mean(path, section or known)}")
+            raise FieldError("vary", path, f"is no number of this run; {did_you_mean(path, section or known)}")
 
 
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
