@@ -79,7 +79,9 @@ def test_a_worker_that_lacks_the_package_is_one_line(started, tmp_path, good, is
     with pytest.raises(cogging.InputError, match=f"^executor: ClientExecutor has a worker that {text}") as found:
         cogging.sweep(SMALL, MOVE, MANY, out=out, executor=client.get_executor(), **FEW)
     assert "\n" not in str(found.value)
-    assert str(found.value).endswith("runs.csv.pieces, the same call goes on from there")
+    stands = str(found.value).endswith("runs.csv.pieces, the same call goes on from there")
+    assert stands == (tmp_path / "runs.csv.pieces").exists()
+    assert not (stands and good == 0)
     del cluster.worker_spec["lacking"]
     cluster.scale(1)
     cluster.sync(cluster._correct_state)
