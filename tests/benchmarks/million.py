@@ -1,7 +1,8 @@
 """What many runs of one machine take: time and memory on Lu et al.'s X axis, and what a million of them would.
 
 The C3 loop of the X axis (tests/benchmarks/lu2008_loop.py) with the mass drawn, one thread, by closed_loop_batch and by
-sweep, each in a process of its own, whose peak memory is read when it is done. The cost of a million is calculated.
+sweep, each in a process of its own: its processor time, and its peak memory when it is done. The cost of a million is
+calculated.
 
     python -m tests.benchmarks.million [--runs 100 200] [--rows 192001]
 """
@@ -13,18 +14,16 @@ import subprocess
 import sys
 
 CHILD = """
-import json, resource, sys, time
+import json, sys, time
 import numpy as np
 import cogging
+from tests.benchmarks.memory import peak_megabytes as peak
 from tests.benchmarks.million import model_and_motion
-
-def peak():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 kind, runs, rows = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 model, motion = model_and_motion()
 duration = (rows - 1) / model.controller.sample_rate
-before, begin = peak(), time.perf_counter()
+before, begin = peak(), time.process_time()
 if kind == "sweep":
     varied = {"axis.mass": {"mean": 0.12, "deviation": 0.004}}
     found = cogging.sweep(model, motion, varied, method="random", runs=runs, duration=duration, threads=1)
@@ -35,7 +34,7 @@ else:
     controllers = [model.make_controller() for _ in plants]
     found = cogging.closed_loop_batch(plants, controllers, motion, duration=duration, threads=1)
     assert len(found) == runs and not found.failures
-print(json.dumps({"seconds": time.perf_counter() - begin, "before": before, "peak": peak()}))
+print(json.dumps({"seconds": time.process_time() - begin, "before": before, "peak": peak()}))
 """
 
 

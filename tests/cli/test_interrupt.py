@@ -292,6 +292,45 @@ def test_the_command_answers_a_signal_in_one_line(call, number, after, folder):
     assert took < WITHIN
 
 
+SWEEP = """
+model = "model.toml"
+reference = "ref.toml"
+method = "random"
+runs = 4000
+[vary]
+"axis.mass" = {from = 0.11, to = 0.13}
+"""
+LONG = {
+    "sweep": ["sweep", "sweep.toml", "--out", "swept/runs.csv"],
+    "diagnose": ["diagnose", "log.mat", "--model", "model.toml", "--json", "swept/result.json"],
+    "reproduce": ["reproduce", "lu2008", "--out", "swept"],
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_a_command_that_takes_long_answers_within_a_second(name, folder):
+    """At any time of it; what stands then is whole: nothing, or finished pieces of a sweep."""
+    draw = random.Random(name)
+    (folder / "sweep.toml").write_text(SWEEP)
+    (folder / "swept").mkdir(exist_ok=True)
+    for _ in range(TRIES):
+        process = start(folder, CONSOLE + LONG[name])
+        wait_until(lambda process=process: takes_signals(process), process)
+        time.sleep(draw.uniform(1.0, 2.5))
+        assert process.poll() is None
+        status, said, took = end(process, signal.SIGINT)
+        assert (status, said.count("\n")) == (130, 1), said
+        assert list((folder / "temporary").iterdir()) == []
+        for path in (folder / "swept").rglob("*"):
+            assert path.suffix in (".npz", ".pieces") or path.name == "sweep.json", "no result, and no part of one"
+            if path.suffix == ".npz":
+                with np.load(path, allow_pickle=False) as piece:
+                    assert len(set(map(len, map(piece.get, piece.files)))) == 1
+        if took < WITHIN:
+            break
+    assert took < WITHIN
+
+
 @pytest.mark.parametrize("number", list(STATUS))
 def test_a_log_that_is_being_written_leaves_nothing(number, folder):
     for path in (folder / "out").iterdir():

@@ -12,6 +12,7 @@ from cogging.design import controller_choice, error_prediction
 from cogging.design.drawn_machines import covariance_root, draw, drawn_machines
 from cogging.design.error_prediction import predict_error
 from cogging.model.intervals import SIGMAS_95, Intervals
+from cogging.model.parameters import with_values
 
 SAMPLE_RATE = 1000.0
 WIDTHS = {"axis.mass": 0.02, "axis.viscous": 0.06, "axis.coulomb": 0.05, "cogging.sine[0][0]": 0.03}
@@ -105,6 +106,34 @@ def test_seeds_threads_and_samples():
     np.testing.assert_array_equal(first, values(threads=1))
     np.testing.assert_array_equal(first, values(samples=12)[:8])
     assert not np.any(first == values(seed=1))
+
+
+@pytest.mark.parametrize("duration", [0.75, 0.3])  # s: the last period of three, and the whole of one and a bit
+def test_each_sample_is_the_run_of_its_machine(duration):
+    """What is kept of it makes the machine anew, and its run gives its indexes to the last bit."""
+    controllers = {"own": machine().make_controller(), "weak": cogging.Pid(machine().controller.replace(kp=1500.0))}
+    found = predict_error(machine(), REFERENCE, controllers, samples=9, seed=4, duration=duration)
+    drawn = found.machines
+    assert set(drawn) == {*WIDTHS, "seed"}
+    assert all(len(values) == len(set(values)) == 9 for values in drawn.values())
+    frame = found.to_pandas()
+    assert len(frame) == 18
+    for row in frame.to_dict("records"):
+        values = {path: row[path] for path in WIDTHS}
+        assert values == {path: drawn[path][row["machine"]] for path in WIDTHS}
+        model = with_values(machine(), values)
+        motion = {**REFERENCE, "duration": duration}
+        log = cogging.simulate(model, motion, controller=controllers[row["controller"]], seed=row["seed"])
+        said = cogging.performance(log.time, log.error, log.command, start=found.window[0])
+        assert (row["rms"], row["max"]) == (said.error_rms, said.error_max)
+        assert row["max_whole"] == np.abs(log.error).max()
+        assert row["rms"] == found[row["controller"]].rms.values[row["machine"]]
+
+
+def test_few_rows_at_a_time_change_nothing(monkeypatch):
+    whole = predict_error(machine(), REFERENCE, ["own"], samples=7)
+    monkeypatch.setattr(error_prediction, "ROWS_MOST", 1600.0)  # two runs
+    assert predict_error(machine(), REFERENCE, ["own"], samples=7) == whole
 
 
 def test_all_controllers_of_the_library_are_predicted():

@@ -1,14 +1,14 @@
 """Sweeps: every path, every way of drawing, and finished runs that stand whatever ends the sweep."""
 
-import concurrent.futures
 import itertools
-import os
 import random
+import re
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
 import time
-from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pytest
@@ -20,23 +20,10 @@ from cogging.simulation import sweep_pieces
 from cogging.simulation.sweep_points import points_of, variation_of
 from cogging.simulation.varied import Setup, numbers_of, with_numbers
 from tests.fixtures.examples import MODEL
+from tests.fixtures.sweeps import DOCUMENT, DRAWN, MANY, MOVE, SMALL, same
 
 pytestmark = pytest.mark.filterwarnings("ignore:The balance properties of Sobol")
-DOCUMENT = {
-    "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 1e-3, "travel": [-0.1, 0.5]},
-    "controller": {"type": "pid", "kp": 9600.0, "ki": 1e5, "kd": 48.0, "sample_rate": 1000.0},
-    "noise": {"force": 0.02},
-    "bounds": {"axis.mass": [0.11, 0.135], "axis.viscous": [0.1, 0.3], "axis.coulomb": [0.0, float("inf")]},
-}
-SMALL = cogging.Model.from_dict(DOCUMENT)
-MOVE = {"type": "sine", "amplitude": 0.01, "frequency": 5.0, "duration": 0.2}
 SINE = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=5.0))
-
-
-def same(one, other):
-    assert list(one.table) == list(other.table)
-    for name, values in one.table.items():
-        np.testing.assert_array_equal(np.asarray(values, dtype=str), np.asarray(other.table[name], dtype=str), name)
 
 
 def test_a_row_is_the_run_that_its_numbers_say():
@@ -123,7 +110,7 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
 @pytest.mark.parametrize(
     ("vary", "options", "text"),
     [
-        ({"axis.mas": [1]}, {}, r"vary: 'axis.mas': is no number of this run; did you mean axis.mass\?"),
+        ({"axis.mas": [1]}, {}, r"^vary.axis.mas: is no number of this run; did you mean axis.mass\?"),
         ({"controler.kp": [1]}, {}, r"did you mean controller.kp\?"),
         ({"reference.freqency": [1]}, {}, r"did you mean reference.frequency\?"),
         ({}, {}, r"vary: must give at least one number"),
@@ -148,54 +135,58 @@ def test_a_wrong_sweep_is_answered_in_one_line(vary, options, text):
 
 # Finished work --------------------------------------------------------------------------------------------------------
 
-MANY = {"axis.mass": {"from": 0.1, "to": 0.14}}
-DRAWN = {"method": "random", "runs": 300, "seed": 5}
-
 
 class Full(Exception):
     pass
 
 
 def test_a_sweep_goes_on_where_it_was_ended(tmp_path, monkeypatch):
-    """Ended at random pieces until it is done: no run is lost, none is made twice."""
+    """Ended at random pieces until it is done, each time with other threads: no run is lost, none is made twice."""
     out, rng, made = tmp_path / "runs.csv", random.Random(3), []
     plain = sweeps.run_piece
 
     def ends_at_times(piece):
-        if rng.random() < 0.1:
+        if rng.random() < 0.2:
             raise Full
-        made.append(piece.first)
+        made.extend(range(piece.first, piece.first + len(piece.points)))
         return plain(piece)
 
     monkeypatch.setattr(sweeps, "run_piece", ends_at_times)
     ended = 0
     while True:
         try:
-            runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
+            runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **{**DRAWN, "threads": rng.randint(1, 5)})
             break
         except Full:
             ended += 1
             assert not out.exists()
     assert ended > 3
-    assert sorted(made) == list(range(0, 300, 3))
+    assert sorted(made) == list(range(800))
     monkeypatch.undo()
     same(runs, cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
     assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
     lines = out.read_text().splitlines()
-    assert len(lines) == 301
+    assert len(lines) == 801
     assert float(lines[9].split(",")[3]) == runs.table["error_max"][8]
 
 
 def test_another_sweep_is_not_resumed(tmp_path, monkeypatch):
-    out = tmp_path / "runs.csv"
-    monkeypatch.setattr(sweeps, "run_piece", lambda piece: 1 / 0)
+    out, plain = tmp_path / "runs.csv", sweeps.run_piece
+    monkeypatch.setattr(sweeps, "run_piece", lambda piece: plain(piece) if piece.first < 80 else 1 / 0)
     with pytest.raises(ZeroDivisionError):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
     monkeypatch.undo()
-    for other in ({"seed": 6}, {"runs": 301}, {"duration": 0.1}, {"reductions": ["error_final"]}, {"stop": 0.1}):
+    for other in ({"seed": 6}, {"runs": 801}, {"duration": 0.1}, {"reductions": ["error_final"]}, {"stop": 0.1}):
         with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: holds pieces of another sweep"):
             cogging.sweep(SMALL, MOVE, MANY, out=out, **{**DRAWN, **other})
-    assert len(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)) == 300
+    assert len(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)) == 800
+
+
+def test_a_sweep_that_ends_before_its_first_piece_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweeps, "run_piece", lambda piece: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **DRAWN)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
@@ -203,7 +194,7 @@ def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
     out, plain, seen = tmp_path / "runs.csv", sweeps.run_piece, []
 
     def ends_late(piece):
-        if piece.first >= 150:
+        if piece.first >= 400:
             raise Full
         return plain(piece)
 
@@ -216,7 +207,7 @@ def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
     pieces[9].write_bytes(b"PK\x03\x04 no archive")
     monkeypatch.setattr(sweeps, "run_piece", lambda piece: seen.append(piece.first) or plain(piece))
     runs = cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
-    assert seen == [0, 21, 27, *range(150, 300, 3)]
+    assert seen == [0, 56, 72, *range(400, 800, 8)]
     monkeypatch.undo()
     same(runs, cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
 
@@ -240,17 +231,58 @@ def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypat
     same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
 
 
+@pytest.mark.skipif(
+    shutil.which("unshare") is None
+    or subprocess.run(["unshare", "-Urm", "true"], capture_output=True, check=False).returncode != 0,
+    reason="needs a file system of its own",
+)
+def test_a_disk_that_is_full_indeed(tmp_path):
+    """A small one; when it has grown, the same command goes on."""
+    command = write_files(tmp_path, 800, 0.2)
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    command[-1] = str(disk / "runs.csv")
+    script = f"""
+        mount -t tmpfs -o size=256k none {disk} || exit 9
+        {shlex.join(command)} >&2; echo $?
+        ls -A {disk}; ls {disk}/runs.csv.pieces | grep -c npz
+        mount -o remount,size=8m {disk}
+        {shlex.join(command)} >&2; echo $?
+        ls -A {disk}
+        cat {disk}/runs.csv
+    """
+    done = subprocess.run(["unshare", "-Urm", "sh", "-c", script], capture_output=True, text=True, check=True)
+    status, left, pieces, again, whole, *lines = done.stdout.splitlines()
+    assert (status, left, again, whole) == ("2", "runs.csv.pieces", "0", "runs.csv")
+    assert 3 < int(pieces) < 100
+    first, second = done.stderr.splitlines()
+    assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs stand in .*", first)
+    assert "800 runs over axis.mass" in second
+    cogging.sweep(SMALL, MOVE, MANY, **DRAWN).write(tmp_path / "alone.csv")
+    assert (tmp_path / "alone.csv").read_text().splitlines() == lines
+
+
 def write_files(folder, runs, duration):
     (folder / "model.toml").write_text(to_toml(DOCUMENT))
     (folder / "move.toml").write_text(to_toml({**MOVE, "duration": duration}))
     asked = {"model": "model.toml", "reference": "move.toml", "method": "random", "runs": runs, "seed": 5, "vary": MANY}
     (folder / "sweep.toml").write_text(to_toml(asked))
-    return [sys.executable, "-m", "cogging", "sweep", str(folder / "sweep.toml"), "--out", str(folder / "runs.csv")]
+    return [
+        sys.executable,
+        "-m",
+        "cogging",
+        "sweep",
+        str(folder / "sweep.toml"),
+        "--threads",
+        "1",
+        "--out",
+        str(folder / "runs.csv"),
+    ]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
 def test_a_command_that_is_killed_goes_on(tmp_path):
-    command = write_files(tmp_path, 300, 1.0)
+    command = write_files(tmp_path, 800, 1.0)
     pieces = tmp_path / "runs.csv.pieces"
     rng, kept = random.Random(7), 0
     for number in (signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
@@ -268,92 +300,16 @@ def test_a_command_that_is_killed_goes_on(tmp_path):
         kept = now
         assert not (tmp_path / "runs.csv").exists()
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    assert "300 runs over axis.mass" in done.stdout
+    assert "800 runs over axis.mass" in done.stdout
     assert not pieces.exists()
     alone = cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, **DRAWN)
     alone.write(tmp_path / "alone.csv")
     assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "runs.csv").read_bytes()
 
 
-# Executors ------------------------------------------------------------------------------------------------------------
-
-
-def test_threads_and_processes_give_the_same_table():
-    alone = cogging.sweep(SMALL, MOVE, MANY, **DRAWN)
-    with concurrent.futures.ThreadPoolExecutor(3) as threads:
-        same(cogging.sweep(SMALL, MOVE, MANY, executor=threads, **DRAWN), alone)
-    with concurrent.futures.ProcessPoolExecutor(1) as processes:
-        same(cogging.sweep(SMALL, MOVE, MANY, executor=processes, **DRAWN), alone)
-
-
-class Dies(concurrent.futures.Executor):
-    """After a few pieces its workers are gone."""
-
-    def __init__(self, error):
-        self.left, self.error = 4, error
-
-    def submit(self, function, *given):
-        future = concurrent.futures.Future()
-        self.left -= 1
-        if self.left < 0:
-            future.set_exception(self.error)
-        else:
-            future.set_result(function(*given))
-        return future
-
-
-@pytest.mark.parametrize(
-    ("error", "text"),
-    [
-        (
-            BrokenProcessPool("a child process\nended"),
-            "Dies has died: BrokenProcessPool: a child process ended",
-        ),
-        (
-            ModuleNotFoundError("No module named 'cogging'"),
-            "Dies has a worker that cannot import the package: ModuleNotFound",
-        ),
-        (RuntimeError("gone"), "Dies could not run a piece: RuntimeError: gone"),
-    ],
-)
-def test_an_executor_that_dies_is_one_line_and_finished_runs_stand(tmp_path, error, text):
-    out = tmp_path / "runs.csv"
-    with pytest.raises(
-        cogging.InputError, match=f"^executor: {text}.*finished runs stand in .*pieces, the same"
-    ) as found:
-        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **DRAWN)
-    assert "\n" not in str(found.value)
-    assert 1 <= len(list((tmp_path / "runs.csv.pieces").glob("[0-9]*.npz"))) <= 4
-    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
-
-
-def _process():
-    return os.getpid()
-
-
-@pytest.fixture
-def dask(tmp_path):
-    distributed = pytest.importorskip("distributed")
-    place = {"local_directory": str(tmp_path), "dashboard_address": None, "silence_logs": 50}
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **place) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client
-
-
-FEW = {"method": "random", "runs": 40, "seed": 5}
-
-
-@pytest.mark.filterwarnings("ignore")  # of its own
-def test_a_worker_of_dask_that_is_killed_changes_nothing(dask):
-    workers, killed = list(dask.run(_process).values()), []
-
-    def kill_one(step):
-        if not killed:
-            os.kill(workers[0], signal.SIGKILL)
-            killed.append(step)
-
-    found = cogging.sweep(SMALL, MOVE, MANY, executor=dask.get_executor(), progress=kill_one, **FEW)
-    assert killed == ["1 of 40 pieces"]
-    same(found, cogging.sweep(SMALL, MOVE, MANY, **FEW))
+@pytest.mark.parametrize(("runs", "threads"), [(1, 1), (40, 2), (5000, 1), (5000, 64), (10**6, 2), (10**6, 128)])
+def test_a_piece_fills_all_threads_and_is_no_more_than_it_must(runs, threads):
+    size = sweeps.piece_size(runs, threads)
+    assert size % (sweeps.LANES * threads) == 0
+    assert size - sweeps.LANES * threads < max(runs / sweeps.PIECES, 1)
+    assert size <= max(sweeps.PIECE_MOST, sweeps.LANES * threads)

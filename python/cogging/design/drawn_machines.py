@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +16,25 @@ from cogging.model.parameters import with_values
 DRAWS_MAX = 1000  # of one machine, until its values are valid
 
 
+class DrawnMachine(NamedTuple):
+    """A machine, the seed of its noise, and the parameters that were drawn, by path."""
+
+    model: Model
+    seed: int
+    values: dict[str, float]
+
+
 def drawn_machines(
     intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
 ) -> list[tuple[Model, int]]:
-    """Draw machines from the intervals of a model, each with the seed of its noise.
+    """Draw machines from the intervals of a model, each with the seed of its noise (see drawn_samples)."""
+    return [(drawn.model, drawn.seed) for drawn in drawn_samples(intervals, samples, seed, covariance)]
+
+
+def drawn_samples(
+    intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
+) -> list[DrawnMachine]:
+    """Draw machines from the intervals of a model, and keep what was drawn.
 
     Each parameter is normal around the model's value, jointly where a covariance is given; a machine with a value that
     breaks its field's rule is drawn anew. Machine i is the same however many are drawn.
@@ -47,7 +63,7 @@ def drawn_machines(
             for (path, interval), normal in zip(spread.items(), normals[len(joint) :], strict=True):
                 values[path] = draw(intervals.value(path), interval, float(normal))
             try:
-                machines.append((with_values(model, values), noise_seed))
+                machines.append(DrawnMachine(with_values(model, values), noise_seed, values))
                 break
             except ValueError as error:
                 reason = error

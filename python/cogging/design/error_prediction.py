@@ -3,31 +3,29 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import (
-    DivergedError,
-    Reference,
-    closed_loop,
-    performance,
-)
+from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import takes
 from cogging.design.controller_choice import chosen_controllers
-from cogging.design.drawn_machines import drawn_machines
+from cogging.design.drawn_machines import DrawnMachine, drawn_samples
 from cogging.design.predicted_error import INDEXES, ControllerPrediction, ErrorPrediction, PredictedIndex
 from cogging.model.controller import AnyController
 from cogging.model.intervals import Interval, Intervals
-from cogging.model.model import Model
+from cogging.model.model import Model, is_number
 from cogging.simulation.arguments import MODEL, REFERENCE
+from cogging.simulation.reductions import INDEXES as OF_A_RUN
+from cogging.simulation.reductions import kept_of_runs
 from cogging.simulation.reference import read_reference, reference_from
-from cogging.threads import on_threads
 
 COVERAGE = 0.95
+ROWS_MOST = 8e6  # of two columns that are held at a time: 128 MB
 
 
 @takes(model=MODEL, reference=REFERENCE)
@@ -89,39 +87,71 @@ def predict_error(
     motion, duration = _motion(reference, duration)
     window = _window(motion, duration)
     intervals = Intervals(model, default, beside=("disturbance",))
-    machines = drawn_machines(intervals, samples, int(seed), covariance)
+    machines = drawn_samples(intervals, samples, int(seed), covariance)
     chosen, left_out = chosen_controllers(model, motion, duration, controllers, bandwidth, default)
-    found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count())
+    found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count() or 1)
     predictions = []
     for name, values in zip(chosen, found, strict=True):
         indexes = {index: _index(values[:, i]) for i, index in enumerate(INDEXES)}
         predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
     coverage = min(COVERAGE, (samples - 1) / (samples + 1))
-    return ErrorPrediction(tuple(predictions), window, int(samples), int(seed), coverage, (*intervals.notes, *left_out))
+    notes = (*intervals.notes, *left_out)
+    return ErrorPrediction(
+        tuple(predictions), window, int(samples), int(seed), coverage, notes, machines=_drawn(machines)
+    )
 
 
 def _errors(
-    machines: Sequence[tuple[Model, int]],
+    machines: Sequence[DrawnMachine],
     controllers: Sequence[AnyController],
     motion: Reference,
     window: Interval,
-    threads: int | None,
+    threads: int,
 ) -> FloatArray:
     """The indexes of each controller on each machine, (controllers, machines, 3), m; infinite where a run diverged."""
-    plants = [machine.plant() for machine, _ in machines]
-
-    def run(job: tuple[AnyController, int]) -> tuple[float, float, float]:
-        controller, place = job
+    plants = [machine.model.plant() for machine in machines]
+    # What the whole run has beyond the window is read off columns, so few runs at a time as their rows allow.
+    whole = window[0] <= 0.0
+    jobs = [(controller, place) for controller in controllers for place in range(len(plants))]
+    rows = window[1] * max(map(_rate, controllers)) + 1.0
+    size = len(jobs) if whole else max(threads, int(ROWS_MOST / rows))
+    found = np.full((len(jobs), len(INDEXES)), np.inf)
+    for first in range(0, len(jobs), size):
+        part = jobs[first : first + size]
         try:
-            log = closed_loop(plants[place], controller, motion, duration=window[1], seed=machines[place][1])
-        except DivergedError:
-            return (np.inf,) * 3
-        error = log["position"] - log["reference"]
-        last = performance(log["time"], error, log["command"], start=window[0])
-        return last.error_rms, last.error_max, float(np.abs(error).max())
+            kept = kept_of_runs(
+                [plants[place] for _, place in part],
+                [controller for controller, _ in part],
+                [motion],
+                durations=[window[1]],
+                seeds=[machines[place].seed for _, place in part],
+                steps_per_sample=[1],
+                threads=threads,
+                window=(window[0], np.inf, 2.0),
+                columns=() if whole else ("position", "reference"),
+            )
+        except ValueError as error:  # what is refused is so on every machine
+            raise ValueError(re.sub(r"^run \d+: ", "", str(error))) from None
+        largest, rms = (kept.values[:, OF_A_RUN.index(name)] for name in ("error_max", "error_rms"))
+        if not whole:
+            columns = zip(kept.columns["position"], kept.columns["reference"], strict=True)
+            all_rows = [np.abs(position - wanted).max(initial=0.0) for position, wanted in columns]
+        values = np.stack([rms, largest, largest if whole else all_rows], axis=1)
+        values[[failure.run for failure in kept.failures]] = np.inf
+        found[first : first + size] = values
+    return found.reshape(len(controllers), len(plants), len(INDEXES))
 
-    jobs = [(controller, place) for controller in controllers for place in range(len(machines))]
-    return np.array(on_threads(run, jobs, threads)).reshape(len(controllers), len(machines), len(INDEXES))
+
+def _rate(controller: AnyController) -> float:
+    """Its sample rate, Hz; what is no controller, the run itself refuses."""
+    rate = getattr(controller, "sample_rate", 0.0)
+    return float(rate) if is_number(rate) else 0.0
+
+
+def _drawn(machines: Sequence[DrawnMachine]) -> dict[str, Any]:
+    """What was drawn of the machines, by path, and the seeds of their noise."""
+    drawn: dict[str, Any] = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
+    return {**drawn, "seed": np.array([one.seed for one in machines])}
 
 
 def _motion(reference: Any, duration: float) -> tuple[Reference, float]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from cogging.arrays import FloatArray
 from cogging.model.intervals import Interval
+from cogging.simulation.frames import to_pandas
 from cogging.values import ByValue
 
 #: Indexes of a prediction: over the window, and the largest of the whole run.
@@ -59,6 +62,8 @@ class ErrorPrediction(ByValue):
         coverage: chance that the index of one more machine drawn likewise lies in its interval: 0.95, or
             (samples - 1) / (samples + 1) where fewer than 39 samples cannot tell so far out.
         notes: which parameters had no interval, which controllers were left out and why.
+        machines: what was drawn, by path, and `seed` of the noise: arrays (samples,) in the order drawn, as the
+            `values` of each index.
 
     Example:
         >>> prediction = cogging.predict_error(model, move, ["own"], samples=4)
@@ -72,6 +77,7 @@ class ErrorPrediction(ByValue):
     seed: int
     coverage: float
     notes: tuple[str, ...] = ()
+    machines: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
 
     def _brief(self) -> str:
         told = [f"{one.name} {1e6 * one.rms.median:.3g} um rms" for one in self.controllers]
@@ -87,6 +93,26 @@ class ErrorPrediction(ByValue):
             if controller.name == name:
                 return controller
         raise KeyError(name)
+
+    def table(self) -> dict[str, Any]:
+        """One row a controller and machine: its names and places, what was drawn, and the indexes (m).
+
+        Returns:
+            Arrays by name: `controller`, `machine`, the paths, `seed`, `rms`, `max`, `max_whole`.
+        """
+        count = len(self.controllers)
+        drawn = {path: np.tile(values, count) for path, values in self.machines.items()}
+        found = {name: np.concatenate([getattr(one, name).values for one in self.controllers]) for name in INDEXES}
+        names = np.repeat(np.array([one.name for one in self.controllers], dtype=object), self.samples)
+        return {"controller": names, "machine": np.tile(np.arange(self.samples), count), **drawn, **found}
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas DataFrame.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_pandas(self.table())
 
     def text(self) -> str:
         """The table for the screen, um."""

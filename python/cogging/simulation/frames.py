@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import os
-from collections.abc import Mapping, Sequence
+import types
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.outputs import write_bytes
+from cogging.simulation.reductions import unit_of
 
 #: The extra of the package that brings a library.
 EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
@@ -41,8 +43,19 @@ def to_pandas(table: Mapping[str, Any]) -> Any:
     return library("pandas").DataFrame(dict(table))
 
 
-def to_xarray(table: Mapping[str, Any], columns: Mapping[str, Sequence[FloatArray]]) -> Any:
+def to_xarray(
+    table: Mapping[str, Any],
+    columns: Mapping[str, Sequence[FloatArray]],
+    units: Mapping[str, str] = types.MappingProxyType({}),
+) -> Any:
     """An xarray Dataset: a table over `run`, and columns over `run` and `row`, NaN beyond the end of a shorter one.
+
+    Each variable has its unit as the attribute `units`, where it has one.
+
+    Args:
+        table: arrays by name, (runs,).
+        columns: arrays by name, one a run.
+        units: by name, beside those of `unit_of`.
 
     Raises:
         ImportError: xarray is not there; names the extra.
@@ -54,17 +67,24 @@ def to_xarray(table: Mapping[str, Any], columns: Mapping[str, Sequence[FloatArra
         variables[name] = (("run", "row"), np.full((len(runs), rows), np.nan))
         for place, values in enumerate(runs):
             variables[name][1][place, : len(values)] = values
-    return xarray.Dataset(variables, coords={"run": np.asarray(table["run"])})
+    dataset = xarray.Dataset(variables, coords={"run": np.asarray(table["run"])})
+    for name, unit in _units(variables, units).items():
+        dataset[name].attrs["units"] = unit
+    return dataset
 
 
-def write_frame(path: str | os.PathLike[str], table: Mapping[str, Any]) -> None:
-    """Write a table, whole or not at all: Parquet where the name ends so, else CSV.
+def write_frame(
+    path: str | os.PathLike[str],
+    table: Mapping[str, Any],
+    units: Mapping[str, str] = types.MappingProxyType({}),
+) -> None:
+    """Write a table, whole or not at all: Parquet where the name ends so, with `units` of its columns, else CSV.
 
     Raises:
         InputError: the file cannot be written.
         ImportError: pyarrow is not there; names the extra.
     """
-    write_bytes(path, frame_bytes(path, table))
+    write_bytes(path, frame_bytes(path, table, units))
 
 
 def is_parquet(path: str | os.PathLike[str]) -> bool:
@@ -72,7 +92,7 @@ def is_parquet(path: str | os.PathLike[str]) -> bool:
     return os.fspath(path).lower().endswith(".parquet")
 
 
-def frame_bytes(path: str | os.PathLike[str], table: Mapping[str, Any]) -> bytes:
+def frame_bytes(path: str | os.PathLike[str], table: Mapping[str, Any], units: Mapping[str, str]) -> bytes:
     """A table as the file of this name holds it.
 
     Raises:
@@ -80,8 +100,10 @@ def frame_bytes(path: str | os.PathLike[str], table: Mapping[str, Any]) -> bytes
     """
     if is_parquet(path):
         pyarrow, parquet = library("pyarrow"), library("pyarrow", "parquet")
-        sink = io.BytesIO()
-        parquet.write_table(pyarrow.table({name: _plain(values) for name, values in table.items()}), sink)
+        sink, known = io.BytesIO(), _units(table, units)
+        whole = pyarrow.table({name: _plain(values) for name, values in table.items()})
+        fields = [field.with_metadata({"units": known.get(field.name, "")}) for field in whole.schema]
+        parquet.write_table(whole.cast(pyarrow.schema(fields)), sink)
         return sink.getvalue()
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -90,6 +112,11 @@ def frame_bytes(path: str | os.PathLike[str], table: Mapping[str, Any]) -> bytes
     columns = [["" if value != value else value for value in np.asarray(values).tolist()] for values in table.values()]
     writer.writerows(zip(*columns, strict=True))
     return text.getvalue().encode()
+
+
+def _units(names: Iterable[str], units: Mapping[str, str]) -> dict[str, str]:
+    known = {name: units.get(name) or unit_of(name) for name in names}
+    return {name: unit for name, unit in known.items() if unit}
 
 
 def _plain(values: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
@@ -36,6 +37,15 @@ COLUMNS = (
     "true_position",
     "true_velocity",
 )
+#: Of what a table of runs holds under these names; every other reduction is in the unit of its quantity.
+UNITS = {
+    "time": "s",
+    "reference_velocity": "m/s",
+    "reference_acceleration": "m/s^2",
+    "true_velocity": "m/s",
+    "command_chatter": "1",
+    "failed_at": "s",
+}
 
 
 class Failed(NamedTuple):
@@ -77,7 +87,21 @@ def reduction(name: str) -> tuple[str, str, float]:
         number = float(text) if text else 0.0
     except ValueError:
         raise ValueError(f"reductions: {name}: must have a number in its brackets, got {quoted(text)}") from None
+    if numbered == "quantile" and not 0.0 <= number <= 1.0:
+        raise ValueError(f"reductions: {name}: quantile: must be from 0 to 1, got {number:g}")
+    if numbered and numbered != "quantile" and not 0.0 < number < math.inf:
+        what = "frequency" if numbered == "tone" else "period"
+        raise ValueError(f"reductions: {name}: {what}: must be finite and above 0, got {number:g}")
     return quantity, plain or numbered, number
+
+
+def unit_of(name: str) -> str:
+    """The unit of an index, a reduction or a column; nothing where it has none, or is none of them."""
+    if name in UNITS:
+        return UNITS[name]
+    if name in COLUMNS or name in INDEXES or NAMED.fullmatch(name):
+        return "V" if name.startswith("command") else "m"
+    return ""
 
 
 def names_of(reductions: Iterable[str]) -> tuple[str, ...]:

@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 import os
-import pickle
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from cogging._core import Reference, StopFlag
+from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, takes
 from cogging.files import InputError
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.frames import to_pandas, write_frame
+from cogging.simulation.frames import is_parquet, library, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
-from cogging.simulation.sweep_pieces import Pieces, Table, joined
-from cogging.simulation.sweep_points import points_of, variation_of
-from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, with_numbers
+from cogging.simulation.sweep_executor import run_elsewhere
+from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
+from cogging.simulation.sweep_points import points_of, require_numbers, variation_of
+from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
 from cogging.values import ByValue
 
-PIECES = 100  # of a sweep, or more
-PIECE_MOST = 1000  # runs of one
-WAITING_MOST = 64  # pieces that an executor is given ahead
+PIECES = 100  # of a sweep, or more, where it has so many runs
+PIECE_MOST = 256  # runs of one, or what fills all threads once
+LANES = 8  # runs that a thread may make at a time
 EXECUTOR = Kind((Executor, type(None)), "a concurrent.futures.Executor")
 
 
@@ -41,6 +42,7 @@ class SweepRuns(ByValue):
         table: arrays by name: `run`, the varied numbers by path, `seed` of the noise, the indexes (those of
             Performance, then the reductions; NaN where a run failed), `failed_at` (s) and `reason` where one failed.
         varied: the paths of the varied numbers.
+        units: of the varied numbers, by path.
 
     Example:
         >>> runs = cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]})
@@ -50,6 +52,7 @@ class SweepRuns(ByValue):
 
     table: Mapping[str, Any]
     varied: tuple[str, ...]
+    units: Mapping[str, str]
 
     def _brief(self) -> str:
         failed = self.failed
@@ -74,14 +77,22 @@ class SweepRuns(ByValue):
         """
         return to_pandas(self.table).set_index("run")
 
+    def to_xarray(self) -> Any:
+        """The table as an xarray Dataset over `run`, each variable with its `units`.
+
+        Raises:
+            ImportError: xarray is not there; names the extra that brings it.
+        """
+        return to_xarray(self.table, {}, self.units)
+
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as CSV, or as Parquet where the name ends so.
+        """Write the table as CSV, or as Parquet where the name ends so, with `units` of its columns.
 
         Raises:
             InputError: the file cannot be written.
             ImportError: pyarrow is not there for Parquet; names the extra that brings it.
         """
-        write_frame(path, self.table)
+        write_frame(path, self.table, self.units)
 
 
 class Piece(NamedTuple):
@@ -156,6 +167,7 @@ def sweep(
         ValueError: a path that the run has not (with the nearest), a variation, method or reduction that is none, or
             no run could begin.
         InputError: a file cannot be used or written, or the executor has died; finished runs stand.
+        ImportError: pyarrow is not there for Parquet; names the extra that brings it.
 
     Example:
         >>> drawn = {"axis.mass": {"mean": 0.12, "deviation": 0.005}, "controller.kp": [9000.0, 9600.0]}
@@ -163,19 +175,20 @@ def sweep(
         >>> len(runs), runs.failed
         (8, 0)
     """
-    model = model if isinstance(model, Model) else Model.read(model)
-    motion, own_duration = _motion(reference)
-    make_controller(model)
+    require_numbers(seed, runs, duration, (start, stop, final_window), threads)
+    model, motion, own_duration = _setup(model, reference)
     paths, points = _points(Setup(model, motion), vary, method, runs, seed)
     require_reductions(reductions)
+    if out is not None and is_parquet(out):
+        library("pyarrow")
     common = Piece(
         setup=Setup(model, motion),
         paths=paths,
         points=points[:0],
         first=0,
-        seed=seed,
-        duration=duration or own_duration,
-        threads=threads or int(executor is not None),
+        seed=int(seed),
+        duration=float(duration) or own_duration,
+        threads=int(threads) or int(executor is not None),
         window=(start, stop, final_window),
         reductions=tuple(reductions),
     )
@@ -184,13 +197,23 @@ def sweep(
 
 def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None, progress: Progress) -> SweepRuns:
     """Run all points piece by piece, and write what they gave where it is asked for."""
-    size = max(1, min(PIECE_MOST, len(points) // PIECES))
-    pieces = [common._replace(points=points[i : i + size], first=i) for i in range(0, len(points), size)]
-    kept = None if out is None else Pieces(out, _asked(common, points, size))
-    found = SweepRuns(joined(_tables(pieces, kept, executor, progress)), common.paths)
-    _require_one(found)
+    kept = None if out is None else Pieces(out, _asked(common, points))
+    try:
+        table = _table(common, points, kept, executor, progress)
+    except BaseException:
+        if kept is not None:
+            kept.remove_empty()
+        raise
+    found = SweepRuns(table, common.paths, units_of(common.setup, common.paths))
+    if _none_began(found):
+        if kept is not None:
+            kept.remove()
+        raise ValueError(f"no run could begin: {found.table['reason'][0]}")
     if kept is not None:
-        found.write(out)
+        try:
+            found.write(out)
+        except InputError as error:
+            raise InputError(f"{error}; {kept.stands}") from None
         kept.remove()
     return found
 
@@ -231,7 +254,7 @@ def run_piece(piece: Piece) -> Table:
     return {
         "run": np.arange(piece.first, piece.first + len(piece.points)),
         **varied,
-        "seed": np.array(_seeds(piece)),
+        "seed": np.array(_seeds(piece), dtype=np.int64),
         **dict(zip(names, indexes.T, strict=True)),
         "failed_at": times,
         "reason": np.array(reasons, dtype=str),
@@ -262,105 +285,48 @@ def _seeds(piece: Piece) -> list[int]:
     return [piece.seed + piece.first + place for place in range(len(piece.points))]
 
 
-def _tables(pieces: list[Piece], kept: Pieces | None, executor: Executor | None, progress: Progress) -> list[Table]:
-    """The tables of all pieces in order, those that are kept already among them."""
-    tables: dict[int, Table] = {}
-    for place in range(len(pieces)) if kept is not None else ():
-        table = kept.read(place) if kept is not None else None
-        if table is not None:
-            tables[place] = table
-    missing = [(place, piece) for place, piece in enumerate(pieces) if place not in tables]
-    done, total = len(pieces) - len(missing), len(pieces)
-    with steps(progress, "sweep", len(missing)) as step:
-        made = _here(missing) if executor is None else _elsewhere(missing, executor, kept)
-        for place, table in made:
-            tables[place] = table
+def _table(
+    common: Piece, points: FloatArray, kept: Pieces | None, executor: Executor | None, progress: Progress
+) -> Table:
+    """The rows of all points in order, those that are kept already among them."""
+    tables = [] if kept is None else kept.tables(len(points))
+    done, size = sum(len(table["run"]) for table in tables), piece_size(len(points), common.threads)
+    pieces = [
+        common._replace(points=points[runs.start : runs.stop], first=runs.start)
+        for runs in missing(tables, len(points), size)
+    ]
+    with steps(progress, "sweep", len(pieces)) as step:
+        for table in _made(pieces, executor, lambda: "" if kept is None else kept.stands):
+            tables.append(table)
             if kept is not None:
-                kept.keep(place, table)
-            done += 1
-            step(f"{done} of {total} pieces")
-    return [tables[place] for place in range(total)]
+                kept.keep(table)
+            done += len(table["run"])
+            step(f"{done} of {len(points)} runs")
+    return joined(tables)
 
 
-def _here(pieces: list[tuple[int, Piece]]) -> Iterator[tuple[int, Table]]:
-    for place, piece in pieces:
-        yield place, run_piece(piece)
+def piece_size(runs: int, threads: int) -> int:
+    """How many runs a piece has: what fills the lanes of all threads, and more where there are many."""
+    least = LANES * (threads or os.cpu_count() or 1)
+    return least * math.ceil(min(max(1, PIECE_MOST // least), runs / PIECES / least))
 
 
-def _elsewhere(pieces: list[tuple[int, Piece]], executor: Executor, kept: Pieces | None) -> Iterator[tuple[int, Table]]:
-    """The tables as an executor's workers finish them, never more than a few pieces ahead."""
-    stop = StopFlag()
-
-    def submitted(piece: Piece) -> Future[Table]:
-        if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can heed a flag
-            return executor.submit(_run_and_heed, piece, stop)
-        # A worker that lacks the package must fail in its task, where its error is told, and not before it.
-        future: Future[Table] = executor.submit(pickle.loads, pickle.dumps(_RunWhenLoaded(piece)))
-        return future
-
-    waiting: dict[Future[Table], int] = {}
-    left = iter(pieces)
-    try:
-        while True:
-            for place, piece in left:
-                waiting[submitted(piece)] = place
-                if len(waiting) >= WAITING_MOST:
-                    break
-            if not waiting:
-                return
-            done = wait(waiting, return_when=FIRST_COMPLETED).done
-            for future in sorted(done, key=lambda one: one.cancelled() or one.exception() is not None):  # failed: last
-                yield waiting.pop(future), future.result()
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:
-        raise InputError(_died(error, executor, kept)) from error
-    finally:
-        stop.set()
-        for future in waiting:
-            future.cancel()
+def _made(pieces: list[Piece], executor: Executor | None, stands: Callable[[], str]) -> Iterator[Table]:
+    return map(run_piece, pieces) if executor is None else run_elsewhere(run_piece, pieces, executor, stands)
 
 
-def _run_and_heed(piece: Piece, stop: StopFlag) -> Table:
-    stop.heed()
-    return run_piece(piece)
+def _none_began(found: SweepRuns) -> bool:
+    """Whether no run could even begin: then what is wrong is no single run."""
+    return found.failed == len(found) and bool(np.isnan(found.table["failed_at"]).all())
 
 
-class _RunWhenLoaded:
-    """A piece that is run when it is unpickled: what comes out of its pickle is its table."""
-
-    def __init__(self, piece: Piece) -> None:
-        self._piece = piece
-
-    def __reduce__(self) -> Any:
-        return run_piece, (self._piece,)
-
-
-def _died(error: Exception, executor: Executor, kept: Pieces | None) -> str:
-    """One line about an executor that did not do its work."""
-    what = f"{type(error).__name__}: {' '.join(str(error).split())}"
-    stands = f"; {kept.stands}" if kept is not None else ""
-    how = "has died" if isinstance(error, BrokenExecutor) else "could not run a piece"
-    if isinstance(error, ImportError):
-        how = "has a worker that cannot import the package"
-    return f"executor: {type(executor).__name__} {how}: {what}{stands}"
-
-
-def _require_one(found: SweepRuns) -> None:
-    """Raise where no run could even begin: then what is wrong is no single run."""
-    times, reasons = found.table["failed_at"], found.table["reason"]
-    if found.failed == len(found) and np.isnan(times).all():
-        raise ValueError(f"no run could begin: {reasons[0]}")
-
-
-def _asked(common: Piece, points: FloatArray, size: int) -> dict[str, Any]:
+def _asked(common: Piece, points: FloatArray) -> dict[str, Any]:
     return {
         "version": importlib.metadata.version("cogging"),
         "model": common.setup.model.to_dict(),
         "reference": reference_to_dict(common.setup.reference),
         "paths": list(common.paths),
         "points": points,
-        "size": size,
         "seed": common.seed,
         "duration": common.duration,
         "window": list(common.window),
@@ -368,7 +334,13 @@ def _asked(common: Piece, points: FloatArray, size: int) -> dict[str, Any]:
     }
 
 
-def _motion(reference: Any) -> tuple[Reference, float]:
+def _setup(model: Any, reference: Any) -> tuple[Model, Reference, float]:
+    """Model, motion and the duration that the reference file says, each read where it is a path."""
+    path, model = model, model if isinstance(model, Model) else Model.read(model)
+    try:
+        make_controller(model)
+    except ValueError as error:
+        raise (error if model is path else InputError(f"{path}: {error}")) from None
     if isinstance(reference, Reference):
-        return reference, 0.0
-    return reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference)
+        return model, reference, 0.0
+    return model, *(reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ from cogging.shown import quoted
 from cogging.simulation.reductions import names_of, reduction
 from cogging.simulation.reference import files_of_reference
 from cogging.simulation.sweep import SweepRuns, sweep
-from cogging.simulation.sweep_points import METHODS
+from cogging.simulation.sweep_points import KEYS as VARIATION
+from cogging.simulation.sweep_points import METHODS, require_numbers
 
 #: The keys of a sweep file: type and meaning.
 KEYS: dict[str, tuple[type, str]] = {
@@ -43,10 +45,12 @@ def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
     document = read_toml(path)
     try:
         _require(document)
+        _require_files(document, Path(path).parent)
     except FieldError as error:
         raise error.in_file(path, read_text(path)) from None
-    folder = Path(path).parent
-    return {**document, **{key: folder / document[key] for key in ("model", "reference")}}
+    vary = document["vary"]
+    files = {key: Path(path).parent / document[key] for key in ("model", "reference")}
+    return {**document, **files, "vary": vary if vary == "bounds" else dict(_flat(vary))}
 
 
 def files_of_sweep(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
@@ -84,11 +88,12 @@ def _require(document: Mapping[str, Any]) -> None:
         kind = KEYS[key][0]
         fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
         if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == "bounds")):
-            raise FieldError("", key, f"must be {WORDS[kind]}, got {quoted(value)}")
+            what = f'{WORDS[kind]} or "bounds"' if key == "vary" else WORDS[kind]
+            raise FieldError("", key, f"must be {what}, got {quoted(value)}")
     if document.get("method", "grid") not in METHODS:
         raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(document['method'])}")
-    if document.get("seed", 0) < 0:
-        raise FieldError("", "seed", f"must be at least 0, got {document['seed']}")
+    window = (document.get("start", -math.inf), document.get("stop", math.inf), document.get("final_window", 2.0))
+    require_numbers(document.get("seed", 0), document.get("runs", 1), document.get("duration", 0.0), window)
     for name in document.get("reductions", ()):
         if not isinstance(name, str):
             raise FieldError("", "reductions", f"must be names, got {quoted(name)}")
@@ -97,3 +102,23 @@ def _require(document: Mapping[str, Any]) -> None:
             names_of(document["reductions"])
         except ValueError as error:
             raise FieldError("", "reductions", str(error).removeprefix("reductions: ")) from None
+
+
+def _require_files(document: Mapping[str, Any], folder: Path) -> None:
+    """Refuse names that no file has.
+
+    Raises:
+        FieldError: names the first.
+    """
+    for key in ("model", "reference"):
+        if not (folder / document[key]).exists() or not document[key]:
+            raise FieldError("", key, f"must be a file beside the sweep file, got {quoted(document[key])}")
+
+
+def _flat(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Variations by path, also where TOML has made sections of paths without quotes (`axis.mass = [0.1, 0.2]`)."""
+    for name, told in vary.items():
+        if isinstance(told, Mapping) and told and not set(told) & set(VARIATION):
+            yield from _flat(told, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", told

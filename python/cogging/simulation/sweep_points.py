@@ -10,14 +10,18 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.files import FieldError, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, refuse_unknown_keys
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.model import Model, is_number
 from cogging.shown import quoted
+from cogging.simulation.varied import SEED
 
 METHODS = ("grid", "random", "latin_hypercube", "sobol")
 KEYS = ("values", "from", "to", "points", "scale", "mean", "deviation")
 RUNS_MAX = 10**8
+SEED_EXACT = 2**53  # up to which a list of numbers holds every whole one
+THREADS_MOST = 1024
+SEED_MOST = 2**62  # that of run i is no more than 2^63 - 1, which a column of whole numbers can hold
 TINY = 1e-12  # from the ends of (0, 1), where a normal number is infinite
 
 
@@ -51,7 +55,10 @@ class Variation:
         if self.values:
             return np.array(self.values)
         if self.ends is None or not self.points:
-            raise FieldError("vary", self.path, "must have values, or from, to and points, on a grid")
+            drawn = ", ".join(METHODS[1:])
+            raise FieldError(
+                "vary", self.path, f"must have values, or from, to and points, on a grid; the methods {drawn} draw it"
+            )
         space = np.geomspace if self.logarithmic else np.linspace
         return np.asarray(space(*self.ends, self.points), dtype=float)
 
@@ -84,12 +91,9 @@ def variation_of(path: str, told: Any, model: Model) -> Variation:
     if not isinstance(table, Mapping):
         raise FieldError("vary", path, f'must be a list, a table or "bounds", got {quoted(told)}')
     refuse_unknown_keys(table, KEYS, f"vary.{path}")
-    for key, value in table.items():
-        numbers = value if key == "values" else [] if key == "scale" else [value]
-        if not isinstance(numbers, list | tuple) or not all(is_number(n) and math.isfinite(n) for n in numbers):
-            raise FieldError(
-                "vary", path, f"{key}: must be {'numbers' if key == 'values' else 'a number'}, got {value!r}"
-            )
+    _require_finite(path, table)
+    if path == SEED:
+        _require_seeds(table)
     kinds = [kind for kind in (("values",), ("from", "to"), ("mean", "deviation")) if set(kind) <= set(table)]
     if len(kinds) != 1 or set(table) - set(kinds[0]) - ({"points", "scale"} if "from" in table else set()):
         raise FieldError(
@@ -104,6 +108,40 @@ def variation_of(path: str, told: Any, model: Model) -> Variation:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
         return Variation(path, middle=float(table["mean"]), sides=(float(table["deviation"]),) * 2)
     return _between(path, table)
+
+
+def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any, Any], threads: Any = 0) -> None:
+    """Refuse numbers that no run of a sweep could have, before any is made.
+
+    Args:
+        seed: of draws and noise.
+        runs: how many.
+        duration: s; 0 = the motion's own end.
+        window: start, stop and final window, s.
+        threads: 0 = all.
+
+    Raises:
+        FieldError: names the first.
+    """
+    start, stop, final_window = window
+    for name, value, least, most in (
+        ("seed", seed, 0, SEED_MOST),
+        ("runs", runs, 1, RUNS_MAX),
+        ("threads", threads, 0, THREADS_MOST),
+    ):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer):
+            raise FieldError("", name, f"must be a whole number, got {quoted(value)}")
+        if not least <= value <= most:
+            raise FieldError("", name, f"must be from {least} to {most}, got {value}")
+    for name, value in (("duration", duration), ("start", start), ("stop", stop), ("final_window", final_window)):
+        if not is_number(value) or math.isnan(value):
+            raise FieldError("", name, f"must be a number, got {quoted(value)}")
+    if not 0.0 <= duration < math.inf:
+        raise FieldError("", "duration", f"must be finite and at least 0, got {duration!r}")
+    if not start < stop:
+        raise FieldError("", "start", f"must be below stop = {stop!r}, got {start!r}")
+    if not final_window > 0.0:
+        raise FieldError("", "final_window", f"must be above 0, got {final_window!r}")
 
 
 def points_of(variations: list[Variation], method: str, runs: int, seed: int) -> FloatArray:
@@ -155,11 +193,31 @@ def _between(path: str, table: Mapping[str, Any]) -> Variation:
     return Variation(path, ends=(float(low), float(high)), points=points or 0, logarithmic=scale == "log")
 
 
+def _require_finite(path: str, table: Mapping[str, Any]) -> None:
+    for key, value in table.items():
+        numbers = value if key == "values" else [] if key == "scale" else [value]
+        if not isinstance(numbers, list | tuple) or not all(is_number(n) and abs(n) <= LARGEST for n in numbers):
+            what = "numbers" if key == "values" else "a number"
+            raise FieldError("vary", path, f"{key}: must be {what} of at most {LARGEST:g} in size, got {quoted(value)}")
+
+
+def _require_seeds(table: Mapping[str, Any]) -> None:
+    """A seed is no number that can be drawn between others: floats would be cut to whole ones, and some come twice."""
+    if set(table) != {"values"}:
+        raise FieldError("vary", SEED, f"must be a list of whole numbers, got {quoted(dict(table))}")
+    for value in table["values"]:
+        if not 0 <= value <= SEED_EXACT or value != int(value):
+            raise FieldError("vary", SEED, f"must be whole numbers from 0 to {SEED_EXACT}, got {value!r}")
+
+
 def _bounds(path: str, model: Model) -> Variation:
     """Normal around the model's value, 95 % in its interval."""
     intervals = Intervals(model)
+    told = model.intervals.get(path)
+    if told is not None and not all(map(math.isfinite, told)):
+        raise FieldError("vary", path, f"must have a finite interval in the model's [bounds], got {list(told)}")
     interval = intervals.of(path) if path in intervals.paths else None
-    if interval is None or not all(map(math.isfinite, interval)):
+    if interval is None:
         raise FieldError("vary", path, "must have a finite interval in the model's [bounds], got none")
     value = intervals.value(path)
     return Variation(path, middle=value, sides=((value - interval[0]) / SIGMAS_95, (interval[1] - value) / SIGMAS_95))

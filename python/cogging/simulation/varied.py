@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 from cogging._core import Reference
 from cogging.calls import did_you_mean
+from cogging.files import FieldError
 from cogging.model.model import CONTROLLERS, Model
 from cogging.model.parameters import parameters_of, with_values
-from cogging.shown import quoted
 from cogging.simulation.reference import REFERENCES
 
 SEED = "seed"
@@ -42,17 +42,32 @@ def numbers_of(setup: Setup) -> dict[str, float | None]:
     return numbers
 
 
+def units_of(setup: Setup, paths: Iterable[str]) -> dict[str, str]:
+    """The units of numbers by path; none of the seed."""
+    parameters = parameters_of(setup.model, together=True)
+    structs = {name: getattr(setup.model, name) for name in SECTIONS}
+    structs["reference"] = getattr(setup.reference, "parameters", None)
+    units = {}
+    for path in paths:
+        section, _, rest = path.partition(".")
+        if section in structs:
+            units[path] = structs[section].FIELDS[rest.partition("[")[0]][0] or ""
+        elif path != SEED:
+            units[path] = parameters[path].unit
+    return units
+
+
 def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
     """Refuse a path that the run has not, with the nearest that it has.
 
     Raises:
-        ValueError: names it.
+        FieldError: names it.
     """
     known = numbers_of(setup)
     for path in paths:
         if path not in known:
             section = [name for name in known if name.split(".")[0] == path.split(".")[0]]
-            raise ValueError(f"vary: {quoted(path)}: is no number of this run; {did_you_mean(path, section or known)}")
+            raise FieldError("vary", path, f"is no number of this run; {did_you_mean(path, section or known)}")
 
 
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:

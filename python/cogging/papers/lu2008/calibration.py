@@ -20,14 +20,11 @@ from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.lu2008.setup import (
     AXES,
-    CONTROLLERS,
     Amplitudes,
     GantryAxis,
     cogging_map,
-    indexes,
+    last_rms,
     plant,
-    reference,
-    run,
 )
 from cogging_command import run_command
 
@@ -44,11 +41,9 @@ def rms_errors(
     **controller_changes: Any,
 ) -> FloatArray:
     """The rms errors (m) of C1, C2, C3, (3,); motion and machine are the paper's unless given."""
-    motion = motion or reference(axis)
     cogging = cogging_map(axis, amplitudes)
     truth = machine(cogging) if machine else plant(axis, cogging)
-    logs = run(axis, truth, motion, **controller_changes)
-    return np.array([indexes(logs[name], motion)[1] for name in CONTROLLERS])
+    return np.asarray(last_rms(axis, [truth], motion, **controller_changes)[0])
 
 
 def calibrate(axis: GantryAxis, **setup: Any) -> Amplitudes:

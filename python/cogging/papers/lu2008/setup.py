@@ -7,6 +7,7 @@ amplitudes of each cogging map are calibrated on the three rms values (calibrati
 from __future__ import annotations
 
 import importlib.resources
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,7 @@ from cogging._core import (
     AxisParameters,
     CoggingModel,
     Dcarc,
+    DivergedError,
     EncoderParameters,
     Plant,
     PointToPoint,
@@ -24,6 +26,7 @@ from cogging._core import (
     SplineHarmonics,
     performance,
 )
+from cogging.arrays import FloatArray
 from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.simulation.batch import closed_loop_batch
@@ -245,6 +248,34 @@ def run(
         logs=True,
     )
     return dict(zip(CONTROLLERS, batch, strict=True))
+
+
+def last_rms(
+    axis: GantryAxis,
+    machines: Sequence[Plant],
+    motion: PointToPoint | None = None,
+    *,
+    seed: int = 0,
+    **controller_changes: Any,
+) -> FloatArray:
+    """e_rms (m) of C1, C2 and C3 on each machine, (machines, 3), as `indexes` gives it of their logs; none is kept.
+
+    Raises:
+        DivergedError: of the first run that diverged.
+    """
+    motion = motion or reference(axis)
+    controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
+    runs = [(controller, machine) for controller in controllers for machine in machines]
+    batch = closed_loop_batch(
+        [machine for _, machine in runs],
+        [controller for controller, _ in runs],
+        motion,
+        seeds=[seed] * len(runs),
+        start=motion.end - motion.period,
+    )
+    for failure in batch.failures:
+        raise DivergedError(failure.reason)
+    return batch.indexes["error_rms"].reshape(len(controllers), len(machines)).T
 
 
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:

@@ -1,0 +1,153 @@
+"""Runs as pandas frames, xarray Datasets and files: the same numbers, units, and what stands where a run failed."""
+
+import sys
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.simulation.reductions import COLUMNS, INDEXES, unit_of
+from tests.fixtures.sweeps import MOVE, SMALL
+
+pandas = pytest.importorskip("pandas")
+ASKED = ["error_quantile(0.9)", "command_tone(5.0)", "true_error_max"]
+UNITS = {
+    "axis.mass": "V/(m/s^2)",
+    "controller.kp": "V/m",
+    "encoder.noise": "m",
+    "reference.frequency": "Hz",
+    "error_rms": "m",
+    "command_rms": "V",
+    "command_chatter": "1",
+    "error_quantile(0.9)": "m",
+    "command_tone(5.0)": "V",
+    "true_error_max": "m",
+    "failed_at": "s",
+}
+
+
+@pytest.fixture(scope="module")
+def runs():
+    """Of a sweep, every third of which breaks a rule, and every fourth of which diverges."""
+    vary = {
+        "axis.mass": [0.11, 0.13, -1.0],
+        "controller.kp": [9600.0, 9000.0, 8000.0, 1e12],
+        "encoder.noise": [1e-6],
+        "reference.frequency": [4, 5],
+    }
+    return cogging.sweep(SMALL, MOVE, vary, reductions=ASKED)
+
+
+@pytest.fixture(scope="module")
+def batch():
+    """Three runs, the second of which diverges, with rows of two columns."""
+    plants = [cogging.Plant(SMALL.axis)] * 3
+    pids = [cogging.Pid(SMALL.controller.replace(kp=kp)) for kp in (9600.0, 1e12, 9000.0)]
+    sine = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=5.0))
+    return cogging.closed_loop_batch(
+        plants, pids, sine, duration=0.3, columns=["command", "true_velocity"], every=3, reductions=ASKED
+    )
+
+
+def right(frame, runs):
+    """A frame has what the table has: numbers to their last bit, NaN and reasons where runs failed."""
+    assert frame.index.tolist() == list(range(24))
+    assert frame.index.name == "run"
+    for path in runs.varied:
+        assert frame[path].dtype == np.float64
+        np.testing.assert_array_equal(frame[path], runs.table[path])
+    assert frame["seed"].dtype.kind == "i"
+    fails = (frame["axis.mass"] < 0) | (frame["controller.kp"] > 1e11)
+    assert fails.sum() == 12
+    for name in (*INDEXES, *ASKED):
+        assert frame[name].dtype == np.float64
+        assert frame[name].isna().tolist() == fails.tolist()
+        np.testing.assert_array_equal(frame[name], runs.table[name])
+    assert all(isinstance(reason, str) for reason in frame["reason"])
+    assert (frame["reason"] != "").tolist() == fails.tolist()
+    assert frame["reason"][frame["axis.mass"] < 0].str.contains("mass: must be").all()
+    diverged = fails & (frame["axis.mass"] > 0)
+    assert frame["reason"][diverged].str.startswith("the run diverged at ").all()
+    assert frame["failed_at"].notna().tolist() == diverged.tolist()
+
+
+def test_a_sweep_as_a_frame(runs):
+    right(runs.to_pandas(), runs)
+
+
+def test_a_sweep_as_a_dataset(runs):
+    pytest.importorskip("xarray")
+    dataset = runs.to_xarray()
+    assert dict(dataset.sizes) == {"run": 24}
+    right(dataset.to_dataframe(), runs)
+    assert {name: dataset[name].attrs.get("units") for name in UNITS} == UNITS
+    assert "units" not in dataset["seed"].attrs
+    assert "units" not in dataset["reason"].attrs
+
+
+def test_a_sweep_as_parquet(runs, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    runs.write(tmp_path / "runs.Parquet")
+    right(pandas.read_parquet(tmp_path / "runs.Parquet").set_index("run"), runs)
+    schema = parquet.read_schema(tmp_path / "runs.Parquet")
+    assert {name: schema.field(name).metadata[b"units"].decode() for name in UNITS} == UNITS
+    assert str(schema.field("reason").type) == "string"
+    assert str(schema.field("run").type) == "int64"
+
+
+def test_a_sweep_as_csv(runs, tmp_path):
+    runs.write(tmp_path / "runs.csv")
+    frame = pandas.read_csv(tmp_path / "runs.csv", index_col="run", keep_default_na=True)
+    frame["reason"] = frame["reason"].fillna("")
+    frame["reference.frequency"] = frame["reference.frequency"].astype(float)
+    right(frame, runs)
+
+
+def test_a_batch_as_a_dataset(batch):
+    pytest.importorskip("xarray")
+    dataset = batch.to_xarray()
+    assert dict(dataset.sizes) == {"run": 3, "row": 101}
+    for name, unit in (("command", "V"), ("true_velocity", "m/s")):
+        assert dataset[name].dims == ("run", "row")
+        assert dataset[name].attrs["units"] == unit
+        for run in (0, 2):
+            np.testing.assert_array_equal(dataset[name][run], batch.columns[name][run])
+        assert np.isnan(dataset[name][1]).all()
+    assert np.isnan(dataset["error_rms"]).values.tolist() == [False, True, False]
+    assert dataset["reason"].values.tolist() == ["", batch.failures[0].reason, ""]
+    assert dataset["failed_at"][1] == batch.failures[0].time
+    assert dataset["failed_at"].attrs["units"] == "s"
+
+
+def test_a_batch_as_parquet(batch, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    batch.write(tmp_path / "runs.parquet")
+    table = parquet.read_table(tmp_path / "runs.parquet")
+    np.testing.assert_array_equal(table["error_rms"].to_numpy(), batch.indexes["error_rms"])
+    assert table["reason"].to_pylist() == ["", batch.failures[0].reason, ""]
+    assert table.schema.field("command_rms").metadata[b"units"] == b"V"
+
+
+def test_what_is_missing_names_its_extra(batch, runs, tmp_path, monkeypatch):
+    for name in ("pandas", "xarray", "pyarrow", "pyarrow.parquet"):
+        monkeypatch.setitem(sys.modules, name, None)
+    calls = {
+        "pandas": [batch.to_pandas, runs.to_pandas],
+        "xarray": [batch.to_xarray, runs.to_xarray],
+        "pyarrow": [
+            lambda: batch.write(tmp_path / "runs.parquet"),
+            lambda: runs.write(tmp_path / "runs.parquet"),
+            lambda: cogging.sweep(SMALL, MOVE, {"axis.mass": [0.12]}, out=tmp_path / "runs.parquet"),
+        ],
+    }
+    for name, each in calls.items():
+        extra = "parquet" if name == "pyarrow" else "frames"
+        for call in each:
+            with pytest.raises(ImportError, match=rf"^{name} is needed .*: pip install 'cogging\[{extra}\]'$"):
+                call()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_column_and_index_has_a_unit():
+    assert all(unit_of(name) for name in (*COLUMNS, *INDEXES, *ASKED))
+    assert unit_of("seed") == unit_of("reason") == unit_of("run") == unit_of("error_quantil(0.9)") == ""
