@@ -188,8 +188,8 @@ class Axis {
     Scalar without_friction, friction_level;  // V
   };
 
-  COGGING_INLINE Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity, const Scalar& direction,
-                double time) const {
+  COGGING_INLINE Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity,
+                               const Scalar& direction, double time) const {
     const Forces sum{-parameters_.viscous * velocity - cogging, parameters_.coulomb};
     return laws_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
   }
@@ -249,7 +249,8 @@ class Axis {
   }
 
   // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.
-  COGGING_NOINLINE Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h) const {
+  COGGING_NOINLINE Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset,
+                               double h) const {
     if (gains_.empty())
       return step(state, drive, time, offset, h, [this](Scalar x, Scalar v, Scalar u, double t) {
         // Cogging first: in a Runge-Kutta step the position is known before the velocity.
@@ -283,7 +284,7 @@ class Axis {
   // One step with f(position, velocity, command, time); by how much it errs more than it may.
   template <class Acceleration>
   COGGING_INLINE Scalar step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
-              const Acceleration& f) const {
+                             const Acceleration& f) const {
     struct Slope {
       Scalar velocity, acceleration;
     };

@@ -90,8 +90,8 @@ class StepAccuracy {
 
   /// The same of waves, of a step from `time`; `drive` is what the amplifier puts out, V, `settling` the fourth
   /// derivative of it over the mass.
-  COGGING_INLINE Scalar excess_of_waves(double time, double h, const Scalar& v1, const Scalar& v_end, const Scalar& drive,
-                         const Scalar& settling, const Scalar& speed_max) const {
+  COGGING_INLINE Scalar excess_of_waves(double time, double h, const Scalar& v1, const Scalar& v_end,
+                                        const Scalar& drive, const Scalar& settling, const Scalar& speed_max) const {
     const Scalar tolerance = share * larger(larger(speed_max, abs(v1)), abs(v_end));
     const Scalar speed = larger(v1 * v1, v_end * v_end);
     const Scalar amplified = abs(drive);

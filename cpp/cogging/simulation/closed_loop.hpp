@@ -55,6 +55,13 @@ template <class Scalar>
                       time);
 }
 
+template <class Scalar>
+COGGING_INLINE void require_bounded(const AxisState<Scalar>& state, const Range& bounds, const Range& travel,
+                                    double time) {
+  if (!is_bounded(state, bounds)) [[unlikely]]
+    refuse_state(state, travel, time);
+}
+
 }  // namespace detail
 
 namespace detail {
@@ -147,8 +154,7 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
   double time = 0.0;
   for (std::size_t k = 0; k < rows; ++k) {
     stop.row();
-    if (!detail::is_bounded(state, bounds)) [[unlikely]]
-      detail::refuse_state(state, plant.axis.travel, time);
+    detail::require_bounded(state, bounds, plant.axis.travel, time);
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
     if constexpr (MayFail<C>) controller.begin_row(k, time);

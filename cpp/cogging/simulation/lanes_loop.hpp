@@ -142,7 +142,7 @@ class MachinesInLanes {
     for (std::size_t i = 0; i < count; ++i)
       at_work_.guard(i, [&] {
         const AxisState<double> one{lane(state_.position, i), lane(state_.velocity, i)};
-        if (!detail::is_bounded(one, bounds_)) detail::refuse_state(one, pack_.axis.travel, time);
+        detail::require_bounded(one, bounds_, pack_.axis.travel, time);
       });
     fill_idle_lanes();
   }

@@ -52,7 +52,8 @@ class ReferenceRows {
   const Reference& reference() const { return *reference_; }
   double time(std::size_t k) const { return static_cast<double>(k) / sample_rate_; }
   COGGING_INLINE ReferencePoint at(std::size_t k) const {
-    if (k < kept_) [[likely]] return {position_[k], velocity_[k], acceleration_[k]};
+    if (k < kept_) [[likely]]
+      return {position_[k], velocity_[k], acceleration_[k]};
     return reference_->at(time(k));
   }
 

@@ -9,6 +9,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from cogging import _core
 from cogging._core import DivergedError, Plant, Reference
 from cogging.arrays import FloatArray
 from cogging.calls import described, takes
@@ -217,8 +218,7 @@ def closed_loop_batch(
         ['181 um', '306 um']
     """
     _require_plants(plants)
-    if logs:
-        columns, every = COLUMNS, 1
+    columns, every = (COLUMNS, 1) if logs else (columns, every)
     options: dict[str, Any] = {
         "durations": [duration],
         "steps_per_sample": [steps_per_sample],
@@ -259,8 +259,9 @@ def _in_parts(
     # Where lists differ in length, the core says so.
     if progress is False or len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
         return kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)
-    size = max(1, len(plants) // TOLD)
-    size = -(-size // (options["threads"] or os.cpu_count() or 1)) * (options["threads"] or os.cpu_count() or 1)
+    lanes = _core.instruction_sets().get(_core.instruction_set(), 1)
+    at_once = lanes * (options["threads"] or os.cpu_count() or 1)
+    size = at_once * -(-max(1, len(plants) // TOLD) // at_once)
     parts = [range(first, min(first + size, len(plants))) for first in range(0, len(plants), size)]
     values: list[FloatArray] = []
     failures: list[Failed] = []

@@ -113,7 +113,7 @@ struct Custom {
 
   [[noreturn]] COGGING_NOINLINE void refuse_value(Hook hook, double got, double x, double v, double time) const {
     throw DivergedError(label + "." + std::string(to_string(hook)) + ": must be a finite number, got " + format(got) +
-                        place_of(x, v, time),
+                            place_of(x, v, time),
                         time);
   }
 };

@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "bindings.hpp"
+#include "../bindings.hpp"
+#include "../own_controller.hpp"
+#include "../without_gil.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/run_record.hpp"
 #include "cogging/simulation/shared_rows.hpp"
-#include "lanes/jobs.hpp"
-#include "own_controller.hpp"
-#include "without_gil.hpp"
+#include "jobs.hpp"
 
 using namespace cogging;
 
@@ -112,9 +112,8 @@ struct RecordedBatch {
   }
 
   void run_alone(std::size_t i, StopRequest* stop) {
-    guard(i, [&] {
-      close_with(controllers[i], stop, [&](const auto& c, StopRequest* turns) { run_with(c, i, turns); });
-    });
+    guard(i,
+          [&] { close_with(controllers[i], stop, [&](const auto& c, StopRequest* turns) { run_with(c, i, turns); }); });
   }
 
   /// Those of the machine and its controller, and that the motion is the same.
@@ -220,8 +219,8 @@ void bind_batch(py::module_& module) {
         RecordRequest request{{start, stop, final_window}, {}, columns, every};
         for (const auto& [quantity, kind, at] : reductions) request.reductions.push_back({quantity, kind, at});
         const RunRecord<double> refuses_what_is_wrong(request);
-        RecordedBatch batch{plants, given, references, durations, seeds, steps_per_sample, request, keeps_refused,
-                            {},     {},    {},         {},        {},    {}};
+        RecordedBatch batch{plants, given, references, durations, seeds, steps_per_sample, request, keeps_refused, {},
+                            {},     {},    {},         {},        {}};
         batch.make_room();
         without_gil([&](StopRequest* request_to_stop) { batch.run(threads, request_to_stop); });
         return kept_of(std::move(batch));
