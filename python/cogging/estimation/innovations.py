@@ -65,6 +65,7 @@ class Innovations:
         )
         self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
         self.along = self.predictor.predict(quiet_plant(model))
+        self._predicted = ((model, self.along),) * 2
         self.velocity = self.along.velocity
         smooth = max(1, round(0.1 / bandwidth / sample_time))
         speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
@@ -90,12 +91,29 @@ class Innovations:
         waits = settling(still, time, velocity, self.rest, self.bandwidth) if self.quick_starts else self.settle
         return np.asarray(~(since(still, time) < waits) & ~(since(broken, time) < max(START, self.settle)))
 
+    def prediction(self, model: Model) -> Prediction:
+        """The prediction of a model along this log; of the model given first, and of the last, it is kept.
+
+        A fit asks of the same model again and again: whether a step is to be taken, then with its derivatives.
+
+        Raises:
+            DivergedError: it diverged.
+        """
+        for known, along in self._predicted:
+            if known is model:
+                return along
+        along = self.predictor.predict(quiet_plant(model))
+        self._predicted = (self._predicted[0], (model, along))
+        return along
+
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n).
 
         Raises:
             DivergedError: a prediction diverged.
         """
+        if len(models) == 1:
+            return np.asarray(self.scale * self.prediction(models[0]).innovation[None, :])
         return self.scale * self.predictor.innovations([quiet_plant(model) for model in models])
 
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
@@ -107,8 +125,7 @@ class Innovations:
         Raises:
             ValueError: a parameter that no step may move.
         """
-        plant = quiet_plant(model)
-        along = self.predictor.predict(plant)
+        plant, along = quiet_plant(model), self.prediction(model)
         columns = np.zeros((len(parameters), len(self.log)))
         kinds = [_kind(model, parameter.path) for parameter in parameters]
         forces, readings, others = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ from cogging._core import Plant
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.score_test import groups
+from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.effects.effect import Effect, for_core, laws_of
 from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
 from cogging.estimation.residuals import quiet_plant
@@ -28,6 +30,27 @@ def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatAr
         for i, table in enumerate(_tables_of_log(evidence, number, source, wanted)):
             result[i].append(table)
     return result
+
+
+def in_groups(wanted: Sequence[Candidate]) -> Iterator[Sequence[Candidate]]:
+    """Neighbours whose columns are made and whitened at once: quicker than one by one, and few enough to be held."""
+    sizes = [max(1, len(candidate.amplitudes)) for candidate in wanted]
+    for first, last in groups(sizes, SCORE_TEST.columns_together):
+        yield wanted[first:last]
+
+
+def whitened_group(evidence: Evidence, wanted: Sequence[Candidate]) -> tuple[FloatArray, list[int]]:
+    """Whitened columns of all candidates, one after the other, (p, n), and how many each has."""
+    made = tables(evidence, wanted)
+    logs = [np.concatenate([each[number] for each in made]) for number in range(len(evidence.sources))]
+    return evidence.whitened(logs), [len(each[0]) for each in made]
+
+
+def whitened_each(evidence: Evidence, wanted: Sequence[Candidate]) -> Iterator[FloatArray]:
+    """Whitened columns (p, n) of each candidate, not yet projected."""
+    for group in in_groups(wanted):
+        white, sizes = whitened_group(evidence, group)
+        yield from np.split(white, np.cumsum(sizes)[:-1])
 
 
 def _tables_of_log(

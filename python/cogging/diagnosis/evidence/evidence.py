@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,7 @@ from cogging.diagnosis.evidence.noise_filter import (
     periodogram,
     periodogram_length,
 )
-from cogging.diagnosis.evidence.score_test import ScoreTest, groups
+from cogging.diagnosis.evidence.score_test import Explained, ScoreTest
 from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.estimation.innovations import Innovations
 from cogging.linear import least_squares_of_long_rows
@@ -185,21 +185,27 @@ class Evidence:
         ]
         return np.concatenate(parts, axis=1)
 
-    def whitened_each(self, made: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
-        """`whitened` of many tables; several columns at a time, which is quicker than a few."""
-        for first, last in groups([len(tables[0]) for tables in made], SCORE_TEST.columns_together):
-            parts = zip(*made[first:last], strict=True)
-            white = self.whitened([np.concatenate(part) for part in parts])
-            ends = np.cumsum([len(tables[0]) for tables in made[first:last]])
-            yield from np.split(white, ends[:-1])
-
     def project(self, columns: FloatArray) -> FloatArray:
         """Take from whitened columns (p, n) what the free parameters could explain."""
         return columns - (columns @ self.basis.T) @ self.basis
 
     def test(self, columns: FloatArray) -> ScoreTest:
         """Score test of whitened columns (p, n): how much of the residual they explain that re-tuning cannot."""
+        test = self.tests(columns, [len(columns)])[0]
+        return replace(test, part=test.explained)
+
+    def tests(self, columns: FloatArray, sizes: Sequence[int]) -> list[ScoreTest]:
+        """Score tests of several candidates, whose whitened columns (sum of the sizes, n) follow each other.
+
+        What each explains is made from the columns where it is asked for; it holds them until then.
+        """
         shares = columns @ self.basis.T  # of what the free parameters could explain, (p, q)
+        scores = columns @ self.free_residual
+        ends = np.cumsum(sizes)
+        parts = [slice(int(end) - size, int(end)) for size, end in zip(sizes, ends, strict=True)]
+        return [self._test(columns[part], shares[part], scores[part]) for part in parts]
+
+    def _test(self, columns: FloatArray, shares: FloatArray, scores: FloatArray) -> ScoreTest:
         gram = columns @ columns.T
         size = np.sqrt(np.diag(gram))
         gram -= shares @ shares.T
@@ -207,20 +213,20 @@ class Evidence:
         # The rest is what linear columns cannot tell.
         seen = left > SCORE_TEST.untuned_share * np.where(size > 0.0, size, 1.0)
         amplitudes = np.zeros(len(columns))
+        deviations = np.full(len(columns), np.inf)
         if not seen.any():
-            return ScoreTest(0.0, 0, amplitudes, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
+            return ScoreTest(0.0, 0, amplitudes, Explained(lambda: np.zeros(len(self.residual))), deviations)
         values, vectors = np.linalg.eigh(gram[np.ix_(seen, seen)] / np.outer(left[seen], left[seen]))
         good = values > SCORE_TEST.column_rank
         inverse = (vectors[:, good] / values[good]) @ vectors[:, good].T
-        score = (columns @ self.free_residual)[seen] / left[seen]
+        score = scores[seen] / left[seen]
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
-        deviations = np.full(len(columns), np.inf)
         deviations[seen] = np.sqrt(np.diag(inverse) * self.overdispersion) / left[seen]
         return ScoreTest(
             float(score @ solution) / self.overdispersion,
             int(good.sum()),
             amplitudes,
-            amplitudes @ columns - (amplitudes @ shares) @ self.basis,
+            Explained(lambda: amplitudes @ columns - (amplitudes @ shares) @ self.basis),
             deviations,
         )

@@ -16,7 +16,6 @@ from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.thresholds import WHITENING
 from cogging.estimation.gauss_newton import Estimate, columns_of
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.residuals import quiet_plant
 from cogging.estimation.whitening import BLOCK, whitening_filter
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
@@ -43,7 +42,7 @@ def gather(
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
     parts, memory = [], {} if memory is None else memory
     for i, source in enumerate(sources):
-        along = source.predictor.predict(quiet_plant(model))
+        along = source.prediction(model)
         shapes = source.rows_of_forces(along, slow_friction(source, model), model.axis.mass)
         parts.append(Unweighted(along, residuals[i], np.vstack([columns[i], shapes])))
     return weighed(model, sources, parts, [np.zeros(len(source.log)) for source in sources], memory, plain)

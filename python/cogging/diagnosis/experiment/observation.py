@@ -10,7 +10,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, place
-from cogging.diagnosis.candidates.tables import tables
+from cogging.diagnosis.candidates.tables import tables, whitened_each
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave, wave_of, wave_range
 from cogging.diagnosis.evidence.evidence import Evidence, Unweighted
 from cogging.diagnosis.evidence.gather import slow_friction, weighed
@@ -94,7 +94,7 @@ def band_powers(evidence: Evidence, rows: FloatArray) -> FloatArray:
 def gram_of(evidence: Evidence, signal: FloatArray, wanted: Sequence[Candidate]) -> FloatArray:
     """Products of the signal, the free parameters' columns and those of candidates, in that order, over phi, (q, q)."""
     rows = [signal[None, :], evidence.columns]
-    rows += list(evidence.whitened_each(tables(evidence, wanted))) if wanted else []
+    rows += whitened_each(evidence, wanted)
     table = np.vstack(rows)
     return np.asarray(table @ table.T / evidence.overdispersion)
 
