@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Prediction
 from cogging.arrays import FloatArray
+from cogging.diagnosis.evidence.column_memory import ColumnMemory
 from cogging.diagnosis.evidence.noise_filter import (
     Filter,
     bands,
@@ -42,6 +42,11 @@ class Unweighted:
     columns: FloatArray
 
 
+def joined(parts: Sequence[FloatArray]) -> FloatArray:
+    """Columns (p, n of a log) of all logs, the rows of one after those of the other, (p, n)."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+
 @dataclass(frozen=True)
 class Evidence:
     """Logs under one model, whitened and projected.
@@ -55,7 +60,7 @@ class Evidence:
         columns: whitened columns of the free parameters and of the shapes of slow friction, (p + 6, n).
         block: number of the block of each row, (n,).
         parts: residuals and columns before they were whitened, one a log.
-        memory: tables of effects with a memory, as predicted under an earlier model of these logs.
+        memory: columns of effects with a memory, as predicted under an earlier model of these logs.
         turns: whether a wave along the travel may come with another phase than in the logs it was found in.
     """
 
@@ -67,7 +72,7 @@ class Evidence:
     columns: FloatArray
     block: npt.NDArray[np.int64]
     parts: tuple[Unweighted, ...]
-    memory: dict[Any, list[FloatArray]]
+    memory: ColumnMemory
     turns: bool = True
 
     @property
@@ -183,7 +188,7 @@ class Evidence:
             filtered(table, source, filter_)
             for source, filter_, table in zip(self.sources, self.filters, tables, strict=True)
         ]
-        return np.concatenate(parts, axis=1)
+        return joined(parts)
 
     def project(self, columns: FloatArray) -> FloatArray:
         """Take from whitened columns (p, n) what the free parameters could explain."""
