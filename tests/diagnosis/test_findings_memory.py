@@ -1,6 +1,7 @@
 """Columns of candidates: made in groups, tested together and let go."""
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from cogging.diagnosis.candidates.findings import explained_by, judge, judged
 from cogging.diagnosis.candidates.signatures import candidates
 from cogging.diagnosis.candidates.tables import in_groups, tables, whitened_each
+from cogging.diagnosis.evidence.column_memory import ColumnMemory
+from cogging.diagnosis.residual.shapes import coordinates, shapes
 from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.effects.effect import VOCABULARY
 
@@ -84,3 +87,55 @@ def test_memory_does_not_grow_with_the_number_of_shapes(quiet_evidence):
     assert large < small + 8.0
     assert large < 8.0 * SCORE_TEST.columns_together
     assert 0.0 < held < 0.25 * len(many)
+
+
+def under(evidence, model):
+    """The evidence under another model, with the columns that are kept of these logs."""
+    parts = [
+        replace(part, along=source.prediction(model))
+        for part, source in zip(evidence.parts, evidence.sources, strict=True)
+    ]
+    return replace(evidence, model=model, parts=tuple(parts))
+
+
+@pytest.mark.parametrize("kept", [0.0, 2.5, np.inf])
+def test_columns_with_a_memory_are_kept_or_made_again_to_the_same_bits(quiet_evidence, monkeypatch, kept):
+    """Under a changed model too they are those of the first; what acts at once is evaluated under the new one."""
+    few = replace(SCORE_TEST, bytes_kept=kept * quiet_evidence.residual.nbytes)
+    monkeypatch.setattr("cogging.diagnosis.evidence.column_memory.SCORE_TEST", few)
+    evidence = replace(quiet_evidence, memory=ColumnMemory())
+    axis = evidence.model.axis
+    other = under(evidence, evidence.model.replace(axis=axis.replace(viscous=1.4 * axis.viscous)))
+    names = ("flexible_mode", "actuator_lag", "command_delay", "backlash", "presliding_friction")
+    wanted = [one for name in names for one in grid(evidence, name)[::5]]
+    first = [table[0].copy() for table in tables(evidence, wanted)]
+    for again in (evidence, other):
+        for candidate, was, table in zip(wanted, first, tables(again, wanted), strict=True):
+            assert np.array_equal(was, table[0]), candidate
+    alone = replace(other, memory=ColumnMemory())
+    moved = [np.abs(was - now[0]).max() for was, now in zip(first, tables(alone, wanted), strict=True)]
+    assert all(size > 0.0 for size in moved)
+    force = grid(evidence, "cable_spring")[:1]
+    assert not np.array_equal(tables(evidence, force)[0][0], tables(other, force)[0][0])
+
+
+def test_columns_of_a_coordinate_are_hats_over_its_places(quiet_evidence):
+    source = quiet_evidence.sources[0]
+    for name, (_, places, make, values) in coordinates(source, quiet_evidence.model).items():
+        columns = make()
+        if name in ("velocity", "time", "command", "acceleration"):
+            expected = np.array([np.interp(values, places, one) for one in np.eye(len(places))])
+            np.testing.assert_allclose(columns, expected, atol=1e-14)
+        assert len(columns) in (len(places), 2 * len(places))  # for each direction
+
+
+def test_memory_of_the_residual_shapes_is_that_of_one_coordinate(quiet_evidence, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    row = quiet_evidence.residual.nbytes
+    source = quiet_evidence.sources[0]
+    made = [len(one[2]()) for one in coordinates(source, quiet_evidence.model).values()]
+    _ = quiet_evidence.freedom
+    peak, _ = peak_of(lambda: shapes(quiet_evidence), row)
+    own = len(quiet_evidence.columns)  # filters that are estimated again weigh these, too
+    assert sum(made) > 3 * max(made)
+    assert peak < 3.0 * (max(made) + own) + 4.0 * SCORE_TEST.columns_together

@@ -77,9 +77,7 @@ def weighed(
         table *= source.mask / rms
         table[0] = np.clip(table[0], -WHITENING.outlier, WHITENING.outlier)
         table[1] = np.clip(table[1], -WHITENING.glitch, WHITENING.glitch)
-        basis = orthonormal(table[2:])
-        level = spectrum(table[0] - (basis @ table[0]) @ basis, source)
-        del basis
+        level = spectrum(_freed(table[0], table[2:]), source)
         filter_ = Filter(a, rms, level[0], np.ones_like(level[1]) if plain else level[1])
         table = coloured(table[1:], source, filter_)
         rows.append(table[0])
@@ -100,6 +98,12 @@ def weighed(
         tuple(parts),
         memory,
     )
+
+
+def _freed(row: FloatArray, columns: FloatArray) -> FloatArray:
+    """A row (n,) without what columns (p, n) explain of it."""
+    basis = orthonormal(columns)
+    return np.asarray(row - (basis @ row) @ basis)
 
 
 def with_columns(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> Evidence:
