@@ -22,7 +22,7 @@ from cogging.diagnosis.evidence.noise_filter import (
 from cogging.diagnosis.evidence.score_test import Explained, ScoreTest
 from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.estimation.innovations import Innovations
-from cogging.linear import least_squares_of_long_rows
+from cogging.linear import row_sizes, solved
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
 
@@ -91,16 +91,21 @@ class Evidence:
         Nothing is whitened here: what is slow and large is taken for noise by filters, and hardly seen beside what is
         fast.
         """
-        rows, right = [], []
-        for source, part, table in zip(self.sources, self.parts, tables, strict=True):
-            rows.append(np.vstack([part.columns, table]) * source.mask)
-            right.append(part.residual * source.mask)
-        columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
-        p = len(tables[0])
-        tuned = gap - least_squares_of_long_rows(columns[:-p], gap) @ columns[:-p]
-        weights = least_squares_of_long_rows(columns, gap)
+        rows = [np.vstack([part.columns, table]) for part, table in zip(self.parts, tables, strict=True)]
+        for its, source in zip(rows, self.sources, strict=True):
+            its *= source.mask
+        columns = joined(rows)
+        gap = np.concatenate(
+            [part.residual * source.mask for source, part in zip(self.sources, self.parts, strict=True)]
+        )
+        size = row_sizes(columns)
+        columns /= size[:, None]
+        gram, right = columns @ columns.T, columns @ gap
+        own = len(columns) - len(tables[0])  # of the free parameters
+        tuned = gap - solved(gram[:own, :own], right[:own]) @ columns[:own]
+        weights = solved(gram, right)
         left = gap - weights @ columns
-        return weights[-p:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
+        return (weights / size)[own:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
 
     @cached_property
     def freedom(self) -> tuple[tuple[list[slice], FloatArray], ...]:

@@ -83,7 +83,7 @@ def orthonormal(columns: FloatArray) -> FloatArray:
     if len(columns) == 0:
         return columns
     size = np.sqrt(np.einsum("ij,ij->i", columns, columns))
-    rows = columns[size > 0.0] / size[size > 0.0, None]
+    rows = columns / size[:, None] if size.all() else columns[size > 0.0] / size[size > 0.0, None]
     values, vectors = np.linalg.eigh(rows @ rows.T)
     good = values > SCORE_TEST.basis_rank * max(values[-1], 1e-300)
     return np.asarray((vectors[:, good] / np.sqrt(values[good])).T @ rows)
