@@ -53,7 +53,17 @@ GROUPS = {
     "predictions": ("predict", "innovations"),
     "transforms": ("r2c", "c2r", "dct", "_raw_fft"),
     "whitening": ("whiten", "autoregression"),
-    "projections": ("tests", "_test", "project", "orthonormal", "least_squares_of_long_rows", "lstsq", "eigh", "pinv"),
+    "projections": (
+        "test",
+        "tests",
+        "_test",
+        "project",
+        "orthonormal",
+        "least_squares_of_long_rows",
+        "lstsq",
+        "eigh",
+        "pinv",
+    ),
     "replays": ("closed_loop", "replay_controller"),
     "imports": ("_find_and_load_unlocked", "_compile_bytecode", "loads", "create_dynamic"),
 }

@@ -125,12 +125,13 @@ class InverseDynamics:
         band-limited motion through these is (omega h / 2) cot(omega h / 2) u / M, z = exp(i omega h). Of every second
         row (third, ...) with the means of the commands the same is seen, h that for which each was held.
         """
-        mirrored = np.concatenate([command, command[::-1]])
+        from scipy.fft import dct, idct
+
         steps = 1.0 if self.hold is None else min(self.hold / self.sample_time, 1.0)
-        half = np.pi * steps * np.fft.rfftfreq(len(mirrored))  # omega h / 2
+        half = 0.5 * np.pi * steps * np.arange(len(command)) / len(command)  # omega h / 2, of the mirrored command
         shown = np.ones(len(half))
         shown[1:] = half[1:] / np.tan(half[1:])
-        return np.asarray(np.fft.irfft((1.0 - shown) * np.fft.rfft(mirrored), len(mirrored))[: len(command)])
+        return np.asarray(idct((1.0 - shown) * dct(command)))
 
     def _behind(self, falsifying: Sequence[Any]) -> Motion:
         """The motion behind the readings."""
