@@ -163,8 +163,7 @@ Raises:
         std::vector<double> values(count * length);
         without_gil([&](StopRequest* stop) {
           run_batch(count, threads, stop, [&](std::size_t i) {
-            const std::vector<double> white = whiten({rows.data() + i * length, length}, coefficients, stop);
-            std::copy(white.begin(), white.end(), values.begin() + static_cast<std::ptrdiff_t>(i * length));
+            whiten({rows.data() + i * length, length}, coefficients, values.data() + i * length, stop);
           });
         });
         return to_array(std::move(values), {rows.shape(0), rows.shape(1)});

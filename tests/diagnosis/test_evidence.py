@@ -52,12 +52,3 @@ def test_a_level_known_from_few_lines_bounds_what_a_column_is_worth(quiet_eviden
         quiet_evidence.bounded(made(400.0, 1, np.ones(1), wide, np.ones(1)))
         > 0.9 * 400.0 / quiet_evidence.overdispersion
     )
-
-
-def test_tables_are_whitened_together_as_they_are_alone(quiet_evidence):
-    random = np.random.default_rng(8)
-    tables = [[random.normal(size=(count, len(quiet_evidence.residual)))] for count in (1, 5, 4, 1, 12, 2)]
-    together = list(quiet_evidence.whitened_each(tables))
-    assert [len(one) for one in together] == [1, 5, 4, 1, 12, 2]
-    for one, table in zip(together, tables, strict=True):
-        np.testing.assert_allclose(one, quiet_evidence.whitened(table), rtol=1e-9, atol=1e-12)

@@ -16,7 +16,7 @@ def test_what_is_slow_and_large_is_measured_against_the_gap_itself():
 
     evidence = fit_null([pushed(drift, 21)], machine())[1]
     (source,), (part,) = evidence.sources, evidence.parts
-    _, _, columns, _ = coordinates(source, evidence.model)["time"]
+    columns = coordinates(source, evidence.model)["time"][2]()
     table = source.rows_of_forces(evidence.alongs[0], columns, evidence.model.axis.mass)
     _, share = evidence.unwhitened_fit([table])
     rows = source.mask > 0

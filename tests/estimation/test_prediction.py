@@ -335,3 +335,23 @@ def test_an_added_command_is_limited_with_the_controllers():
         added_command=np.full(1001, 5.0),
     )
     assert np.abs(log.command).max() == 2.0
+
+
+def test_a_kept_prediction_is_that_of_the_model_that_is_asked_for(columns):
+    """Of the first and the last model predictions are kept; a changed model gets its own, whatever came before."""
+    log, random = cogging.Log(*columns), np.random.default_rng(11)
+    axes = [AxisParameters(mass=m, viscous=v) for m, v in random.uniform(0.5, 3.0, (4, 2))]
+    models = [Model(axis=axis) for axis in axes]
+    source = Innovations(log, models[0])
+    known = cogging.model.parameters.parameters_of(models[0])
+    parameters = [known["axis.mass"], known["axis.viscous"]]
+    for number in random.integers(len(models), size=30):
+        model = models[int(number)]
+        fresh = Innovations(log, model, bandwidth=source.bandwidth)
+        innovation = np.asarray(fresh.predictor.predict(model.plant()).innovation)
+        assert np.array_equal(source.prediction(model).innovation, innovation)
+        assert np.array_equal(source.of([model])[0], source.scale * innovation)
+        residual, rows = source.columns(model, parameters, source.scales)
+        its_residual, its_rows = fresh.columns(model, parameters, source.scales)
+        assert np.allclose(residual / source.scale, its_residual / fresh.scale, rtol=1e-12, atol=0.0)
+        assert np.allclose(rows / source.scale, its_rows / fresh.scale, rtol=1e-12, atol=0.0)

@@ -49,15 +49,31 @@ inline void add_loads(const std::vector<Effect<double>>& effects, const std::vec
   if (loads.empty()) return;
   const std::size_t rows = loop.rows();
   const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity, loop.stop());
-  run_batch(loads.size(), threads, loop.stop(), [&](std::size_t job) {
-    const std::size_t effect = loads[job];
-    visit_law(effects[effect], [&](const HasCoupling auto& law) {
-      const CouplingParameters coupling = law.coupling();
-      double* out = innovation.data() + effect * rows;
-      if (!coupling.rigid()) pass_load(coupling, plant.axis, loop, along.slope_velocity, force, out);
-      for (std::size_t k = 0; k < rows; ++k) out[k] /= sizes[effect];
-    });
+  std::vector<CouplingParameters> couplings(effects.size());
+  std::vector<std::size_t> springs, loose;
+  for (const std::size_t effect : loads) {
+    visit_law(effects[effect], [&](const HasCoupling auto& law) { couplings[effect] = law.coupling(); });
+    if (!couplings[effect].rigid()) (has_play(couplings[effect]) ? loose : springs).push_back(effect);
+  }
+  const auto pass = [&]<std::size_t width>(std::integral_constant<std::size_t, width>, std::size_t first) {
+    std::array<CouplingParameters, width> some;
+    std::array<double*, width> out;
+    for (std::size_t i = 0; i < width; ++i) {
+      some[i] = couplings[springs[first + i]];
+      out[i] = innovation.data() + springs[first + i] * rows;
+    }
+    pass_springs(some, plant.axis, loop, along.slope_velocity, force, out);
+  };
+  in_blocks(
+      springs.size(), threads, loop.stop(),
+      [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
+      [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
+  run_batch(loose.size(), threads, loop.stop(), [&](std::size_t job) {
+    double* out = innovation.data() + loose[job] * rows;
+    pass_loose(couplings[loose[job]], plant.axis, loop, along.slope_velocity, force, out);
   });
+  for (const std::size_t effect : loads)
+    for (std::size_t k = 0; k < rows; ++k) innovation[effect * rows + k] /= sizes[effect];
 }
 
 /// What each effect adds to the innovations of a plant, m, per size of it: one row of the log's length an effect.

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <numbers>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "cogging/estimation/observer_loop.hpp"
@@ -214,51 +215,90 @@ void advance_moving(LoadedMotion& at, Load& load, double mass_ratio, const AxisP
   at.z = next;
 }
 
-/// `force`: net force along the prediction, V, of the plant as one mass; `innovation` is written, m.
+/// Over the interval from row k to the next: what the load adds to the innovation there, m.
 template <class Load>
-void pass_load(Load load, double mass_ratio, const AxisParameters<double>& axis, const ObserverLoop& loop,
-               std::span<const double> slope_velocity, std::span<const double> force, double* innovation) {
-  LoadedMotion at;
-  innovation[0] = 0.0;
+double pass_interval(LoadedMotion& at, Load& load, double mass_ratio, const AxisParameters<double>& axis,
+                     const ObserverLoop::Interval& interval, double force, double slope_velocity) {
+  if (interval.kind == ObserverLoop::Kind::starts_anew) {
+    at = {};
+    return 0.0;
+  }
+  if (interval.kind == ObserverLoop::Kind::rests)
+    advance_at_rest(at, load, mass_ratio, interval.length);
+  else
+    advance_moving(at, load, mass_ratio, axis, {interval.length, force, interval.slope_position, slope_velocity});
+  const double seen = mass_ratio * at.z.value - at.x;
+  at.x += interval.position_gain * seen;
+  at.v += interval.velocity_gain * seen;
+  return seen;
+}
+
+/// A load of its own along a prediction, and where it is.
+template <class Load>
+struct PassedLoad {
+  Load load;
+  double mass_ratio;
+  LoadedMotion at = {};
+};
+
+/// What loads add to the innovations, side by side: one waits for the other's arithmetic. write(k, what each adds in
+/// row k, m); nothing is added in the first row.
+///
+/// `force`: net force along the prediction, V, of the plant as one mass.
+template <class Load, std::size_t count, class Write>
+void pass_loads(std::array<PassedLoad<Load>, count> loads, const AxisParameters<double>& axis, const ObserverLoop& loop,
+                std::span<const double> slope_velocity, std::span<const double> force, const Write& write) {
+  std::array<double, count> seen{};
+  write(std::size_t{0}, seen);
   StopCheck stop(loop.stop());
   for (std::size_t k = 0; k + 1 < loop.rows(); ++k) {
     stop.row();
     const ObserverLoop::Interval& interval = loop.intervals()[k];
-    if (interval.kind == ObserverLoop::Kind::starts_anew) {
-      at = {};
-      innovation[k + 1] = 0.0;
-      continue;
-    }
-    if (interval.kind == ObserverLoop::Kind::rests)
-      advance_at_rest(at, load, mass_ratio, interval.length);
-    else
-      advance_moving(at, load, mass_ratio, axis,
-                     {interval.length, force[k], interval.slope_position, slope_velocity[k]});
-    const double seen = mass_ratio * at.z.value - at.x;
-    innovation[k + 1] = seen;
-    at.x += interval.position_gain * seen;
-    at.v += interval.velocity_gain * seen;
+    for (std::size_t i = 0; i < count; ++i)
+      seen[i] =
+          pass_interval(loads[i].at, loads[i].load, loads[i].mass_ratio, axis, interval, force[k], slope_velocity[k]);
+    write(k + 1, seen);
   }
 }
 
-/// What a load that is a mass of its own adds to the innovations (m, one entry a row; written).
-inline void pass_load(const CouplingParameters& coupling, const AxisParameters<double>& axis, const ObserverLoop& loop,
-                      std::span<const double> slope_velocity, std::span<const double> force, double* innovation) {
-  // Friction acts on the motor alone, and so damps the vibration.
-  const double viscous_rate = axis.viscous / axis.mass * coupling.mass_ratio / (1.0 - coupling.mass_ratio);
-  if (coupling.gap == 0.0 && !coupling.pushes_only) {
-    pass_load(SpringLoad(coupling, viscous_rate), coupling.mass_ratio, axis, loop, slope_velocity, force, innovation);
-    return;
-  }
-  std::vector<double> one(loop.rows());
-  std::fill_n(innovation, loop.rows(), 0.0);
-  for (const double share : play_shares) {
+/// Friction acts on the motor alone, and so damps the vibration: d acceleration / d velocity by it, 1/s, without sign.
+inline double viscous_rate(const CouplingParameters& coupling, const AxisParameters<double>& axis) {
+  return axis.viscous / axis.mass * coupling.mass_ratio / (1.0 - coupling.mass_ratio);
+}
+
+inline bool has_play(const CouplingParameters& coupling) {
+  return coupling.gap != 0.0 || coupling.pushes_only;
+}
+
+/// What loads without play add to the innovations (m, one entry a row; each written to its own).
+template <std::size_t count>
+void pass_springs(const std::array<CouplingParameters, count>& couplings, const AxisParameters<double>& axis,
+                  const ObserverLoop& loop, std::span<const double> slope_velocity, std::span<const double> force,
+                  const std::array<double*, count>& innovation) {
+  const auto loads = std::apply(
+      [&](const auto&... one) {
+        return std::array{PassedLoad<SpringLoad>{SpringLoad(one, viscous_rate(one, axis)), one.mass_ratio}...};
+      },
+      couplings);
+  pass_loads(loads, axis, loop, slope_velocity, force, [&](std::size_t row, const std::array<double, count>& seen) {
+    for (std::size_t i = 0; i < count; ++i) innovation[i][row] = seen[i];
+  });
+}
+
+/// What a load with play adds to the innovations (m, one entry a row; written): the mean over play_shares.
+inline void pass_loose(const CouplingParameters& coupling, const AxisParameters<double>& axis, const ObserverLoop& loop,
+                       std::span<const double> slope_velocity, std::span<const double> force, double* innovation) {
+  const auto with_share = [&](double share) {
     CouplingParameters other = coupling;
     other.gap *= share;
-    pass_load(LooseLoad(other, axis.mass, viscous_rate), coupling.mass_ratio, axis, loop, slope_velocity, force,
-              one.data());
-    for (std::size_t k = 0; k < one.size(); ++k) innovation[k] += one[k] / static_cast<double>(play_shares.size());
-  }
+    return PassedLoad<LooseLoad>{LooseLoad(other, axis.mass, viscous_rate(coupling, axis)), coupling.mass_ratio};
+  };
+  const auto loads = std::apply([&](auto... share) { return std::array{with_share(share)...}; }, play_shares);
+  pass_loads(loads, axis, loop, slope_velocity, force, [&](std::size_t row, const auto& seen) {
+    double mean = 0.0;
+    for (const double one : seen) mean += one / static_cast<double>(seen.size());
+    innovation[row] = mean;
+  });
 }
 
 }  // namespace cogging

@@ -31,7 +31,7 @@ class ObserverLoop {
     const std::size_t rows = log.time.size();
     require(along.moving.size() == rows, "along", "must be a prediction along this log, rows",
             static_cast<double>(along.moving.size()));
-    const ObserverGain gain(options.bandwidth, median_step(log.time));
+    const ObserverGain gain(options.bandwidth, median_step(log));
     intervals_.reserve(rows - 1);
     for (std::size_t k = 0; k + 1 < rows; ++k) {
       const double h = log.time[k + 1] - log.time[k];

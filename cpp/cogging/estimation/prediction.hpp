@@ -20,6 +20,7 @@ struct Recording {
   std::span<const double> time;      // s
   std::span<const double> position;  // m, readings
   std::span<const double> command;   // V
+  double median_step = 0.0;          // s; 0 = not known, to be found in `time`
 };
 
 struct PredictionOptions {
@@ -76,6 +77,11 @@ inline double median_step(std::span<const double> time) {
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   return *middle;
+}
+
+/// The median step of a recording, s.
+inline double median_step(const Recording& log) {
+  return log.median_step > 0.0 ? log.median_step : median_step(log.time);
 }
 
 /// The step that follows a row, s; behind the last row, the one before it.
@@ -140,7 +146,7 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
   StopCheck stop(options.stop);
   stop.ask();  // finding the median takes long
-  const ObserverGain gain(options.bandwidth, median_step(log.time));
+  const ObserverGain gain(options.bandwidth, median_step(log));
   Prediction result = detail::empty_prediction(rows, with_slopes);
 
   // Where the axis is when the encoder shows `reading`: its error is small against the scale on which it changes.

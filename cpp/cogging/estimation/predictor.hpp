@@ -43,10 +43,11 @@ class Predictor {
     require_finite("command", command_);
     for (std::size_t k = 1; k < rows(); ++k)
       require(time_[k] > time_[k - 1], "time", "must be strictly increasing", time_[k]);
+    median_step_ = median_step(time_);
   }
 
   std::size_t rows() const { return time_.size(); }
-  Recording log() const { return {time_, position_, command_}; }
+  Recording log() const { return {time_, position_, command_, median_step_}; }
 
   /// The prediction along the log, with slopes.
   Prediction predict(const Plant<double>& plant, StopRequest* stop = nullptr) const {
@@ -142,6 +143,7 @@ class Predictor {
 
   std::vector<double> time_, position_, command_;
   PredictionOptions options_;
+  double median_step_ = 0.0;  // s, found once
 };
 
 }  // namespace cogging

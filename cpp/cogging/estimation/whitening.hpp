@@ -10,6 +10,14 @@
 #include "cogging/interruption.hpp"
 #include "cogging/require.hpp"
 
+/// A loop over rows, compiled for each width of the machine's registers; which is taken is found out when the program
+/// starts. The bits are the same: no operation is contracted, and each row keeps the order of its sums.
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
+#define COGGING_EVERY_WIDTH __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define COGGING_EVERY_WIDTH
+#endif
+
 namespace cogging {
 
 namespace detail {
@@ -76,24 +84,34 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
   return detail::levinson(covariance, stop);
 }
 
-/// e_k = r_k - sum_i a_i r_(k-i); before the first row, r is 0.
-inline std::vector<double> whiten(std::span<const double> row, std::span<const double> a,
-                                  StopRequest* request = nullptr) {
-  std::vector<double> white(row.begin(), row.end());
+namespace detail {
+
+/// Takes the lags a[0] to a[3] of a row from `white`, rows of it from 0 to count - 1; row[k - 1] is that before row k.
+COGGING_EVERY_WIDTH inline void take_four_lags(double* white, const double* row, const double* a,
+                                               std::ptrdiff_t count) {
+  const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+  for (std::ptrdiff_t k = 0; k < count; ++k)
+    white[k] -= a0 * row[k - 1] + a1 * row[k - 2] + a2 * row[k - 3] + a3 * row[k - 4];
+}
+
+}  // namespace detail
+
+/// e_k = r_k - sum_i a_i r_(k-i), written to `white`, which is as long as the row; before the first row, r is 0.
+inline void whiten(std::span<const double> row, std::span<const double> a, double* white,
+                   StopRequest* request = nullptr) {
+  std::copy(row.begin(), row.end(), white);
   constexpr std::size_t cached = 1024;  // rows at a time, so that they stay close while every lag passes over them
   StopCheck stop(request);
   for (std::size_t first = 0; first < row.size(); first += cached) {
     stop.row();
     const std::size_t last = std::min(first + cached, row.size());
     std::size_t i = 0;
-    for (; i + 4 <= a.size() && first >= i + 4; i += 4) {  // four lags in one pass
-      const double *r = row.data() - i - 1, a0 = a[i], a1 = a[i + 1], a2 = a[i + 2], a3 = a[i + 3];
-      for (std::size_t k = first; k < last; ++k) white[k] -= a0 * r[k] + a1 * r[k - 1] + a2 * r[k - 2] + a3 * r[k - 3];
-    }
+    for (; i + 4 <= a.size() && first >= i + 4; i += 4)  // four lags in one pass
+      detail::take_four_lags(white + first, row.data() + first - i, a.data() + i,
+                             static_cast<std::ptrdiff_t>(last - first));
     for (; i < a.size(); ++i)
       for (std::size_t k = std::max(first, i + 1); k < last; ++k) white[k] -= a[i] * row[k - i - 1];
   }
-  return white;
 }
 
 }  // namespace cogging

@@ -166,15 +166,15 @@ def floor_of(seen: Discrepancy, logs: Sequence[Log], model: Model) -> float:
     total, rows = 0.0, 0
     for series, mask, log in zip(seen.series, seen.masks, logs, strict=True):
         source = source_of(log, model)
-        columns = [np.ones(len(series))[None, :]]
         if not (source.mask > 0).any():
             return seen.rms
-        for name, (_, _, table, _) in coordinates(source, model).items():
-            if name in ("position", "velocity", "time", "acceleration"):
-                columns.append(table)
-        table = np.vstack(columns)[:, mask]
-        size = np.sqrt((table**2).sum(axis=1))
-        table = table[size > 0] / size[size > 0, None]
+        known = coordinates(source, model)
+        forces = (known[name][2]()[:, mask] for name in ("position", "velocity", "time", "acceleration"))
+        table = np.concatenate([np.ones((1, int(mask.sum()))), *forces])
+        size = np.sqrt(np.einsum("ij,ij->i", table, table))
+        if not size.all():
+            table, size = table[size > 0], size[size > 0]
+        table /= size[:, None]
         gram = table @ table.T
         weights = np.linalg.lstsq(gram + GAP.floor_rank * np.eye(len(gram)), table @ series[mask], rcond=None)[0]
         left = series[mask] - weights @ table

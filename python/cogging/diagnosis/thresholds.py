@@ -84,6 +84,7 @@ class ScoreTestThresholds:
     """Score tests, and the scatter of the scores."""
 
     columns_together: int = 8  # 1: columns that are whitened at once [cost]
+    bytes_kept: float = 4e7  # bytes: of columns that are quick to make again, kept for the next scan [cost]
     effects_below: float = 60.0  # Hz: effects are slower; power and scatter are taken below [assumed]
     effects_above: float = 0.5  # Hz: the scatter of the scores is taken above [assumed]
     scatter_lines: int = 20  # 1: lines between the two, of which more must be for the scatter to be told [assumed]

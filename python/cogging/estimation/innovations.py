@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -52,25 +53,25 @@ class Innovations:
     ) -> None:
         self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
         sample_time = float(np.median(np.diff(log.time)))
-        gap = max(5.0 * sample_time, 0.1 / bandwidth)
+        self.gap = max(5.0 * sample_time, 0.1 / bandwidth)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time,
             log.position,
             log.command,
             bandwidth=bandwidth,
-            gap=gap,
+            gap=self.gap,
             initial_velocity=self.initial_velocity,
             steps_per_sample=steps_needed(model, sample_time) if steps_per_sample is None else steps_per_sample,
         )
         self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
-        self.along = self.predictor.predict(quiet_plant(model))
-        self.velocity = self.along.velocity
+        self._predicted = ((model, self.predictor.predict(quiet_plant(model))),) * 2
+        self.along, self.velocity = self._predicted[0][1], self._predicted[0][1].velocity
         smooth = max(1, round(0.1 / bandwidth / sample_time))
         speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
         self.settle = SETTLED / (2.0 * np.pi * bandwidth)
-        self.mask = self._moves(gap).astype(float)
+        self.mask = self._moves().astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
             force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
@@ -81,14 +82,36 @@ class Innovations:
             sample_time=sample_time,
         )
 
-    def _moves(self, gap: float) -> Mask:
-        """Rows that count: the axis has moved, and the record been without a gap (s), for long enough."""
+    def with_rest(self, rest: float) -> Innovations:
+        """The same log and prediction with another speed (m/s) below which rows do not count."""
+        other = copy(self)
+        other.rest = rest
+        other.mask = other._moves().astype(float)
+        return other
+
+    def _moves(self) -> Mask:
+        """Rows that count: the axis has moved, and the record been without a gap, for long enough."""
         time, velocity = self.log.time, self.velocity
         turned = np.concatenate([[False], velocity[1:] * velocity[:-1] < 0.0])  # between two rows
         still = (np.abs(velocity) < self.rest) | turned
-        broken = np.concatenate([[True], np.diff(time) > gap])
+        broken = np.concatenate([[True], np.diff(time) > self.gap])
         waits = settling(still, time, velocity, self.rest, self.bandwidth) if self.quick_starts else self.settle
         return np.asarray(~(since(still, time) < waits) & ~(since(broken, time) < max(START, self.settle)))
+
+    def prediction(self, model: Model) -> Prediction:
+        """The prediction of a model along this log; of the model given first, and of the last, it is kept.
+
+        A fit asks of the same model again and again: whether a step is to be taken, then with its derivatives.
+
+        Raises:
+            DivergedError: it diverged.
+        """
+        for known, along in self._predicted:
+            if known is model:
+                return along
+        along = self.predictor.predict(quiet_plant(model))
+        self._predicted = (self._predicted[0], (model, along))
+        return along
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n).
@@ -96,6 +119,8 @@ class Innovations:
         Raises:
             DivergedError: a prediction diverged.
         """
+        if len(models) == 1:
+            return np.asarray(self.scale * self.prediction(models[0]).innovation[None, :])
         return self.scale * self.predictor.innovations([quiet_plant(model) for model in models])
 
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
@@ -107,8 +132,7 @@ class Innovations:
         Raises:
             ValueError: a parameter that no step may move.
         """
-        plant = quiet_plant(model)
-        along = self.predictor.predict(plant)
+        plant, along = quiet_plant(model), self.prediction(model)
         columns = np.zeros((len(parameters), len(self.log)))
         kinds = [_kind(model, parameter.path) for parameter in parameters]
         forces, readings, others = (
@@ -142,7 +166,9 @@ class Innovations:
         force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
         # The same acceleration, as a force on the plant's own mass.
         force *= (plant.axis.mass / np.array([p.axis.mass for p in (plant, *others)]))[:, None]
-        force = (force[1:] - force[:1]) / np.asarray(spans)[:, None]
+        force[1:] -= force[0]
+        force = force[1:]
+        force /= np.asarray(spans)[:, None]
         return self.rows_of_forces(along, force, plant.axis.mass)
 
     def rows_of_effects(
@@ -167,11 +193,15 @@ class Innovations:
 
     def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
         """What small forces (V, one an interval, (p, n)) add to the residuals of a prediction, V, (p, n)."""
-        return np.asarray(self.scale * self.predictor.propagate(along, mass, forces))
+        rows = np.asarray(self.predictor.propagate(along, mass, forces))
+        rows *= self.scale
+        return rows
 
     def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
         """What small errors of the reading (m, one a row, (p, n)) add to the residuals of a prediction, V, (p, n)."""
-        return np.asarray(self.scale * self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
+        rows = np.asarray(self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
+        rows *= self.scale
+        return rows
 
 
 def _kind(model: Model, path: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -11,10 +12,11 @@ from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.effects.custom import is_serial
 from cogging.effects.effect import Effect, laws_of
-from cogging.estimation.innovations import Innovations
+from cogging.estimation.innovations import Innovations, initial_velocity
 from cogging.estimation.residuals import quiet, steps_needed
 from cogging.logs.log import Log
 from cogging.model.model import Model
+from cogging.model.parameters import Scales
 from cogging.threads import on_threads
 
 INVERSIONS = 20  # of what an encoder errs by, which changes little from place to place
@@ -45,9 +47,31 @@ class Replay:
         time = np.arange(len(log)) * sample_time
         self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
         self.duration = float(time[-1])
-        seen = Innovations(log, model)
-        self.mask, self.scales, self.velocity = seen.mask, seen.scales, seen.velocity
-        self.initial_velocity = seen.initial_velocity if abs(seen.initial_velocity) > seen.rest else 0.0
+        self._model = model
+        # Slower than its friction is wide an axis rests, whatever a prediction says.
+        start = initial_velocity(log)
+        rests = abs(start) <= model.axis.coulomb_width or abs(start) <= self._seen.rest
+        self.initial_velocity = 0.0 if rests else start
+
+    @cached_property
+    def _seen(self) -> Innovations:
+        """The log as the model predicts it: asked by fits alone."""
+        return Innovations(self.log, self._model)
+
+    @property
+    def mask(self) -> FloatArray:
+        """1 in rows that count, else 0, (n,)."""
+        return self._seen.mask
+
+    @property
+    def scales(self) -> Scales:
+        """Sizes of the log."""
+        return self._seen.scales
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Along the prediction, m/s, (n,)."""
+        return self._seen.velocity
 
     def run(self, model: Model) -> dict[str, FloatArray]:
         """The simulated columns of one model."""

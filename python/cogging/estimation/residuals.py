@@ -18,8 +18,14 @@ class Residuals(Protocol):
     """One log seen by models: rows that count, and what each model leaves unexplained of them, V."""
 
     log: Log
-    mask: FloatArray  # 1 where a row counts, 0 where it does not, (n,)
-    scales: Scales
+
+    @property
+    def mask(self) -> FloatArray:
+        """1 where a row counts, 0 where it does not, (n,)."""
+
+    @property
+    def scales(self) -> Scales:
+        """Sizes of the log."""
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n)."""

@@ -91,9 +91,7 @@ class ForceBalance:
             ValueError: a parameter that no step may move.
         """
         steps = [central(model, parameter, scales.step(parameter)) for parameter in parameters]
-        models = [model, *(side for step in steps for side in (step.above, step.below))]
-        table = (self.dynamics if dynamics is None else dynamics).of(models)
-        return table[0], (table[1::2] - table[2::2]) / np.array([step.span for step in steps])[:, None]
+        return (self.dynamics if dynamics is None else dynamics).columns(model, steps)
 
     def along(self, model: Model, run: Simulator | None) -> InverseDynamics | None:
         """The force balance along a simulated run; None where there is none, or the model cannot be run."""

@@ -14,6 +14,7 @@ from cogging.effects.effect import laws_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.logs.log import Log
 from cogging.logs.pauses import running_time
+from cogging.model.difference_steps import DifferenceStep
 from cogging.model.model import Model
 
 JITTER = 0.01  # of the median step: logs that are evener than this take the command as it stands in the rows
@@ -74,6 +75,19 @@ class InverseDynamics:
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) at the even times, (models, n)."""
+        return self.filtered(self._unfiltered(models))
+
+    def columns(self, model: Model, steps: Sequence[DifferenceStep]) -> tuple[FloatArray, FloatArray]:
+        """Residual (V, (n,)) of a model, and its derivatives (p, n) over steps of its parameters.
+
+        The filter is linear: it is asked of the differences, half as many.
+        """
+        table = self._unfiltered([model, *(side for step in steps for side in (step.above, step.below))])
+        table[1 : len(steps) + 1] = (table[1::2] - table[2::2]) / np.array([step.span for step in steps])[:, None]
+        filtered = self.filtered(table[: len(steps) + 1])
+        return filtered[0], filtered[1:]
+
+    def _unfiltered(self, models: Sequence[Model]) -> FloatArray:
         groups: dict[str, tuple[Motion, list[int]]] = {}
         for i, model in enumerate(models):
             falsifying = [effect for effect in model.effects if "reading" in effect.HOOKS]
@@ -87,19 +101,22 @@ class InverseDynamics:
             force = self.predictor.net_force(plants, motion.middle_position, motion.middle_velocity)
             mass = np.array([models[i].axis.mass for i in members])
             table[members] = force - mass[:, None] * motion.acceleration - self.lost
-        return self.filtered(table)
+        return table
 
     def filtered(self, rows: FloatArray, every: int = 1) -> FloatArray:
-        """The low-pass filter on rows (p, n), or on such of every second (third, ...) time."""
-        from scipy.fft import next_fast_len
+        """The low-pass filter on rows (p, n), or on such of every second (third, ...) time.
+
+        Mirrored at both ends: of such rows the transform is that of cosines.
+        """
+        from scipy.fft import dct, idct, next_fast_len
 
         n = rows.shape[1]
         padded = np.pad(rows, ((0, 0), (0, next_fast_len(n, real=True) - n)), mode="edge")
-        mirrored = np.concatenate([padded, padded[:, ::-1]], axis=1)
-        length = mirrored.shape[1]
-        frequency = np.fft.rfftfreq(length, every * self.sample_time)
-        spectrum = np.fft.rfft(mirrored) / (1.0 + (frequency / self.cutoff) ** 8)
-        return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
+        length = padded.shape[1]
+        frequency = np.arange(length) / (2.0 * length * every * self.sample_time)
+        spectrum = dct(padded, axis=1, overwrite_x=True)
+        spectrum /= 1.0 + (frequency / self.cutoff) ** 8
+        return np.asarray(idct(spectrum, axis=1, overwrite_x=True)[:, :n])
 
     def _lost_between_rows(self, command: FloatArray) -> FloatArray:
         """What of a held command the acceleration does not show that is taken from a band-limited motion, V, (n,).
@@ -108,12 +125,13 @@ class InverseDynamics:
         band-limited motion through these is (omega h / 2) cot(omega h / 2) u / M, z = exp(i omega h). Of every second
         row (third, ...) with the means of the commands the same is seen, h that for which each was held.
         """
-        mirrored = np.concatenate([command, command[::-1]])
+        from scipy.fft import dct, idct
+
         steps = 1.0 if self.hold is None else min(self.hold / self.sample_time, 1.0)
-        half = np.pi * steps * np.fft.rfftfreq(len(mirrored))  # omega h / 2
+        half = 0.5 * np.pi * steps * np.arange(len(command)) / len(command)  # omega h / 2, of the mirrored command
         shown = np.ones(len(half))
         shown[1:] = half[1:] / np.tan(half[1:])
-        return np.asarray(np.fft.irfft((1.0 - shown) * np.fft.rfft(mirrored), len(mirrored))[: len(command)])
+        return np.asarray(idct((1.0 - shown) * dct(command)))
 
     def _behind(self, falsifying: Sequence[Any]) -> Motion:
         """The motion behind the readings."""

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray, IntArray, Mask
+from cogging.correlation import cross_correlation
 from cogging.logs.log import Log
 
 WINDOW = 500  # rows that are looked at together
@@ -85,8 +86,6 @@ def _share(rows: Mask) -> FloatArray:
 
 def _shift(log: Log, other: Log) -> float | None:
     """By how much the time of a log is to be moved to lie on another's; None where nothing is alike."""
-    from scipy.signal import correlate
-
     step = max(float(np.median(np.diff(log.time))), float(np.median(np.diff(other.time))))
     rows = [int((one.time[-1] - one.time[0]) / step) for one in (log, other)]
     if min(rows) < WINDOW or max(rows) > 20 * (len(log) + len(other)):
@@ -95,8 +94,8 @@ def _shift(log: Log, other: Log) -> float | None:
         np.diff(np.interp(one.time[0] + step * np.arange(n), one.time, one.position))
         for one, n in zip((log, other), rows, strict=True)
     ]
-    likeness = correlate(speeds[1], speeds[0], mode="full", method="fft")
-    size = correlate(speeds[1] ** 2, np.ones(len(speeds[0])), mode="full", method="fft")
+    likeness = cross_correlation(speeds[1], speeds[0])
+    size = cross_correlation(speeds[1] ** 2, np.ones(len(speeds[0])))
     size = np.maximum(size, 0.1 * float(size.max()))
     likeness = likeness / np.sqrt(size) if float(size.max()) > 0.0 else likeness
     lag = int(np.argmax(likeness)) - (len(speeds[0]) - 1)

@@ -12,11 +12,11 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate, quantities
-from cogging.diagnosis.candidates.tables import tables
+from cogging.diagnosis.candidates.tables import in_groups, tables, whitened_group
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
-from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.evidence.score_test import Explained, ScoreTest
 from cogging.diagnosis.thresholds import FINDING
 from cogging.effects.effect import Effect
 
@@ -54,14 +54,13 @@ class Finding:
 
 
 def judge(
-    evidence: Evidence, candidate: Candidate, columns: FloatArray, trials: float, exact: bool = False
+    evidence: Evidence, candidate: Candidate, test: ScoreTest, trials: float, exact: bool = False
 ) -> Finding | None:
-    """Test one candidate; None where what it would take is not physical.
+    """What the test of a candidate's columns says of it; None where what it would take is not physical.
 
     An effect that its shape alone makes is a column of finite size. On the grid that size is free; when `exact`, it
     is as the shape says, for a lag of half the time constant taken twice would else pass for a delay.
     """
-    test = evidence.test(columns)
     if test.freedom == 0:
         return None
     if exact and not candidate.amplitudes:
@@ -103,17 +102,43 @@ def _finding(candidate: Candidate, test: ScoreTest, amplitudes: FloatArray, tria
 
 def judged(evidence: Evidence, found: Sequence[Candidate], trials: float, exact: bool = False) -> list[Finding]:
     """Test candidates; those that cannot be simulated or are not physical are left out."""
-    if not found:
-        return []
-    try:
-        made = tables(evidence, found)
-    except (DivergedError, ValueError):
-        if len(found) == 1:
-            return []
-        return [f for one in found for f in judged(evidence, [one], trials, exact)]
-    columns = evidence.whitened_each(made)
-    results = [judge(evidence, c, w, trials, exact) for c, w in zip(found, columns, strict=True)]
-    return [result for result in results if result is not None]
+    results: list[Finding] = []
+    best: dict[tuple[str, bool], float] = {}
+    for group in in_groups(found):
+        try:
+            columns, sizes = whitened_group(evidence, group)
+        except (DivergedError, ValueError):
+            if len(group) > 1:
+                results += [f for one in group for f in judged(evidence, [one], trials, exact)]
+            continue
+        for candidate, test in zip(group, evidence.tests(columns, sizes), strict=True):
+            finding = judge(evidence, candidate, test, trials, exact)
+            if finding is not None:
+                results.append(_with_its_part(evidence, finding, test, best))
+    return results
+
+
+def _with_its_part(
+    evidence: Evidence, finding: Finding, test: ScoreTest, best: dict[tuple[str, bool], float]
+) -> Finding:
+    """The finding; what it explains is made now where it is the best of its kind so far.
+
+    Of the others that is hardly ever asked, and would take as much memory as a column each: it is made again then.
+    """
+    kind = (finding.name, finding.faint)
+    if finding.score > best.get(kind, -np.inf):
+        best[kind] = finding.score
+        _ = test.explained
+    elif isinstance(test.part, Explained):
+        candidate, amplitudes = finding.candidate, test.amplitudes
+        test.part.made_by(lambda: explained_by(evidence, candidate, amplitudes))
+    return finding
+
+
+def explained_by(evidence: Evidence, candidate: Candidate, amplitudes: FloatArray) -> FloatArray:
+    """What a candidate's columns explain of the whitened residual with these amplitudes (p,), (n,)."""
+    column = evidence.whitened([amplitudes[None, :] @ table for table in tables(evidence, [candidate])[0]])
+    return np.asarray(evidence.project(column)[0])
 
 
 def bounded(evidence: Evidence, finding: Finding) -> Finding:

@@ -64,8 +64,16 @@ class Form:
 
 
 def hats(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Linear interpolation between places as columns, (m, n)."""
-    return np.array([np.interp(values, places, one) for one in np.eye(len(places))])
+    """Linear interpolation between places (m,), increasing, as columns, (m, n)."""
+    table = np.zeros((len(places), len(values)))
+    if len(places) == 1:
+        table[0] = 1.0
+        return table
+    left = np.clip(np.searchsorted(places, values, side="right") - 1, 0, len(places) - 2)
+    share = np.clip((1.0 / np.diff(places))[left] * (values - places[left]), 0.0, 1.0)
+    rows = np.arange(len(values))
+    table[left, rows], table[left + 1, rows] = 1.0 - share, share
+    return table
 
 
 def form_of(effect: Effect, evidence: Evidence) -> Form | None:

@@ -17,6 +17,7 @@ from cogging.diagnosis.candidates.waves import beside_known, is_spatial_wave, is
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.thresholds import SCAN
 from cogging.effects.effect import Effect
+from cogging.estimation.innovations import LINEAR_HOOKS
 
 
 def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
@@ -32,8 +33,11 @@ def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         for waves in (True, False):  # the waves first: the others look at their periods too
             tried = [law for law in wanted if is_wave(law) == waves]
-            for law, found in zip(tried, threads.map(lambda one: _of(evidence, one, periods), tried), strict=True):
-                for finding in found:
+            # What takes long begins first, so that it is not what the others wait for.
+            order = sorted(tried, key=lambda law: set(law.HOOKS) <= LINEAR_HOOKS)
+            found = {law.NAME: threads.submit(_of, evidence, law, periods) for law in order}
+            for law in tried:
+                for finding in found[law.NAME].result():
                     kind = (law.NAME, finding.faint)
                     if kind not in best or finding.score > best[kind].score:
                         best[kind] = finding

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from cogging._core import Plant
+from cogging._core import Prediction
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.signatures import Candidate
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.evidence.score_test import groups
+from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.effects.effect import Effect, for_core, laws_of
 from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
 from cogging.estimation.residuals import quiet_plant
+from cogging.model.model import Model
 
 
 def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatArray]]:
@@ -28,6 +32,27 @@ def tables(evidence: Evidence, wanted: Sequence[Candidate]) -> list[list[FloatAr
         for i, table in enumerate(_tables_of_log(evidence, number, source, wanted)):
             result[i].append(table)
     return result
+
+
+def in_groups(wanted: Sequence[Candidate]) -> Iterator[Sequence[Candidate]]:
+    """Neighbours whose columns are made and whitened at once: quicker than one by one, and few enough to be held."""
+    sizes = [max(1, len(candidate.amplitudes)) for candidate in wanted]
+    for first, last in groups(sizes, SCORE_TEST.columns_together):
+        yield wanted[first:last]
+
+
+def whitened_group(evidence: Evidence, wanted: Sequence[Candidate]) -> tuple[FloatArray, list[int]]:
+    """Whitened columns of all candidates, one after the other, (p, n), and how many each has."""
+    made = tables(evidence, wanted)
+    logs = [np.concatenate([each[number] for each in made]) for number in range(len(evidence.sources))]
+    return evidence.whitened(logs), [len(each[0]) for each in made]
+
+
+def whitened_each(evidence: Evidence, wanted: Sequence[Candidate]) -> Iterator[FloatArray]:
+    """Whitened columns (p, n) of each candidate, not yet projected."""
+    for group in in_groups(wanted):
+        white, sizes = whitened_group(evidence, group)
+        yield from np.split(white, np.cumsum(sizes)[:-1])
 
 
 def _tables_of_log(
@@ -50,11 +75,13 @@ def _tables_of_log(
         out[i] = _reading(evidence, number, source, wanted[i])
     keys = {i: (number, wanted[i].name, *sorted(wanted[i].shape.items(), key=str)) for i in memory}
     known = {i: tuple(str(part) for part in key) for i, key in keys.items()}
-    out |= {i: evidence.memory[known[i]][0] for i in memory if known[i] in evidence.memory}
-    made = _with_memory(evidence, number, source, {i: wanted[i] for i in memory if i not in out})
-    for i, table in made.items():
-        evidence.memory[known[i]] = [table]
-    out |= made
+    out |= {i: evidence.memory.table(known[i]) for i in memory if known[i] in evidence.memory}
+    model, along = evidence.model, evidence.alongs[number]
+    anew = {i: wanted[i] for i in memory if i not in out}
+    for i, (table, quick) in _with_memory(model, along, source, anew).items():
+        out[i] = table
+        again = partial(_made_again, model, along, source, wanted[i]) if quick else None
+        evidence.memory.keep(known[i], table, again)
     return [out[i] for i in range(len(wanted))]
 
 
@@ -63,7 +90,7 @@ def _linear(
 ) -> dict[int, FloatArray]:
     """Columns of laws that are evaluated along the prediction, one an amplitude."""
     made = [pair for candidate in wanted.values() for pair in _unit_effects(candidate)]
-    rows = _added(evidence, number, source, made)
+    rows = _added(evidence.model, evidence.alongs[number], source, made)
     out, start = {}, 0
     for i, candidate in wanted.items():
         columns = max(1, len(candidate.amplitudes))
@@ -72,11 +99,10 @@ def _linear(
     return out
 
 
-def _added(evidence: Evidence, number: int, source: Innovations, made: Sequence[tuple[Any, float]]) -> FloatArray:
+def _added(model: Model, along: Prediction, source: Innovations, made: Sequence[tuple[Any, float]]) -> FloatArray:
     """What effects add to the residuals of a log, V per unit of each, (p, n)."""
-    plant: Plant = quiet_plant(evidence.model)
     effects, units = [effect for effect, _ in made], [unit for _, unit in made]
-    return source.rows_of_effects(evidence.alongs[number], plant, effects, units)
+    return source.rows_of_effects(along, quiet_plant(model), effects, units)
 
 
 def _reading(evidence: Evidence, number: int, source: Innovations, candidate: Candidate) -> FloatArray:
@@ -90,21 +116,29 @@ def _reading(evidence: Evidence, number: int, source: Innovations, candidate: Ca
 
 
 def _with_memory(
-    evidence: Evidence, number: int, source: Innovations, wanted: Mapping[int, Candidate]
-) -> dict[int, FloatArray]:
-    """Columns of effects that their shape alone makes: added to the prediction if that can be, else predicted anew."""
-    model, plant = evidence.model, quiet_plant(evidence.model)
+    model: Model, along: Prediction, source: Innovations, wanted: Mapping[int, Candidate]
+) -> dict[int, tuple[FloatArray, bool]]:
+    """Columns of effects that their shape alone makes, and whether they are quick to make again.
+
+    They are added to the prediction if that can be, else predicted anew.
+    """
+    plant = quiet_plant(model)
     shown = {i: _unit_effects(candidate)[0] for i, candidate in wanted.items()}
-    out: dict[int, FloatArray] = {}
+    out: dict[int, tuple[FloatArray, bool]] = {}
     added = [i for i in shown if source.predictor.is_addable(plant, *for_core([shown[i][0]]))]
     if added:
-        rows = _added(evidence, number, source, [shown[i] for i in added])
-        out |= {i: rows[k : k + 1] for k, i in enumerate(added)}
+        rows = _added(model, along, source, [shown[i] for i in added])
+        out |= {i: (rows[k : k + 1].copy(), "gap" not in wanted[i].shape) for k, i in enumerate(added)}
     whole = [i for i in shown if i not in out]
     if whole:
-        rows = source.of([model, *(model.replace(effects=(*model.effects, shown[i][0])) for i in whole)])
-        out |= {i: ((rows[k + 1] - rows[0]) / shown[i][1]).reshape(1, -1) for k, i in enumerate(whole)}
+        rows = source.of([model.replace(effects=(*model.effects, shown[i][0])) for i in whole])
+        rows -= source.of([model])
+        out |= {i: (rows[k : k + 1] / shown[i][1], False) for k, i in enumerate(whole)}
     return out
+
+
+def _made_again(model: Model, along: Prediction, source: Innovations, candidate: Candidate) -> FloatArray:
+    return _with_memory(model, along, source, {0: candidate})[0][0]
 
 
 def _unit_effects(candidate: Candidate) -> list[tuple[Effect, float]]:

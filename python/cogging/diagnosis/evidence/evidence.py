@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Prediction
 from cogging.arrays import FloatArray
+from cogging.diagnosis.evidence.column_memory import ColumnMemory
 from cogging.diagnosis.evidence.noise_filter import (
     Filter,
     bands,
@@ -19,10 +19,10 @@ from cogging.diagnosis.evidence.noise_filter import (
     periodogram,
     periodogram_length,
 )
-from cogging.diagnosis.evidence.score_test import ScoreTest, groups
+from cogging.diagnosis.evidence.score_test import Explained, ScoreTest
 from cogging.diagnosis.thresholds import SCORE_TEST
 from cogging.estimation.innovations import Innovations
-from cogging.linear import least_squares_of_long_rows
+from cogging.linear import row_sizes, solved
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
 
@@ -42,6 +42,11 @@ class Unweighted:
     columns: FloatArray
 
 
+def joined(parts: Sequence[FloatArray]) -> FloatArray:
+    """Columns (p, n of a log) of all logs, the rows of one after those of the other, (p, n)."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+
 @dataclass(frozen=True)
 class Evidence:
     """Logs under one model, whitened and projected.
@@ -55,7 +60,7 @@ class Evidence:
         columns: whitened columns of the free parameters and of the shapes of slow friction, (p + 6, n).
         block: number of the block of each row, (n,).
         parts: residuals and columns before they were whitened, one a log.
-        memory: tables of effects with a memory, as predicted under an earlier model of these logs.
+        memory: columns of effects with a memory, as predicted under an earlier model of these logs.
         turns: whether a wave along the travel may come with another phase than in the logs it was found in.
     """
 
@@ -67,7 +72,7 @@ class Evidence:
     columns: FloatArray
     block: npt.NDArray[np.int64]
     parts: tuple[Unweighted, ...]
-    memory: dict[Any, list[FloatArray]]
+    memory: ColumnMemory
     turns: bool = True
 
     @property
@@ -86,16 +91,21 @@ class Evidence:
         Nothing is whitened here: what is slow and large is taken for noise by filters, and hardly seen beside what is
         fast.
         """
-        rows, right = [], []
-        for source, part, table in zip(self.sources, self.parts, tables, strict=True):
-            rows.append(np.vstack([part.columns, table]) * source.mask)
-            right.append(part.residual * source.mask)
-        columns, gap = np.concatenate(rows, axis=1), np.concatenate(right)
-        p = len(tables[0])
-        tuned = gap - least_squares_of_long_rows(columns[:-p], gap) @ columns[:-p]
-        weights = least_squares_of_long_rows(columns, gap)
+        rows = [np.vstack([part.columns, table]) for part, table in zip(self.parts, tables, strict=True)]
+        for its, source in zip(rows, self.sources, strict=True):
+            its *= source.mask
+        columns = joined(rows)
+        gap = np.concatenate(
+            [part.residual * source.mask for source, part in zip(self.sources, self.parts, strict=True)]
+        )
+        size = row_sizes(columns)
+        columns /= size[:, None]
+        gram, right = columns @ columns.T, columns @ gap
+        own = len(columns) - len(tables[0])  # of the free parameters
+        tuned = gap - solved(gram[:own, :own], right[:own]) @ columns[:own]
+        weights = solved(gram, right)
         left = gap - weights @ columns
-        return weights[-p:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
+        return (weights / size)[own:], 1.0 - float(left @ left) / max(float(tuned @ tuned), 1e-300)
 
     @cached_property
     def freedom(self) -> tuple[tuple[list[slice], FloatArray], ...]:
@@ -183,15 +193,7 @@ class Evidence:
             filtered(table, source, filter_)
             for source, filter_, table in zip(self.sources, self.filters, tables, strict=True)
         ]
-        return np.concatenate(parts, axis=1)
-
-    def whitened_each(self, made: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
-        """`whitened` of many tables; several columns at a time, which is quicker than a few."""
-        for first, last in groups([len(tables[0]) for tables in made], SCORE_TEST.columns_together):
-            parts = zip(*made[first:last], strict=True)
-            white = self.whitened([np.concatenate(part) for part in parts])
-            ends = np.cumsum([len(tables[0]) for tables in made[first:last]])
-            yield from np.split(white, ends[:-1])
+        return joined(parts)
 
     def project(self, columns: FloatArray) -> FloatArray:
         """Take from whitened columns (p, n) what the free parameters could explain."""
@@ -199,7 +201,21 @@ class Evidence:
 
     def test(self, columns: FloatArray) -> ScoreTest:
         """Score test of whitened columns (p, n): how much of the residual they explain that re-tuning cannot."""
+        test = self.tests(columns, [len(columns)])[0]
+        return replace(test, part=test.explained)
+
+    def tests(self, columns: FloatArray, sizes: Sequence[int]) -> list[ScoreTest]:
+        """Score tests of several candidates, whose whitened columns (sum of the sizes, n) follow each other.
+
+        What each explains is made from the columns where it is asked for; it holds them until then.
+        """
         shares = columns @ self.basis.T  # of what the free parameters could explain, (p, q)
+        scores = columns @ self.free_residual
+        ends = np.cumsum(sizes)
+        parts = [slice(int(end) - size, int(end)) for size, end in zip(sizes, ends, strict=True)]
+        return [self._test(columns[part], shares[part], scores[part]) for part in parts]
+
+    def _test(self, columns: FloatArray, shares: FloatArray, scores: FloatArray) -> ScoreTest:
         gram = columns @ columns.T
         size = np.sqrt(np.diag(gram))
         gram -= shares @ shares.T
@@ -207,20 +223,20 @@ class Evidence:
         # The rest is what linear columns cannot tell.
         seen = left > SCORE_TEST.untuned_share * np.where(size > 0.0, size, 1.0)
         amplitudes = np.zeros(len(columns))
+        deviations = np.full(len(columns), np.inf)
         if not seen.any():
-            return ScoreTest(0.0, 0, amplitudes, np.zeros(len(self.residual)), np.full(len(columns), np.inf))
+            return ScoreTest(0.0, 0, amplitudes, Explained(lambda: np.zeros(len(self.residual))), deviations)
         values, vectors = np.linalg.eigh(gram[np.ix_(seen, seen)] / np.outer(left[seen], left[seen]))
         good = values > SCORE_TEST.column_rank
         inverse = (vectors[:, good] / values[good]) @ vectors[:, good].T
-        score = (columns @ self.free_residual)[seen] / left[seen]
+        score = scores[seen] / left[seen]
         solution = inverse @ score
         amplitudes[seen] = solution / left[seen]
-        deviations = np.full(len(columns), np.inf)
         deviations[seen] = np.sqrt(np.diag(inverse) * self.overdispersion) / left[seen]
         return ScoreTest(
             float(score @ solution) / self.overdispersion,
             int(good.sum()),
             amplitudes,
-            amplitudes @ columns - (amplitudes @ shares) @ self.basis,
+            Explained(lambda: amplitudes @ columns - (amplitudes @ shares) @ self.basis),
             deviations,
         )

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from cogging._core import whiten
 from cogging.arrays import FloatArray
-from cogging.diagnosis.evidence.evidence import Evidence, Unweighted
+from cogging.diagnosis.evidence.column_memory import ColumnMemory
+from cogging.diagnosis.evidence.evidence import Evidence, Unweighted, joined
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured, robust_rms, spectrum
 from cogging.diagnosis.evidence.score_test import orthonormal
 from cogging.diagnosis.thresholds import WHITENING
 from cogging.estimation.gauss_newton import Estimate, columns_of
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.residuals import quiet_plant
 from cogging.estimation.whitening import BLOCK, whitening_filter
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
@@ -26,7 +25,7 @@ from cogging.model.parameters import Scales, parameters_of
 def gather(
     estimate: Estimate,
     sources: Sequence[Innovations],
-    memory: dict[Any, list[FloatArray]] | None = None,
+    memory: ColumnMemory | None = None,
     plain: bool = False,
 ) -> Evidence:
     """Make evidence of a fit: residuals, whitening, and the basis of all that the free parameters can explain.
@@ -34,16 +33,16 @@ def gather(
     Args:
         estimate: fit of the model.
         sources: logs that it was fitted to.
-        memory: tables of earlier evidence of these logs (see Evidence).
+        memory: columns of earlier evidence of these logs (see Evidence).
         plain: whether not to whiten: all frequencies then weigh as they do in the gap itself.
     """
     model = estimate.model
     known = parameters_of(model, together=True)
     scales = Scales.largest(source.scales for source in sources)
     residuals, columns = columns_of(model, [known[path] for path in estimate.paths], sources, scales)
-    parts, memory = [], {} if memory is None else memory
+    parts, memory = [], ColumnMemory() if memory is None else memory
     for i, source in enumerate(sources):
-        along = source.predictor.predict(quiet_plant(model))
+        along = source.prediction(model)
         shapes = source.rows_of_forces(along, slow_friction(source, model), model.axis.mass)
         parts.append(Unweighted(along, residuals[i], np.vstack([columns[i], shapes])))
     return weighed(model, sources, parts, [np.zeros(len(source.log)) for source in sources], memory, plain)
@@ -64,7 +63,7 @@ def weighed(
     sources: Sequence[Innovations],
     parts: Sequence[Unweighted],
     explained: Sequence[FloatArray],
-    memory: dict[Any, list[FloatArray]],
+    memory: ColumnMemory,
     plain: bool = False,
 ) -> Evidence:
     """Whiten; the filters come from the residuals less what is `explained` (V, one (n,) a log)."""
@@ -78,8 +77,7 @@ def weighed(
         table *= source.mask / rms
         table[0] = np.clip(table[0], -WHITENING.outlier, WHITENING.outlier)
         table[1] = np.clip(table[1], -WHITENING.glitch, WHITENING.glitch)
-        basis = orthonormal(table[2:])
-        level = spectrum(table[0] - (basis @ table[0]) @ basis, source)
+        level = spectrum(_freed(table[0], table[2:]), source)
         filter_ = Filter(a, rms, level[0], np.ones_like(level[1]) if plain else level[1])
         table = coloured(table[1:], source, filter_)
         rows.append(table[0])
@@ -88,7 +86,7 @@ def weighed(
         blocks.append(block + offset)
         offset += int(block[-1]) + 1
         filters.append(filter_)
-    columns = np.concatenate(bases, axis=1)
+    columns = joined(bases)
     return Evidence(
         model,
         tuple(sources),
@@ -100,6 +98,12 @@ def weighed(
         tuple(parts),
         memory,
     )
+
+
+def _freed(row: FloatArray, columns: FloatArray) -> FloatArray:
+    """A row (n,) without what columns (p, n) explain of it."""
+    basis = orthonormal(columns)
+    return np.asarray(row - (basis @ row) @ basis)
 
 
 def with_columns(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> Evidence:
@@ -122,7 +126,8 @@ def with_columns(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: F
 def refitted(source: Innovations, part: Unweighted, noise: FloatArray) -> FloatArray:
     """What re-tuning makes of a residual (V, (n,)) from which an effect was taken: it had made up for the effect."""
     a = whitening_filter(source, noise)
-    table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a))) * source.mask
+    table = np.asarray(whiten(np.vstack([noise[None, :], part.columns]), list(a)))
+    table *= source.mask
     return np.asarray(least_squares_of_long_rows(table[1:], table[0], rcond=WHITENING.refit_rank) @ part.columns)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from cogging._core import whiten
 from cogging.arrays import FloatArray
-from cogging.diagnosis.thresholds import DISTRIBUTION, WHITENING
+from cogging.diagnosis.thresholds import DISTRIBUTION, SCORE_TEST, WHITENING
 from cogging.estimation.innovations import Innovations
 
 
@@ -27,23 +27,54 @@ class Filter:
     rms: float
     frequency: FloatArray
     level: FloatArray
+    _gains: dict[tuple[int, float], FloatArray] = field(default_factory=dict, compare=False, repr=False)
+
+    def gain(self, length: int, sample_time: float) -> FloatArray:
+        """Gain level^(-1/2) of each line of a transform of so many rows, (length // 2 + 1,); made once of each length.
+
+        Args:
+            length: rows of the transform.
+            sample_time: of the rows, s.
+        """
+        key = (length, sample_time)
+        if key not in self._gains:
+            frequency = np.fft.rfftfreq(length, sample_time)
+            self._gains[key] = 1.0 / np.sqrt(np.interp(frequency, self.frequency, self.level))
+        return self._gains[key]
 
 
 def filtered(table: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
     """Rows (p, n), V, made white; rows that do not count are taken as 0 between the two filters."""
-    white = np.asarray(whiten(table, list(filter_.coefficients))) * (source.mask / filter_.rms)
-    return coloured(white, source, filter_)
+    white, weight = np.empty(table.shape), source.mask / filter_.rms
+    for rows in together(len(table)):
+        part = np.asarray(whiten(table[rows], list(filter_.coefficients)))
+        part *= weight
+        white[rows] = _coloured(part, source, filter_)
+    return white
 
 
 def coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
     """The second filter alone: gain level^(-1/2) over frequency, without phase."""
+    result = np.empty(white.shape)
+    for rows in together(len(white)):
+        result[rows] = _coloured(white[rows], source, filter_)
+    return result
+
+
+def together(rows: int) -> list[slice]:
+    """Rows that are filtered at once: so few that they stay close to the processor."""
+    step = SCORE_TEST.columns_together
+    return [slice(first, min(first + step, rows)) for first in range(0, rows, step)]
+
+
+def _coloured(white: FloatArray, source: Innovations, filter_: Filter) -> FloatArray:
+    from scipy.fft import irfft, rfft  # several rows abreast, which numpy does in one direction only
+
     n = white.shape[1]
     length = periodogram_length(n + n // 8)  # what runs over the end comes back into the padding
-    frequency = np.fft.rfftfreq(length, source.scales.sample_time)
-    gain = 1.0 / np.sqrt(np.interp(frequency, filter_.frequency, filter_.level))
-    spectrum = np.fft.rfft(white, length)
-    spectrum *= gain
-    return np.asarray(np.fft.irfft(spectrum, length)[:, :n])
+    spectrum = rfft(white, length, axis=1)
+    spectrum *= filter_.gain(length, source.scales.sample_time)
+    return np.asarray(irfft(spectrum, length, axis=1, overwrite_x=True)[:, :n])
 
 
 def periodogram_length(rows: int) -> int:

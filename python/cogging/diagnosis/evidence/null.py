@@ -84,12 +84,13 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
         other = 0.0 if model.axis.coulomb_width > 0.0 else NULL.other_width * max(_speed(log) for log in logs)
         forms.append(model.replace(axis=model.axis.replace(coulomb_width=other)))
     # Both are judged on the same rows.
-    rest = max(source.rest for form in forms for source in sources_of(logs, form))
+    seen = [sources_of(logs, form) for form in forms]
+    rest = max(source.rest for sources in seen for source in sources)
     best: tuple[Estimate, list[Innovations]] | None = None
     failure: Exception | None = None
-    for form in forms:
+    for form, own in zip(forms, seen, strict=True):
         try:
-            sources = sources_of(logs, form, rest=rest)
+            sources = [source.with_rest(rest) for source in own]
             floors = width_floor(sources)
             if best is not None and fit(
                 form, nuisances(form), sources, iterations=NULL.first_iterations, floors=floors

@@ -10,8 +10,9 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, place
-from cogging.diagnosis.candidates.tables import tables
+from cogging.diagnosis.candidates.tables import tables, whitened_each
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave, wave_of, wave_range
+from cogging.diagnosis.evidence.column_memory import ColumnMemory
 from cogging.diagnosis.evidence.evidence import Evidence, Unweighted
 from cogging.diagnosis.evidence.gather import slow_friction, weighed
 from cogging.diagnosis.evidence.noise_filter import periodogram_length
@@ -47,7 +48,7 @@ def evidence_of(log: Log, model: Model, paths: Sequence[str], rest: float, truth
     shapes = source.rows_of_forces(source.along, slow_friction(source, model), model.axis.mass)
     part = Unweighted(source.along, residuals[0], np.vstack([columns[0], shapes]))
     signal = residuals[0] - (residuals[0] if truth == model else source.of([truth])[0])
-    evidence = weighed(model, [source], [part], [signal], {})
+    evidence = weighed(model, [source], [part], [signal], ColumnMemory())
     return evidence, evidence.whitened([signal[None, :]])[0]
 
 
@@ -94,7 +95,7 @@ def band_powers(evidence: Evidence, rows: FloatArray) -> FloatArray:
 def gram_of(evidence: Evidence, signal: FloatArray, wanted: Sequence[Candidate]) -> FloatArray:
     """Products of the signal, the free parameters' columns and those of candidates, in that order, over phi, (q, q)."""
     rows = [signal[None, :], evidence.columns]
-    rows += list(evidence.whitened_each(tables(evidence, wanted))) if wanted else []
+    rows += whitened_each(evidence, wanted)
     table = np.vstack(rows)
     return np.asarray(table @ table.T / evidence.overdispersion)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -24,8 +24,14 @@ from cogging.model.model import Model
 ANSWERS = ("command", "acceleration", "velocity", "gain")  # in which the loop answers what the gap does, noise too
 
 
-def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, FloatArray, FloatArray, FloatArray]]:
-    """Unit, places, columns (m, n) of V per V, and values of each coordinate along a log."""
+Coordinate = tuple[str, FloatArray, Callable[[], FloatArray], FloatArray]
+
+
+def coordinates(source: Innovations, model: Model) -> dict[str, Coordinate]:
+    """Unit, places, what makes the columns (m, n) of V per V, and values of each coordinate along a log.
+
+    Columns of all coordinates together would be a hundred times the log: each are made where they are looked at.
+    """
     x, v = source.along.middle_position, source.along.middle_velocity
     t = source.log.time - source.log.time[0]
     u = source.log.command
@@ -38,45 +44,48 @@ def coordinates(source: Innovations, model: Model) -> dict[str, tuple[str, Float
         return places if len(places) > 2 else np.linspace(places[0] - 1e-9, places[-1] + 1e-9, 3)
 
     ends = np.linspace(float(x.min()), float(x.max()), SHAPE.travel_places)
-    forward = hats(x, ends)
     speeds = np.unique(np.concatenate([-one_way(-v[moving]), [0.0], one_way(v[moving])]))
     times, ages = np.linspace(0.0, float(t[-1]), SHAPE.time_places), np.linspace(0.0, float(t[-1]), SHAPE.ageing_places)
     commands, accelerations = spread(u, SHAPE.value_places), spread(a, SHAPE.value_places)
     paces = spread(np.abs(v), SHAPE.gain_speeds)
-    # Each coordinate's shape is free for either direction where that makes a difference.
-    both = np.vstack([forward * (direction > 0), forward * (direction < 0)])
-    speed_columns = hats(v, speeds)
+
+    def both() -> FloatArray:  # the shape is free for either direction where that makes a difference
+        forward = hats(x, ends)
+        return np.vstack([forward * (direction > 0), forward * (direction < 0)])
+
     return {
         "position": ("m", ends, both, x),
-        "velocity": ("m/s", speeds, speed_columns, v),
-        "time": ("s", times, hats(t, times), t),
-        "command": ("V", commands, hats(u, commands), u),
-        "acceleration": ("m/s^2", accelerations, hats(a, accelerations), a),
-        "friction over time": ("s", times, hats(t, times) * direction, t),
-        "drag over time": ("s", ages, hats(t, ages) * v, t),
-        "gain over time": ("s", times, hats(t, times) * u, t),
-        "gain over position": ("m", ends, forward * u, x),
-        "gain over speed": ("m/s", paces, hats(np.abs(v), paces) * u, np.abs(v)),
-        "drag over position": ("m", ends, forward * v, x),
+        "velocity": ("m/s", speeds, lambda: hats(v, speeds), v),
+        "time": ("s", times, lambda: hats(t, times), t),
+        "command": ("V", commands, lambda: hats(u, commands), u),
+        "acceleration": ("m/s^2", accelerations, lambda: hats(a, accelerations), a),
+        "friction over time": ("s", times, lambda: hats(t, times) * direction, t),
+        "drag over time": ("s", ages, lambda: hats(t, ages) * v, t),
+        "gain over time": ("s", times, lambda: hats(t, times) * u, t),
+        "gain over position": ("m", ends, lambda: hats(x, ends) * u, x),
+        "gain over speed": ("m/s", paces, lambda: hats(np.abs(v), paces) * u, np.abs(v)),
+        "drag over position": ("m", ends, lambda: hats(x, ends) * v, x),
         **over_pitch(x, v, u, model),
     }
 
 
-def over_pitch(
-    position: FloatArray, velocity: FloatArray, command: FloatArray, model: Model
-) -> dict[str, tuple[str, FloatArray, FloatArray, FloatArray]]:
+def over_pitch(position: FloatArray, velocity: FloatArray, command: FloatArray, model: Model) -> dict[str, Coordinate]:
     """Drag, friction and gain of any shape over the longest period of the known cogging, as `coordinates` has them."""
     if model.cogging is None or len(model.cogging.basis.wavenumbers) == 0:
         return {}
     pitch = float(2.0 * np.pi / np.min(model.cogging.basis.wavenumbers))
     places = np.linspace(0.0, pitch, SHAPE.pitch_places + 1)
     phase = np.mod(position, pitch)
-    wave = hats(phase, places)
-    wave = np.vstack([wave[0] + wave[-1], wave[1:-1]])  # the last place is the first
+
+    def times(factor: FloatArray) -> FloatArray:
+        wave = hats(phase, places)
+        wave[0] += wave[-1]  # the last place is the first
+        return wave[:-1] * factor
+
     return {
-        "drag over the pitch": ("m", places[:-1], wave * velocity, phase),
-        "friction over the pitch": ("m", places[:-1], wave * np.sign(velocity), phase),
-        "gain over the pitch": ("m", places[:-1], wave * command, phase),
+        "drag over the pitch": ("m", places[:-1], lambda: times(velocity), phase),
+        "friction over the pitch": ("m", places[:-1], lambda: times(np.sign(velocity)), phase),
+        "gain over the pitch": ("m", places[:-1], lambda: times(command), phase),
     }
 
 
@@ -99,31 +108,31 @@ def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = 
             is slow and large. That sees more, and doubts more names: their own shapes are sought without it.
         known: shapes of the same evidence that were sought without `plain`.
     """
-    tables: dict[str, list[FloatArray]] = {}
-    facts: dict[str, tuple[str, FloatArray]] = {}
     usual = {shape.coordinate: shape for shape in known}
-    for source, along in zip(evidence.sources, evidence.alongs, strict=True):
-        for name, (unit, places, columns, _) in coordinates(source, evidence.model).items():
-            facts[name] = (unit, places)
-            if name not in usual or (plain and not is_answered(name)):
-                tables.setdefault(name, []).append(source.rows_of_forces(along, columns, evidence.model.axis.mass))
+    seen = [coordinates(source, evidence.model) for source in evidence.sources]
+    wanted = [name for name in seen[-1] if name not in usual or (plain and not is_answered(name))]
     power = low_power(evidence)
     _ = evidence.overdispersion, evidence.freedom  # made here once, not by every thread
 
     def shape(name: str) -> Shape | None:
+        unit, places = seen[-1][name][:2]
+        tables = [
+            source.rows_of_forces(along, each[name][2](), evidence.model.axis.mass)
+            for source, along, each in zip(evidence.sources, evidence.alongs, seen, strict=True)
+        ]
         # Each log has its own places, but equally many unless a direction is missing.
-        if len({len(part) for part in tables[name]}) != 1:
+        if len({len(part) for part in tables}) != 1:
             return None
         asked = plain and not is_answered(name)
-        start, explained = evidence.unwhitened_fit(tables[name]) if asked else (np.empty(0), 0.0)
+        start, explained = evidence.unwhitened_fit(tables) if asked else (np.empty(0), 0.0)
         if name in usual and explained <= SHAPE.plain_share:
             return usual[name]
-        test, share = best_test(evidence, tables[name], [start] if explained > SHAPE.plain_share else [], power)
-        return None if test is None else shape_of(name, *facts[name], test, share, len(facts))
+        test, share = best_test(evidence, tables, [start] if explained > SHAPE.plain_share else [], power)
+        return None if test is None else shape_of(name, unit, places, test, share, len(seen[-1]))
 
     with ThreadPoolExecutor(os.cpu_count()) as threads:
-        found = [one for one in threads.map(shape, tables) if one is not None]
-    found += [one for one in known if one.coordinate not in tables]
+        found = [one for one in threads.map(shape, wanted) if one is not None]
+    found += [one for one in known if one.coordinate not in wanted]
     return sorted(found, key=lambda one: one.log_p_value)
 
 

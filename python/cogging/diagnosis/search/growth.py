@@ -11,7 +11,7 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Candidate, candidates
 from cogging.diagnosis.candidates.sizes import Size, directions, is_share
-from cogging.diagnosis.candidates.tables import tables
+from cogging.diagnosis.candidates.tables import whitened_each
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.search.chance import GRID, Powers, Visibility
 from cogging.diagnosis.thresholds import CHOICE, FINDING, LIMIT, SCORE_TEST
@@ -68,7 +68,7 @@ class Growth:
 def _columns(evidence: Evidence, basis: FloatArray, shapes: Sequence[Candidate]) -> list[FloatArray]:
     """Whitened columns (p, n) of each shape, freed of what re-tuning explains; 0 where that is all."""
     result = []
-    for columns in evidence.whitened_each(tables(evidence, shapes)):
+    for columns in whitened_each(evidence, shapes):
         left = columns - (columns @ basis.T) @ basis
         kept = np.einsum("ij,ij->i", left, left) > SCORE_TEST.untuned_share**2 * np.einsum("ij,ij->i", columns, columns)
         result.append(left * kept[:, None])

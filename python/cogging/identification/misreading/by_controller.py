@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cogging.correlation import cross_correlation
 from cogging.identification.misreading.by_columns import exchanged
 from cogging.identification.misreading.readings import REFERENCES, Reading, in_unit_of_command, in_unit_of_length, moved
 from cogging.log_check.command_comparison import compared
@@ -67,9 +68,7 @@ def _shifts(log: Log, model: Model) -> list[int]:
     logged = np.where(found.judged, found.samples.command - np.mean(found.samples.command[found.judged]), 0.0)
     given = np.where(found.judged, found.computed - np.mean(found.computed[found.judged]), 0.0)
     most = max(3, int(FURTHEST * len(logged)))
-    from scipy.signal import correlate
-
-    likeness = correlate(logged, given, mode="full", method="fft")
+    likeness = cross_correlation(logged, given)
     zero = len(given) - 1
     lags = np.arange(-most, most + 1)
     lags = lags[lags != 0]
