@@ -47,7 +47,8 @@ def linear_controller(model: Model) -> Polynomials | None:
 
     PID: kp + ki Ts z/(z - 1) + kd (z - 1)/(Ts z). Cascade: kv (kp + (z - 1)/(Ts z)). Speed: kp (z - 1)/(Ts z), later by
     its delay. Both adaptive robust ones: (k_s1 + Gamma_d Ts/(z - 1)) (k_1 + (z - 1)/(Ts z)), Gamma_d that of the
-    disturbance; what else adapts is held.
+    disturbance; what else adapts is held. Less viscous (z - 1)/(Ts z) where viscous friction is compensated at the
+    measured velocity; `arc` also computes the acceleration that it asks for from it: plus mass k_1 (z - 1)/(Ts z).
     """
     p = model.controller
     if p is None:
@@ -55,22 +56,26 @@ def linear_controller(model: Model) -> Polynomials | None:
     ts = 1.0 / p.sample_rate
     of = p.to_dict()
     difference = np.array([1.0, -1.0]) / ts  # over z
+    measured = -of["viscous"] if of.get("feedforward_velocity") == "measured" else 0.0
     if model.controller_type == "pid":
         proportional = np.polymul([of["kp"], 0.0], [1.0, -1.0])
         integral = of["ki"] * ts * np.array([1.0, 0.0, 0.0])
-        derivative = of["kd"] * np.polymul(difference, [1.0, -1.0])
+        derivative = (of["kd"] + measured) * np.polymul(difference, [1.0, -1.0])
         return np.polyadd(np.polyadd(proportional, integral), derivative), np.array([1.0, -1.0, 0.0])
     if model.controller_type == "cascade":
-        return of["kv"] * np.polyadd([of["kp"], 0.0], difference), np.array([1.0, 0.0])
+        damping = (of["kv"] + measured) * difference
+        return np.polyadd([of["kv"] * of["kp"], 0.0], damping), np.array([1.0, 0.0])
     if model.controller_type == "speed":
         later = np.zeros(round(of["delay"] / ts) + 2)
         later[0] = 1.0
-        return of["kp"] * difference, later
+        return (of["kp"] + measured) * difference, later
     if model.controller_type in ("arc", "dcarc"):
         switching = np.polyadd([of["error_gain"], 0.0], difference)
         feedback, adaptation = of["feedback_gain"], of["disturbance_adaptation"]
         gain = np.array([feedback, adaptation * ts - feedback])
-        return np.polymul(switching, gain), np.array([1.0, -1.0, 0.0])
+        known = of["mass"] * of["error_gain"] - of["viscous"] if model.controller_type == "arc" else 0.0
+        model_part = known * np.polymul(difference, [1.0, -1.0])
+        return np.polyadd(np.polymul(switching, gain), model_part), np.array([1.0, -1.0, 0.0])
     return None
 
 

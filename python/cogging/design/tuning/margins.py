@@ -16,7 +16,7 @@ from cogging.effects.effect import Effect
 from cogging.model.controller import AnyController
 from cogging.simulation.reductions import kept_of_runs
 
-GROWN = 3.0  # times its largest trace in the loop as it is: from then on a push counts as grown
+GROWN = 5.0  # times its largest trace in the loop as it is: from then on a push counts as grown
 FORGOTTEN = 0.3  # of that: what may be left of it in the second half of the motion
 COUNTS = 10.0  # of the encoder: a trace below that is not told from its rounding
 PUSH_SHARE = 0.2  # of the largest command
@@ -75,18 +75,23 @@ class Loops:
     A push makes a trace: the difference of the true position between two runs, with and without it, alike in all else
     (machine, noise, delay, gain). The loop holds on a machine when both runs come to their end, no trace is larger than
     GROWN times the largest of the loop as it is, and in the second half of the moving rows behind the push its rms is
-    at most FORGOTTEN of that.
+    at most FORGOTTEN of that. Where no loop holds as it is, the trace is that of the velocity: a speed loop keeps no
+    place.
     """
 
     def __init__(self, machines: Sequence[Machine], controller: AnyController, push: Push, *, threads: int = 0) -> None:
         self._machines, self._controller, self._push, self._threads = machines, controller, push, threads
-        as_it_is = self._traces(0.0, 1.0)
-        rounding = np.array([COUNTS * machine.setup.model.encoder.resolution for machine in machines])
-        behind = int(push.start * controller.sample_rate / push.every)
-        self._behind = behind
-        largest = [np.nan if trace is None else np.abs(trace[behind:]).max(initial=0.0) for trace in as_it_is]
-        self._size = np.maximum(np.array(largest), rounding)
-        self._holds_as_it_is = bool(self._held(as_it_is).all())
+        self._behind = int(push.start * controller.sample_rate / push.every)
+        counts = np.array([COUNTS * machine.setup.model.encoder.resolution for machine in machines])
+        self._holds_as_it_is = False
+        for quantity, rounding in (("true_position", counts), ("true_velocity", counts / (push.stop - push.start))):
+            self._quantity = quantity
+            as_it_is = self._traces(0.0, 1.0)
+            largest = [np.nan if one is None else np.abs(one[self._behind :]).max(initial=0.0) for one in as_it_is]
+            self._size: FloatArray = np.maximum(np.array(largest), rounding)
+            self._holds_as_it_is = bool(self._held(as_it_is).all())
+            if self._holds_as_it_is or any(one is None for one in as_it_is):
+                break
 
     def share_lost(self, delay: float = 0.0, gain: float = 1.0) -> float:
         """The share of the machines on which the loop does not hold.
@@ -121,7 +126,7 @@ class Loops:
         return held
 
     def _traces(self, delay: float, gain: float) -> list[FloatArray | None]:
-        """The trace of the push on each machine, m; None where a run did not come to its end."""
+        """The trace of the push on each machine, m or m/s; None where a run did not come to its end."""
         more: list[Effect] = []
         if delay > 0.0:
             more.append(effects.CommandDelay(delay=delay))
@@ -143,14 +148,14 @@ class Loops:
             seeds=[machine.seed for machine in self._machines for _ in range(2)],
             steps_per_sample=[models[0].steps_per_sample],
             threads=self._threads,
-            columns=["true_position"],
+            columns=[self._quantity],
             every=push.every,
             keeps_refused=True,
         )
         failed = {failure.run // 2 for failure in kept.failures}
-        positions = kept.columns["true_position"]
+        columns = kept.columns[self._quantity]
         return [
-            None if place in failed else positions[2 * place + 1] - positions[2 * place]
+            None if place in failed else columns[2 * place + 1] - columns[2 * place]
             for place in range(len(self._machines))
         ]
 

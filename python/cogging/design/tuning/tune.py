@@ -5,31 +5,22 @@ from __future__ import annotations
 import importlib.metadata
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cogging._core import Reference
 from cogging.calls import Kind, did_you_mean, takes
-from cogging.design.tuning.gains import Gain, Tuned, tuned_of_function, tuned_of_model
-from cogging.design.tuning.limits import ALL_END, Limit, asked_limits, excesses, limits_of
+from cogging.design.tuning.gains import Tuned, tuned_of_function, tuned_of_model
+from cogging.design.tuning.limits import ALL_END, asked_limits, excesses, limits_of
 from cogging.design.tuning.machines import BOUNDS, machines_of, variations_of
 from cogging.design.tuning.margins import Push, push_of
 from cogging.design.tuning.reached import INDEXES, MARGINS, Course, Judge, Reached
-from cogging.design.tuning.trials import (
-    RULE,
-    KeptTrials,
-    Trial,
-    best_of,
-    failures_of,
-    front_of,
-    nearest_of,
-    optuna,
-    run_trials,
-    some_of,
-)
-from cogging.design.tuning.tuning import Setting, Tuning
+from cogging.design.tuning.trials import RULE, KeptTrials, Trial, best_of, optuna, run_trials
+from cogging.design.tuning.tuned_result import Task, result_of
+from cogging.design.tuning.tuning import Tuning
 from cogging.files import FieldError
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
@@ -39,25 +30,21 @@ from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.varied import Setup
 
-FRONT_MOST = 8  # points of the trade-off whose margins are measured
-INDEXES_SHOWN = ("error_rms", "command_max", "command_chatter")  # of each
-AT_END = 0.01  # of a range, or of its logarithm: so near its end a gain counts as at it
+CHATTER = "command_chatter"  # what rms error is traded against where nothing else is asked for
 MOST = 1_000_000
 CONTROLLER = Kind((Callable, type(None)), "a function that makes a controller of gains")  # type: ignore[arg-type]
 TABLE = Kind((Mapping, type(None)), "a table of gains by path")
 
 
-class Task(NamedTuple):
-    """All that a tuning needs while it runs."""
+class Asked(NamedTuple):
+    """The numbers of a call."""
 
-    tuned: Tuned
-    limits: tuple[Limit, ...]
-    judge: Judge
-    held_out: Judge
-    push: Push
-    present: Trial
-    against: str
-    notes: list[str]
+    machines: int
+    held_out: int
+    trials: int
+    seed: int
+    quantile: float
+    against: str | None
 
 
 @takes(model=MODEL, reference=REFERENCE, gains=TABLE, controller=CONTROLLER)
@@ -103,8 +90,8 @@ def tune(
             to ten times its present value.
         controller: for one of one's own: a function that makes it of the gains by keyword; their present values are its
             defaults.
-        limits: by name (error_max, command_max, command_rms, command_chatter: at most; delay_margin, gain_margin,
-            modulus_margin: at least) a number, or `{"present": 1.1}` for 1.1 times what the present gains reach.
+        limits: by name a number, or `{"present": 1.1}` for 1.1 times what the present gains reach; at most of
+            error_max, command_max, command_rms, command_chatter, at least of delay_margin, gain_margin, modulus_margin.
         vary: how machines differ, as for `sweep`; "bounds": all that the model has [bounds] or an uncertainty for.
         machines: to tune with.
         held_out: further machines, to judge what was found.
@@ -134,36 +121,38 @@ def tune(
         (True, True)
     """
     optuna()
-    _require_numbers(machines, held_out, trials, seed, quantile, against)
+    asked = Asked(machines, held_out, trials, seed, quantile, against)
+    _require_numbers(asked)
     model = model if isinstance(model, Model) else Model.read(model)
     motion, own_duration = _motion(reference)
     setup = Setup(model, motion)
     tuned = tuned_of_model(model, motion, gains) if controller is None else tuned_of_function(controller, gains)
-    variations, notes = variations_of(setup, vary)
-    asked = asked_limits(limits or {})
     course = Course(duration or own_duration, start, stop, quantile, threads)
-    drawn, fresh = (machines_of(setup, variations, n, seed, i) for i, n in enumerate((machines, held_out)))
-    judge, other = Judge(drawn, tuned, course), Judge(fresh, tuned, course)
-    present, push = _present(judge, tuned, motion, course)
-    known = limits_of(asked, present)
-    first = Trial(tuned.present, present, excesses(known, tuned.present, present, judge, push))
-    task = Task(tuned, known, judge, other, push, first, against or "command_chatter", notes)
-    described: dict[str, Any] = {
-        "vary": dict(vary) if isinstance(vary, Mapping) else vary,
-        "limits": asked,
-        "seed": seed,
-    }
-    described |= {"machines": machines, "quantile": quantile, "against": against, "course": list(course[:4])}
+    limited = asked_limits(limits or {})
+    task = _task(setup, tuned, course, vary, limited, asked)
     kept = None
     if out is not None and controller is None:
-        kept = KeptTrials(out, _asked(setup, tuned, described))
-    found = _trials(task, trials, seed, against, out, kept, progress)
-    result = _result(task, found, {"quantile": quantile, "seed": seed}, progress)
+        kept = KeptTrials(out, _described(setup, tuned, course, vary, limited, asked))
+    result = _run(task, asked, out, kept, progress)
     if out is not None and result.model is not None:
         result.model.write(out)
     if kept is not None:
         kept.remove()
     return result
+
+
+def _task(setup: Setup, tuned: Tuned, course: Course, vary: Any, limited: Mapping[str, Any], asked: Asked) -> Task:
+    """Draw the machines, and judge the present gains."""
+    variations, notes = variations_of(setup, vary)
+    drawn, fresh = (
+        machines_of(setup, variations, count, asked.seed, stream)
+        for stream, count in enumerate((asked.machines, asked.held_out))
+    )
+    judge, other = Judge(drawn, tuned, course), Judge(fresh, tuned, course)
+    present, push = _present(judge, tuned, setup.reference, course)
+    limits = limits_of(limited, present)
+    first = Trial(tuned.present, present, excesses(limits, tuned.present, present, judge, push))
+    return Task(tuned, limits, judge, other, push, first, asked.against or CHATTER, notes)
 
 
 def _present(judge: Judge, tuned: Tuned, motion: Reference, course: Course) -> tuple[Reached, Push]:
@@ -177,16 +166,23 @@ def _present(judge: Judge, tuned: Tuned, motion: Reference, course: Course) -> t
     return judge.with_margins(gains, reached, push), push
 
 
-def _trials(
-    task: Task, count: int, seed: int, against: str | None, out: Any, kept: KeptTrials | None, progress: Progress
-) -> list[Trial]:
-    """All trials; where they are ended before their time, the best so far is written."""
+def _run(task: Task, asked: Asked, out: Any, kept: KeptTrials | None, progress: Progress) -> Tuning:
+    """All trials, and what comes of them."""
     found: list[Trial] = []
+    with _best_in_the_end(task, found, out, kept):
+        with steps(progress, "tune", asked.trials) as step:
+            judged = _judge_of(task, asked.against)
+            how = (asked.trials, asked.seed, asked.against)
+            for trial in run_trials(task.tuned.gains, *how, judged, kept, step):
+                found.append(trial)  # one by one, so that they stand when the next is ended
+        return result_of(task, found, {"quantile": asked.quantile, "seed": asked.seed}, progress)
+
+
+@contextmanager
+def _best_in_the_end(task: Task, found: list[Trial], out: Any, kept: KeptTrials | None) -> Iterator[None]:
+    """Where a tuning is ended before its time, let its trials stand, and write the best so far."""
     try:
-        with steps(progress, "tune", count) as step:
-            judged = _judge_of(task, against)
-            for trial in run_trials(task.tuned.gains, count, seed, against, judged, kept, step):
-                found.append(trial)
+        yield
     except BaseException:
         if kept is not None:
             kept.write()
@@ -195,7 +191,6 @@ def _trials(
         if out is not None and better is not None:
             better.write(out)
         raise
-    return found
 
 
 def _judge_of(task: Task, against: str | None) -> Callable[[Mapping[str, float]], Trial]:
@@ -223,115 +218,33 @@ def _nothing(machines: int, margins: Mapping[str, float]) -> Reached:
     return Reached(math.inf, math.inf, math.inf, math.inf, math.inf, machines, **margins)
 
 
-def _result(task: Task, found: list[Trial], shown: Mapping[str, Any], progress: Progress) -> Tuning:
-    """Judge what was found on fresh machines, with all margins."""
-    best = best_of([task.present, *found])
-    places = some_of(front_of(found, task.against), FRONT_MOST)
-    notes = list(task.notes)
-    with steps(progress, "tune: margins", len(places) + 2) as step:
-        present = _setting(task, task.present)
-        step("of the present gains")
-        tuned = present if best is task.present else None if best is None else _setting(task, best)
-        step("of the tuned gains")
-        margins = []
-        for place in places:
-            margins.append(task.judge.loops(found[place].gains, task.push).delay_margin())
-            step(f"of trial {place}")
-    if best is None:
-        notes += _why_none(task, found)
-    else:
-        notes += _notes(task, best)
-    names = [gain.path for gain in task.tuned.gains]
-    table: dict[str, Any] = {name: np.array([trial.gains[name] for trial in found]) for name in names}
-    for name in ("error_rms", *INDEXES):
-        numbers = [getattr(trial.reached, name) for trial in found]
-        if all(number is not None for number in numbers):
-            table[name] = np.array(numbers, dtype=float)
-    table["kept"] = np.array([trial.kept for trial in found], dtype=bool)
-    front: dict[str, Any] = {"trial": np.array(places, dtype=int)}
-    front |= {name: table[name][places] for name in dict.fromkeys((*names, *INDEXES_SHOWN, task.against))}
-    front["delay_margin"] = np.array(margins, dtype=float)
-    return Tuning(
-        present=present,
-        tuned=tuned,
-        improved=best is not None and best.gains != task.present.gains,
-        model=None if best is None else task.tuned.model(best.gains),
-        trials=table,
-        front=front,
-        against=task.against,
-        limits=tuple(limit.text() for limit in task.limits),
-        machines=len(task.judge.machines),
-        held_out=len(task.held_out.machines),
-        notes=tuple(notes),
-        **shown,
-    )
-
-
-def _setting(task: Task, trial: Trial) -> Setting:
-    drawn = task.judge.with_margins(trial.gains, trial.reached, task.push)
-    fresh = task.held_out.with_margins(trial.gains, task.held_out.run(trial.gains), task.push)
-    return Setting(dict(trial.gains), drawn, fresh)
-
-
-def _why_none(task: Task, found: list[Trial]) -> list[str]:
-    """Which limit failed most, and by how much."""
-    nearest = nearest_of([task.present, *found])
-    reached = task.judge.with_margins(nearest.gains, nearest.reached, task.push)
-    failures = failures_of(found, [limit.name for limit in task.limits])
-    name = max(failures, key=lambda one: failures[one])
-    count, least = failures[name]
-    by = f"at best by {100 * least:.3g} %" if least > 0.0 else "none in all of them at once"
-    notes = [f"no trial keeps all limits; the one that failed most is {name}: in {count} of {len(found)} trials, {by}"]
-    gains = ", ".join(f"{path} = {value:.4g}" for path, value in nearest.gains.items())
-    broken = [limit.text(getattr(reached, limit.name)) for limit in task.limits if nearest.excess[limit.name] > 0.0]
-    if reached.failed:
-        broken.append(f"{reached.failed} of {len(task.judge.machines)} machines do not come to their end")
-    return [*notes, f"nearest is {gains}: {'; '.join(broken) or 'it breaks a rule of the controller'}"]
-
-
-def _notes(task: Task, best: Trial) -> list[str]:
-    notes = []
-    if best.gains == task.present.gains:
-        notes.append("the present gains are the best that were tried")
-    elif not task.present.kept:
-        broken = [name for name, value in task.present.excess.items() if value > 0.0]
-        notes.append(f"the present gains break a limit: {', '.join(broken)}")
-    for gain in task.tuned.gains:
-        end = _end(gain, best.gains[gain.path])
-        if end:
-            notes.append(f"{gain.path}: the best is at the {end} end of its range, a wider one may do better")
-    return notes
-
-
-def _end(gain: Gain, value: float) -> str:
-    low, high, at = gain.low, gain.high, value
-    if gain.logarithmic:
-        low, high, at = math.log(low), math.log(high), math.log(max(at, low)) if at > 0.0 else math.log(low)
-    share = (at - low) / (high - low)
-    return "lower" if 0.0 <= share < AT_END else "upper" if 1.0 - AT_END < share <= 1.0 else ""
-
-
-def _asked(setup: Setup, tuned: Tuned, described: Mapping[str, Any]) -> dict[str, Any]:
+def _described(
+    setup: Setup, tuned: Tuned, course: Course, vary: Any, limited: Mapping[str, Any], asked: Asked
+) -> dict[str, Any]:
+    """All that decides what a trial is, but for how many there are."""
     return {
         "version": importlib.metadata.version("cogging"),
         "model": setup.model.to_dict(),
         "reference": reference_to_dict(setup.reference),
         "gains": [list(vars(gain).values()) for gain in tuned.gains],
-        **described,
+        "vary": dict(vary) if isinstance(vary, Mapping) else vary,
+        "limits": dict(limited),
+        "course": list(course._replace(threads=0)),
+        "asked": list(asked._replace(trials=0, held_out=1)),
     }
 
 
-def _require_numbers(
-    machines: int, held_out: int, trials: int, seed: int, quantile: float, against: str | None
-) -> None:
-    numbers = {"machines": (machines, 1), "held_out": (held_out, 1), "trials": (trials, 1), "seed": (seed, 0)}
-    for name, (value, least) in numbers.items():
+def _require_numbers(asked: Asked) -> None:
+    for name, least in (("machines", 1), ("held_out", 1), ("trials", 1), ("seed", 0)):
+        value = getattr(asked, name)
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= MOST:
             raise FieldError("", name, f"must be a whole number from {least} to {MOST}, got {value!r}")
-    if not isinstance(quantile, int | float) or not 0.0 < quantile <= 1.0:
-        raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
-    if against is not None and against not in INDEXES:
-        raise FieldError("", "against", f"is none: {quoted(against)}; {did_you_mean(against, INDEXES)}")
+    if not isinstance(asked.quantile, int | float) or not 0.0 < asked.quantile <= 1.0:
+        raise FieldError("", "quantile", f"must be above 0, at most 1, got {asked.quantile!r}")
+    if asked.against is not None and asked.against not in INDEXES:
+        raise FieldError(
+            "", "against", f"is none: {quoted(asked.against)}; {did_you_mean(str(asked.against), INDEXES)}"
+        )
 
 
 def _motion(reference: Any) -> tuple[Reference, float]:
