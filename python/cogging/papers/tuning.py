@@ -106,7 +106,6 @@ def xu2001_case() -> Case:
 
 CASES: dict[str, Callable[[], Case]] = {
     "lu2008 X": lambda: lu2008_case("X"),
-    "lu2008 Y": lambda: lu2008_case("Y"),
     "xu2001": xu2001_case,
 }
 

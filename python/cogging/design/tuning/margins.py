@@ -17,7 +17,7 @@ from cogging.model.controller import AnyController
 from cogging.simulation.reductions import kept_of_runs
 
 GROWN = 5.0  # times its largest trace in the loop as it is: from then on a push counts as grown
-FORGOTTEN = 0.3  # of that: what may be left of it in the second half of the motion
+FORGOTTEN = 0.3  # of its largest in the first half of the motion behind it: what may be left in the second
 COUNTS = 10.0  # of the encoder: a trace below that is not told from its rounding
 PUSH_SHARE = 0.2  # of the largest command
 PUSH_SAMPLES = 50
@@ -75,8 +75,8 @@ class Loops:
     A push makes a trace: the difference of the true position between two runs, with and without it, alike in all else
     (machine, noise, delay, gain). The loop holds on a machine when both runs come to their end, no trace is larger than
     GROWN times the largest of the loop as it is, and in the second half of the moving rows behind the push its rms is
-    at most FORGOTTEN of that. Where no loop holds as it is, the trace is that of the velocity: a speed loop keeps no
-    place.
+    at most FORGOTTEN of its largest in the first half, and of that in the loop as it is. Where no loop holds as it is,
+    the trace is that of the velocity: a speed loop keeps no place.
     """
 
     def __init__(self, machines: Sequence[Machine], controller: AnyController, push: Push, *, threads: int = 0) -> None:
@@ -85,7 +85,7 @@ class Loops:
         counts = np.array([COUNTS * machine.setup.model.encoder.resolution for machine in machines])
         self._holds_as_it_is = False
         for quantity, rounding in (("true_position", counts), ("true_velocity", counts / (push.stop - push.start))):
-            self._quantity = quantity
+            self._quantity, self._rounding = quantity, rounding
             as_it_is = self._traces(0.0, 1.0)
             largest = [np.nan if one is None else np.abs(one[self._behind :]).max(initial=0.0) for one in as_it_is]
             self._size: FloatArray = np.maximum(np.array(largest), rounding)
@@ -166,8 +166,9 @@ class Loops:
                 continue
             rows = np.flatnonzero(self._push.moving[: len(trace)])
             rows = rows[rows > self._behind]
-            late = trace[rows[len(rows) // 2 :]]
-            grown = np.abs(trace).max(initial=0.0) > GROWN * size
+            middle = rows[len(rows) // 2] if len(rows) else len(trace)
+            early, late = np.abs(trace[self._behind : middle]).max(initial=0.0), trace[rows[len(rows) // 2 :]]
             left = float(np.sqrt(np.mean(late**2))) if late.size else 0.0
-            held[place] = not grown and left <= FORGOTTEN * size
+            grown = np.abs(trace).max(initial=0.0) > GROWN * size
+            held[place] = not grown and left <= FORGOTTEN * max(min(early, size), self._rounding[place])
         return held
