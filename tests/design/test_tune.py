@@ -72,6 +72,14 @@ def test_tuned_gains_are_better_on_machines_that_were_not_seen(tuning):
     assert tuning.model.replace(controller=SMALL.controller) == SMALL
 
 
+def test_the_text_says_what_it_costs(tuning):
+    before, after = tuning.present.drawn, tuning.tuned.drawn
+    cost = f"delay_margin {100 * (after.delay_margin / before.delay_margin - 1):+.0f} %"
+    assert f"tuned against present: error_rms {100 * (after.error_rms / before.error_rms - 1):+.0f} %" in str(tuning)
+    assert cost in str(tuning)
+    assert cost.split()[1].startswith("-")
+
+
 def test_each_number_is_that_of_runs_made_one_by_one(tuning):
     drawn = machines_of(Setup(SMALL, SINE), variations_of(Setup(SMALL, SINE), "bounds")[0], 5, 3, 0)
     for setting, model in ((tuning.present, SMALL), (tuning.tuned, tuning.model)):
@@ -150,6 +158,31 @@ def test_a_controller_of_ones_own_is_tuned_by_its_arguments():
     assert found.tuned.held_out.error_rms < 0.8 * found.present.held_out.error_rms
     assert found.tuned.drawn.delay_margin >= 1.5e-3
     assert found.tuned.drawn.modulus_margin is found.model is None
+
+
+MOTIONS = [
+    MOVE,
+    {"type": "filtered_sine", "amplitude": 0.02, "frequency": 2.0, "duration": 0.3},
+    {"type": "point_to_point", "distance": 0.02, "velocity": 0.2, "acceleration": 5.0, "jerk": 500.0, "dwell": 0.05},
+    {"type": "sampled", "time": [0.0, 0.1, 0.2, 0.3], "reference": [0.0, 0.005, 0.02, 0.02]},
+]
+
+
+@pytest.mark.parametrize("kind", sorted(cogging.CONTROLLERS))
+def test_every_controller_is_tuned_by_its_usual_gains(kind):
+    """On a motion and with numbers of machines that are drawn."""
+    rng = random.Random(kind)
+    struct = cogging.CONTROLLERS[kind].PARAMETERS
+    model = SMALL.replace(controller=struct(**{"sample_rate": 1000.0, **FIELDS[kind]}), controller_type=kind)
+    counts = {"machines": rng.randint(1, 3), "held_out": rng.randint(1, 3), "quantile": rng.uniform(0.3, 1.0)}
+    found = cogging.tune(model, rng.choice(MOTIONS), trials=8, seed=rng.randrange(2**20), **counts)
+    assert 0.0 < found.tuned.drawn.error_rms <= found.present.drawn.error_rms
+    assert found.tuned.drawn.delay_margin > 0.0
+    assert found.model.controller_type == kind
+    for path, value in found.tuned.gains.items():
+        assert found.trials[path].min() <= value <= found.trials[path].max()
+        assert path in found.text()
+    found.plot()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -359,6 +392,20 @@ def test_limits_that_no_trial_keeps_are_said_and_nothing_is_best():
     assert "nearest is controller.kp" in found.text()
     found.plot()
     assert found.to_dict()["tuned"] is None
+
+
+@pytest.mark.parametrize("against", [None, "delay_margin", "command_rms"])
+def test_gains_that_break_a_rule_of_the_controller_are_trials_that_are_not_kept(against):
+    """The initial estimate of the mass must lie within its bounds, whatever is tried."""
+    arc = cogging.AdaptiveRobustParameters(sample_rate=1000.0, **FIELDS["dcarc"])
+    gains = {"controller.mass": {"from": 0.05, "to": 0.4}, "controller.feedback_gain": {"from": 6, "to": 30}}
+    model = SMALL.replace(controller=arc, controller_type="dcarc")
+    found = cogging.tune(model, MOVE, gains, against=against, trials=15, machines=1, held_out=1, duration=0.2)
+    outside = (found.trials["controller.mass"] < 0.1) | (found.trials["controller.mass"] > 0.2)
+    assert 0 < outside.sum() < 15
+    np.testing.assert_array_equal(outside, ~found.trials["kept"])
+    assert 0.1 <= found.tuned.gains["controller.mass"] <= 0.2
+    found.plot()
 
 
 def test_present_gains_that_are_the_best_are_said_so(tuning):

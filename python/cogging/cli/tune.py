@@ -30,9 +30,9 @@ def add_parser(commands: Commands) -> None:
     command = commands.add_parser(
         "tune",
         help="the gains of a controller for an uncertain machine",
-        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, within "
-        "limits on command, chatter and robustness, and say what they cost. Ended before its time, it writes the best "
-        "so far, and the same command goes on from there.",
+        description="Find the gains with the smallest rms error over machines drawn from the model's intervals,\n"
+        "within limits on command, chatter and robustness, and say what they cost. Ended before its time,\n"
+        "it writes the best so far, and the same command goes on from there.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -12,7 +12,7 @@ from cogging.design.tuning.gains import Gain, Tuned
 from cogging.design.tuning.limits import Limit
 from cogging.design.tuning.margins import Push
 from cogging.design.tuning.reached import INDEXES, Judge
-from cogging.design.tuning.trials import Trial, best_of, failures_of, front_of, nearest_of, some_of
+from cogging.design.tuning.trials import RULE, Trial, best_of, failures_of, front_of, nearest_of, some_of
 from cogging.design.tuning.tuning import Setting, Tuning
 from cogging.progress import Progress, steps
 
@@ -101,17 +101,19 @@ def _setting(task: Task, trial: Trial) -> Setting:
 def _why_none(task: Task, found: list[Trial]) -> list[str]:
     """Which limit failed most, and by how much."""
     nearest = nearest_of([task.present, *found])
-    reached = task.judge.with_margins(nearest.gains, nearest.reached, task.push)
     failures = failures_of(found, [limit.name for limit in task.limits])
     name = max(failures, key=lambda one: failures[one])
     count, least = failures[name]
     by = f"at best by {100 * least:.3g} %" if least > 0.0 else "none in all of them at once"
     notes = [f"no trial keeps all limits; the one that failed most is {name}: in {count} of {len(found)} trials, {by}"]
     gains = ", ".join(f"{path} = {value:.4g}" for path, value in nearest.gains.items())
+    if RULE in nearest.excess:
+        return [*notes, f"nearest is {gains}: they break a rule of the controller"]
+    reached = task.judge.with_margins(nearest.gains, nearest.reached, task.push)
     broken = [limit.text(getattr(reached, limit.name)) for limit in task.limits if nearest.excess[limit.name] > 0.0]
     if reached.failed:
         broken.append(f"{reached.failed} of {len(task.judge.machines)} machines do not come to their end")
-    return [*notes, f"nearest is {gains}: {'; '.join(broken) or 'it breaks a rule of the controller'}"]
+    return [*notes, f"nearest is {gains}: {'; '.join(broken)}"]
 
 
 def _notes(task: Task, best: Trial) -> list[str]:

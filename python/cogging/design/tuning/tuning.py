@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.design.tuning.reached import INDEXES, Reached
+from cogging.design.tuning.reached import INDEXES, MARGINS, Reached
 from cogging.model.model import Model
 from cogging.outputs import write_bytes
 from cogging.values import ByValue
@@ -118,6 +118,8 @@ class Tuning(ByValue):
             if any(cell is not None for cell in cells):
                 shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
                 lines.append(f"    {name:<{width}}" + "".join(f"{cell:>19}" for cell in shown))
+        if after is not None and self.improved:
+            lines.append(f"    tuned against present: {', '.join(_changes(self.present.drawn, after.drawn))}")
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
     def to_dict(self) -> dict[str, Any]:
@@ -184,3 +186,13 @@ class Tuning(ByValue):
         picture = io.BytesIO()
         self.plot().savefig(picture, format="png", dpi=120)
         write_bytes(path, picture.getvalue())
+
+
+def _changes(before: Reached, after: Reached) -> list[str]:
+    """What has become of each index, relative, and so what an error less has cost."""
+    told = []
+    for name in ("error_rms", "command_chatter", *MARGINS):
+        one, other = getattr(before, name), getattr(after, name)
+        if one is not None and other is not None and np.isfinite([one, other]).all() and one > 0.0:
+            told.append(f"{name} {100 * (other / one - 1):+.0f} %")
+    return told or ["the present gains do not run"]
