@@ -583,9 +583,12 @@ def test_a_paper_is_tuned_by_itself_to_less_error_with_the_same_command(name):
     found = papers.tuned(case, trials=40, machines=4)
     assert found.improved
     printed, tuned = papers.on_own_runs(case, case.model), papers.on_own_runs(case, found.model)
-    for run, (rms, _, command) in printed.items():
-        assert 0.2 * rms < tuned[run][0] < rms
-        assert tuned[run][2] <= 1.02 * command
+    # Of several runs the worst counts, as of several machines; the amplifier is one for all of them.
+    (before, allowed), (after, largest) = (
+        (max(run[0] for run in runs.values()), max(run[2] for run in runs.values())) for runs in (printed, tuned)
+    )
+    assert 0.2 * before < after < before
+    assert largest <= 1.02 * allowed, "also of machines at the end of the range"
     assert found.tuned.held_out.error_rms < found.present.held_out.error_rms
     assert 0.5 <= found.tuned.drawn.delay_margin / found.present.drawn.delay_margin < 1.0
 

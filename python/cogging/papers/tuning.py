@@ -1,8 +1,9 @@
 """The papers' gains, tuned on their own setups: `python -m cogging.papers.tuning [FOLDER]`.
 
 The command may be no larger than with the printed gains, and at least half of the delay that they bear must be left.
-Gains are tuned on drawn machines and a shorter motion, and then compared with the printed ones on the paper's own
-runs. Prints both, and what it costs in robustness; draws for Lu et al.'s X axis what each delay margin costs in error.
+Gains are tuned on drawn machines (those of Lu et al. on fewer moves) and then compared with the printed ones on the
+paper's own runs. Prints both, and what it costs in robustness; draws for Lu et al.'s X axis what each delay margin
+costs in error.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ RANGE = 10.0  # above and below the printed gain
 LIMITS = {"command_max": {"present": 1.0}, "delay_margin": {"present": 0.5}}
 LU2008_MACHINES = {"mass": 0.03, "viscous": 0.1, "coulomb": 0.1}  # relative 1 sigma, not reported, assumed
 LU2008_REPEATS = 3  # of the shorter motion
-XU2001_DURATION = 3.0  # s, of the shorter motion
+XU2001_DURATION = xu2001.DURATION  # the start counts as much as in the paper
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Case:
         model: the machine with the printed gains.
         gains: that are tuned.
         vary: how machines differ.
-        motion: the shorter one, that is tuned on.
+        motion: that is tuned on.
         duration, start: of it, s: error and command are judged from `start` on.
         own: the paper's own runs by name: machine, motion, duration and start (s), seed of the noise.
     """

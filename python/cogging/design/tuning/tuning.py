@@ -163,10 +163,10 @@ class Tuning(ByValue):
         for which, colour, name in ((~kept, "0.8", "beyond a limit"), (kept, "tab:blue", "within the limits")):
             left.plot(cost[shown & which], error[shown & which], ".", markersize=4, color=colour, label=name)
         beside = "delay_margin" if self.against != "delay_margin" else "command_chatter"
-        for axes, index, line in ((left, self.against, "-"), (right, beside, "")):
+        for axes, index, line in ((left, self.against, "-"), (right, beside, "none")):
             scale, unit = SHOWN[index]
             cost, error = scale * np.asarray(self.front[index]), 1e6 * np.asarray(self.front["error_rms"])
-            axes.plot(cost, error, line, marker="o", markersize=4, linewidth=0.8, color="black", label="trade-off")
+            axes.plot(cost, error, ls=line, marker="o", markersize=4, lw=0.8, color="black", label="trade-off")
             axes.set(xlabel=f"{index}{f' ({unit})' if unit != '1' else ''}", ylabel="rms error (um)")
             for setting, mark, name in ((self.present, "rs", "present"), (self.tuned, "g*", "tuned")):
                 if setting is not None and np.isfinite(setting.drawn.error_rms):
