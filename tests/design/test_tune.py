@@ -580,7 +580,7 @@ def test_the_file_is_what_the_schema_says(tmp_path):
 def test_a_paper_is_tuned_by_itself_to_less_error_with_the_same_command(name):
     """On its own runs: less error than as printed with no larger command, at a cost in delay."""
     case = papers.CASES[name]()
-    found = papers.tuned(case, trials=40, machines=4)
+    found = papers.tuned(case)
     assert found.improved
     printed, tuned = papers.on_own_runs(case, case.model), papers.on_own_runs(case, found.model)
     # Of several runs the worst counts, as of several machines; the amplifier is one for all of them.
