@@ -62,6 +62,8 @@ from cogging.mapping.fit import fit_map
 from cogging.mapping.result import MapFit
 from cogging.model.controller import Controller, ReferencePoint
 from cogging.model.model import Model
+from cogging.design.tuning.tune import tune
+from cogging.design.tuning.tuning import Tuning
 from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers.reproduction import compare
 from cogging.papers.reproduction import reproduce
@@ -117,6 +119,7 @@ __all__ = [
     "SplineHarmonics",
     "SweepRuns",
     "TrackingSpectrum",
+    "Tuning",
     "audit",
     "check_against_model",
     "check_controller",
@@ -153,6 +156,7 @@ __all__ = [
     "simulate",
     "sweep",
     "tracking_spectrum",
+    "tune",
 ]
 __all__ += _controllers.__all__
 __all__ += _references.__all__

@@ -63,12 +63,40 @@ SWEEP_TYPES: dict[type, dict[str, Any]] = {
     list: {"type": "array", "items": {"type": "string"}},
 }
 LIMITS_NEEDED = ("velocity", "acceleration", "duration")
+#: The keys of a tune file: type and meaning.
+TUNE: dict[str, tuple[type, str]] = {
+    "model": (str, "model file, beside the tune file; its controller is tuned"),
+    "reference": (str, "reference file, beside the tune file"),
+    "gains": (dict, "the ends of each gain by path; absent: the usual ones, from a tenth to ten times the present"),
+    "limits": (dict, "what must be kept on every machine: a number, or {present = 1.1} times what the present reach"),
+    "vary": (dict, 'how machines differ, by path, as in a sweep file; default "bounds"'),
+    "machines": (int, "to tune with; default 32"),
+    "held_out": (int, "further machines, to judge what was found; default 32"),
+    "quantile": (float, "of rms error over machines; default 0.9"),
+    "trials": (int, "how many; default 100"),
+    "against": (str, "a second objective, by the name of a limit"),
+    "seed": (int, "of machines, noise and trials; default 0"),
+    "duration": (float, "s; default that of the reference"),
+    "start": (float, "s; error and command are judged from then on"),
+    "stop": (float, "s; error and command are judged before"),
+}
+TUNE_NEEDED = ("model", "reference")
+#: What a limit of a tuning may stand on: unit, whether it is an upper limit, meaning.
+TUNE_INDEXES: dict[str, tuple[str, bool, str]] = {
+    "error_max": ("m", True, "largest error"),
+    "command_max": ("V", True, "largest command"),
+    "command_rms": ("V", True, "rms command"),
+    "command_chatter": ("1", True, "of the command, as Performance has it: its change a sample over its rms"),
+    "delay_margin": ("s", False, "delay of the command that every machine bears beside its own"),
+    "gain_margin": ("1", False, "factor on the command that every machine bears"),
+    "modulus_margin": ("1", False, "smallest |1 + L| of the linear loop"),
+}
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of model, reference, limits and sweep files, which are TOML.
+    """The JSON Schema (2020-12) of model, reference, limits, sweep and tune files, which are TOML.
 
-    `$defs` holds `model`, `reference`, `limits` and `sweep`; every field has its meaning
+    `$defs` holds `model`, `reference`, `limits`, `sweep` and `tune`; every field has its meaning
     (`description`), its unit (`unit`) and, where it is finite, default. Whole numbers may stand for numbers.
     Rules between fields are checked when a file is read.
 
@@ -81,13 +109,14 @@ def schema() -> dict[str, Any]:
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "cogging: model, reference, limits and sweep files (TOML; SI, V stands for the command unit)",
-        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in ("model", "reference", "limits", "sweep")],
+        "title": "cogging: model, reference, limits, sweep and tune files (TOML; SI, V stands for the command unit)",
+        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in ("model", "reference", "limits", "sweep", "tune")],
         "$defs": {
             "model": _model(),
             "reference": _reference(),
             "limits": _section("what a machine may do: limits file", _described(LIMITS), list(LIMITS_NEEDED)),
             "sweep": _sweep(),
+            "tune": _tune(),
         },
     }
 
@@ -140,18 +169,40 @@ def _sweep() -> dict[str, Any]:
         key: {**SWEEP_TYPES[kind], "description": meaning} for key, (kind, meaning) in SWEEP.items() if key != "vary"
     }
     properties["method"]["enum"] = list(METHODS)
+    properties["vary"] = _vary(SWEEP["vary"][1])
+    return _section("many runs with other numbers: sweep file", properties, list(SWEEP_NEEDED))
+
+
+def _vary(meaning: str) -> dict[str, Any]:
     number = dict.fromkeys(("from", "to", "mean", "deviation"), NUMBER)
     points = {"points": {"type": "integer", "minimum": 2}, "scale": {"enum": ["linear", "log"]}}
     values = {"type": "array", "items": NUMBER, "minItems": 1}
     table = _section("a distribution", {"values": values, **number, **points})
-    properties["vary"] = {
-        "description": SWEEP["vary"][1],
+    return {
+        "description": meaning,
         "oneOf": [
             {"const": "bounds"},
             {"type": "object", "additionalProperties": {"oneOf": [values, table, {"const": "bounds"}]}},
         ],
     }
-    return _section("many runs with other numbers: sweep file", properties, list(SWEEP_NEEDED))
+
+
+def _tune() -> dict[str, Any]:
+    properties = {
+        key: {**SWEEP_TYPES[kind], "description": meaning} for key, (kind, meaning) in TUNE.items() if kind is not dict
+    }
+    properties["against"]["enum"] = list(TUNE_INDEXES)
+    scale = {"scale": {"enum": ["linear", "log"]}}
+    ends = _section("its ends", {**dict.fromkeys(("from", "to", "start"), NUMBER), **scale}, ["from", "to"])
+    properties["gains"] = {"type": "object", "additionalProperties": ends, "description": TUNE["gains"][1]}
+    present = _section("times what the present gains reach", {"present": ABOVE_ZERO}, ["present"])
+    limits = {
+        name: {"oneOf": [ABOVE_ZERO, present], "unit": unit, "description": meaning}
+        for name, (unit, _, meaning) in TUNE_INDEXES.items()
+    }
+    properties["limits"] = _section(TUNE["limits"][1], limits)
+    properties["vary"] = _vary(TUNE["vary"][1])
+    return _section("gains for an uncertain machine: tune file", properties, list(TUNE_NEEDED))
 
 
 def _section(description: str, properties: Mapping[str, Any], required: list[str] | None = None) -> dict[str, Any]:

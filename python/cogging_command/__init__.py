@@ -27,7 +27,7 @@ WORDS = {int(signal.SIGINT): "interrupted", int(signal.SIGTERM): "terminated"}
 if hasattr(signal, "SIGHUP"):  # not on Windows
     WORDS[int(signal.SIGHUP)] = "hung up"
 #: Modules that have something to clear up while a function of theirs runs: part files, children, folders.
-UNWINDING = ("cogging.outputs", "cogging.logs.readers", "subprocess")
+UNWINDING = ("cogging.outputs", "cogging.logs.readers", "cogging.design.tuning.tune", "subprocess")
 STUCK = 0.2  # s: after which a library that does not let Python's handlers run is left where it is
 CLEARING_UP = 1.0  # s: after which the command leaves all the same
 

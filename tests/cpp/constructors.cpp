@@ -47,7 +47,8 @@ bool spoil(bool&) {
 }
 template <std::size_t count>
 bool spoil(Lanes<count>& value) {
-  return spoil(value.lane[count / 2]);
+  value.set(count / 2, NAN);
+  return true;
 }
 template <class Value>
 bool spoil(std::vector<Value>& values) {

@@ -20,6 +20,7 @@ COMMANDS = (
     "simulate",
     "predict",
     "sweep",
+    "tune",
     "map",
     "diagnose",
     "experiment",

@@ -1,0 +1,1 @@
+"""Gains for an uncertain machine: drawn machines, limits, margins, trials."""

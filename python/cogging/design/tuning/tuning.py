@@ -1,0 +1,198 @@
+"""What a tuning has found: gains, what they reach, and what they cost in robustness."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cogging.design.tuning.reached import INDEXES, MARGINS, Reached
+from cogging.model.model import Model
+from cogging.outputs import write_bytes
+from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ROWS = ("error_rms", *INDEXES)
+SHOWN: dict[str, tuple[float, str]] = {  # factor and unit for the screen
+    "error_rms": (1e6, "um"),
+    "error_max": (1e6, "um"),
+    "command_max": (1.0, "V"),
+    "command_rms": (1.0, "V"),
+    "command_chatter": (1.0, "1"),
+    "delay_margin": (1e3, "ms"),
+    "gain_margin": (1.0, "1"),
+    "modulus_margin": (1.0, "1"),
+}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Gains and what they reach.
+
+    Attributes:
+        gains: by path.
+        drawn: on the machines that were tuned with.
+        held_out: on machines that the tuning has not seen.
+    """
+
+    gains: Mapping[str, float]
+    drawn: Reached
+    held_out: Reached
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tuning(ByValue):
+    """Gains for an uncertain machine, beside the present ones.
+
+    Attributes:
+        present: the gains as they were.
+        tuned: the best that keep all limits on every machine tuned with (the present, where none is better); None where
+            no trial keeps them.
+        improved: whether they are other than the present ones.
+        model: the model with the tuned gains; None where there are none, or the controller is one's own.
+        trials: arrays by name, one entry a trial: the gains by path, the indexes, `kept` (all limits).
+        front: the trade-off: arrays by name, one entry a point: `trial`, rms error, the index it is traded against,
+            the gains, command_chatter and delay_margin; no trial is better than a point in both.
+        against: the index of the trade-off.
+        limits: in words.
+        machines, held_out: how many.
+        quantile: of rms error over machines.
+        seed: of machines, noise and trials.
+        notes: what is to be said besides: limits that no trial keeps, gains at the end of their range.
+
+    Example:
+        >>> few = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}
+        >>> tuning = cogging.tune(model, move, {"controller.kp": {"from": 5e3, "to": 2e4}}, **few)
+        >>> len(tuning.trials["kept"]), tuning.present.gains
+        (2, {'controller.kp': 9600.0})
+    """
+
+    present: Setting
+    tuned: Setting | None
+    improved: bool
+    model: Model | None
+    trials: Mapping[str, Any]
+    front: Mapping[str, Any]
+    against: str
+    limits: tuple[str, ...]
+    machines: int
+    held_out: int
+    quantile: float
+    seed: int
+    notes: tuple[str, ...] = ()
+
+    def _brief(self) -> str:
+        before = 1e6 * self.present.drawn.error_rms
+        if self.tuned is None:
+            return f"no gains keep the limits, present {before:.3g} um rms"
+        return f"{before:.3g} to {1e6 * self.tuned.drawn.error_rms:.3g} um rms over {self.machines} machines"
+
+    def text(self) -> str:
+        """What was found, for the screen."""
+        trials, kept = len(self.trials["kept"]), int(np.sum(self.trials["kept"]))
+        lines = [
+            f"{trials} trials on {self.machines} drawn machines, {kept} within the limits; checked on "
+            f"{self.held_out} machines held out (rms: {100 * self.quantile:g} % quantile; others: the worst machine)"
+        ]
+        lines += [f"    limit {limit}" for limit in self.limits]
+        after = self.tuned
+        width = max(len(path) for path in (*self.present.gains, *ROWS)) + 6
+        lines.append(f"    {'gain':<{width}}{'present':>12}" + f"{'tuned':>12}" * (after is not None))
+        for path, value in self.present.gains.items():
+            lines.append(f"    {path:<{width}}{value:>12.5g}" + (f"{after.gains[path]:>12.5g}" if after else ""))
+        settings = [self.present, *([after] if after is not None else [])]
+        names = ["present", "tuned"][: len(settings)]
+        titles = [f"{name}{kind}" for kind in ("", ", held out") for name in names]
+        lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in titles))
+        for row in ROWS:
+            cells = [getattr(setting.drawn, row) for setting in settings]
+            cells += [getattr(setting.held_out, row) for setting in settings]
+            factor, unit = SHOWN[row]
+            name = row if unit == "1" else f"{row}, {unit}"
+            if any(cell is not None for cell in cells):
+                shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
+                lines.append(f"    {name:<{width}}" + "".join(f"{cell:>19}" for cell in shown))
+        if after is not None and self.improved:
+            lines.append(f"    tuned against present: {', '.join(_changes(self.present.drawn, after.drawn))}")
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `cogging tune --json` writes; null stands for infinite and for what was not measured."""
+
+        def of(setting: Setting | None) -> Any:
+            if setting is None:
+                return None
+            return {
+                "gains": dict(setting.gains),
+                "drawn": setting.drawn.to_dict(),
+                "held_out": setting.held_out.to_dict(),
+            }
+
+        return {
+            "present": of(self.present),
+            "tuned": of(self.tuned),
+            "improved": self.improved,
+            "against": self.against,
+            "front": dict(self.front),
+            "trials": dict(self.trials),
+            "limits": list(self.limits),
+            "machines": self.machines,
+            "held_out": self.held_out,
+            "quantile": self.quantile,
+            "seed": self.seed,
+            "notes": list(self.notes),
+        }
+
+    def plot(self) -> Figure:
+        """The trade-off: rms error against its index, all trials; beside it the points of the trade-off against the
+        delay margin (or the chatter, where it is traded against that)."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        factor, unit = SHOWN[self.against]
+        kept = np.asarray(self.trials["kept"], dtype=bool)
+        error, cost = 1e6 * np.asarray(self.trials["error_rms"]), factor * np.asarray(self.trials[self.against])
+        shown = np.isfinite(error) & np.isfinite(cost)
+        for which, colour, name in ((~kept, "0.8", "beyond a limit"), (kept, "tab:blue", "within the limits")):
+            left.plot(cost[shown & which], error[shown & which], ".", markersize=4, color=colour, label=name)
+        beside = "delay_margin" if self.against != "delay_margin" else "command_chatter"
+        for axes, index, line in ((left, self.against, "-"), (right, beside, "none")):
+            scale, unit = SHOWN[index]
+            cost, error = scale * np.asarray(self.front[index]), 1e6 * np.asarray(self.front["error_rms"])
+            axes.plot(cost, error, ls=line, marker="o", markersize=4, lw=0.8, color="black", label="trade-off")
+            axes.set(xlabel=f"{index}{f' ({unit})' if unit != '1' else ''}", ylabel="rms error (um)")
+            for setting, mark, name in ((self.present, "rs", "present"), (self.tuned, "g*", "tuned")):
+                if setting is not None and np.isfinite(setting.drawn.error_rms):
+                    reached = setting.drawn
+                    axes.plot(scale * getattr(reached, index), 1e6 * reached.error_rms, mark, markersize=9, label=name)
+            axes.set_yscale("log")
+            axes.grid(alpha=0.3, which="both")
+        left.legend(fontsize="small")
+        return figure
+
+    def write_figure(self, path: str | os.PathLike[str]) -> None:
+        """Write the trade-off as PNG.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        picture = io.BytesIO()
+        self.plot().savefig(picture, format="png", dpi=120)
+        write_bytes(path, picture.getvalue())
+
+
+def _changes(before: Reached, after: Reached) -> list[str]:
+    """What has become of each index, relative, and so what an error less has cost."""
+    told = []
+    for name in ("error_rms", "command_chatter", *MARGINS):
+        one, other = getattr(before, name), getattr(after, name)
+        if one is not None and other is not None and np.isfinite([one, other]).all() and one > 0.0:
+            told.append(f"{name} {100 * (other / one - 1):+.0f} %")
+    return told or ["the present gains do not run"]
