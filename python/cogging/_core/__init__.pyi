@@ -2290,13 +2290,15 @@ def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, d
         ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool) -> dict:
+def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool, initial_positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> dict:
     """
     Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
     
     `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
     run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
     `in_lanes`: of each run whether it shared its steps with others of its course.
+    `initial_positions` (m): one for all runs, one for each or none, where each starts on its reference; `added_command` (V,
+    one entry a row or none) is added to what each controller computes, as by closed_loop.
     """
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
