@@ -2,6 +2,7 @@
 #include "cogging/estimation/predictor.hpp"
 #include "cogging/estimation/whitening.hpp"
 #include "cogging/simulation/batch.hpp"
+#include "lanes/net_forces.hpp"
 #include "without_gil.hpp"
 
 using namespace cogging;
@@ -74,7 +75,7 @@ Raises:
           [](const Predictor& self, const std::vector<Plant<>>& plants, const Array& middle_position,
              const Array& middle_velocity, unsigned threads) {
             return rows_of(self, plants.size(), [&](StopRequest* stop) {
-              return self.net_forces(plants, view(middle_position), view(middle_velocity), threads, stop);
+              return net_forces(self, plants, view(middle_position), view(middle_velocity), threads, stop);
             });
           },
           py::arg("plants"), py::arg("middle_position"), py::arg("middle_velocity"), py::kw_only(),

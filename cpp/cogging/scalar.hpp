@@ -116,7 +116,10 @@ class SmoothSign {
     constexpr double two_over_pi = 0.63661977236758134308;
     if (smooth_) [[likely]]
       return two_over_pi * atan(velocity * inverse_);
-    return smooth_sign(velocity, width_);
+    if constexpr (lanes_of<Scalar> == 1)
+      return sign(velocity);
+    else  // not smooth_sign: a lane has the bits of its machine alone, whatever the others are
+      return select(width_ > 0.0, two_over_pi * atan(velocity * inverse_), sign(velocity));
   }
 
  private:

@@ -264,7 +264,7 @@ one entry a row or none) is added to what each controller computes, as by closed
       },
       "Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.");
   module.def(
-      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr}).name; },
+      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr, nullptr}).name; },
       R"(The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
 COGGING_INSTRUCTIONS names; "none": each run alone.
 

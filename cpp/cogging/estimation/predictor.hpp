@@ -46,6 +46,12 @@ class Predictor {
     median_step_ = median_step(time_);
   }
 
+  /// As many threads as plants can use: where one needs a lock, others would only wait for it.
+  static unsigned useful(const std::vector<Plant<double>>& plants, unsigned threads) {
+    const auto serial = [](const Plant<double>& plant) { return is_serial(plant.effects); };
+    return std::any_of(plants.begin(), plants.end(), serial) ? 1 : threads;
+  }
+
   std::size_t rows() const { return time_.size(); }
   Recording log() const { return {time_, position_, command_, median_step_}; }
 
@@ -59,16 +65,6 @@ class Predictor {
                                   StopRequest* stop = nullptr) const {
     return table(plants.size(), useful(plants, threads), stop,
                  [&](std::size_t i) { return expected_prediction(plants[i], log(), options(stop), false).innovation; });
-  }
-
-  /// Command that acts plus all forces, V, of many plants along a motion given half-way between rows: (plants, rows).
-  std::vector<double> net_forces(const std::vector<Plant<double>>& plants, std::span<const double> middle_position,
-                                 std::span<const double> middle_velocity, unsigned threads,
-                                 StopRequest* stop = nullptr) const {
-    require_length("middle_position", middle_position);
-    require_length("middle_velocity", middle_velocity);
-    return table(plants.size(), useful(plants, threads), stop,
-                 [&](std::size_t i) { return net_force(plants[i], log(), middle_position, middle_velocity, stop); });
   }
 
   /// What small forces (V, (count, rows)) and errors of the reading (m, the same shape, or empty: none) add to the
@@ -113,21 +109,16 @@ class Predictor {
     return added_by(effects, sizes, plant, along, log(), loop, one_by_one ? 1 : threads);
   }
 
+  /// Raises std::invalid_argument for a column that is not as long as the log.
+  void require_length(std::string_view name, std::span<const double> column) const {
+    require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
+  }
+
  private:
   PredictionOptions options(StopRequest* stop) const {
     PredictionOptions options = options_;
     options.stop = stop;
     return options;
-  }
-
-  void require_length(std::string_view name, std::span<const double> column) const {
-    require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
-  }
-
-  // As many threads as plants can use: where one needs a lock, others would only wait for it.
-  static unsigned useful(const std::vector<Plant<double>>& plants, unsigned threads) {
-    const auto serial = [](const Plant<double>& plant) { return is_serial(plant.effects); };
-    return std::any_of(plants.begin(), plants.end(), serial) ? 1 : threads;
   }
 
   // Rows of a table, one a job, made by row(i).
