@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -89,24 +90,9 @@ class Predictor {
     return pass_transposed(ObserverLoop(along, log(), options(stop)), mass, weight);
   }
 
-  /// What each effect would add to the innovations of a plant per size of it, m, to first order along a prediction of
-  /// that plant: (effects, rows).
-  ///
-  /// Raises std::invalid_argument for an effect that is not valid or not addable (see is_addable), for sizes that are
-  /// not one an effect.
-  std::vector<double> added(const Prediction& along, const Plant<double>& plant,
-                            const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
-                            unsigned threads, StopRequest* stop = nullptr) const {
-    require(sizes.size() == effects.size(), "sizes", "must be as many as effects", static_cast<double>(sizes.size()));
-    for (const double size : sizes) require_positive("sizes", size);
-    for (const Effect<double>& effect : effects)
-      visit_law(effect, [&](const auto& law) {
-        law.validate();
-        require(is_addable(plant, effect), law.name, "must be predicted as a whole in this plant, added", 1);
-      });
-    const ObserverLoop loop(along, log(), options(stop));
-    const bool one_by_one = is_serial(effects) || is_serial(plant.effects);
-    return added_by(effects, sizes, plant, along, log(), loop, one_by_one ? 1 : threads);
+  /// A plant along its prediction on this log, to which effects are added (see PlantAlong): both must outlive it.
+  std::unique_ptr<PlantAlong> plant_along(const Prediction& along, const Plant<double>& plant) const {
+    return std::make_unique<PlantAlong>(plant, along, log(), options(nullptr));
   }
 
   /// Raises std::invalid_argument for a column that is not as long as the log.

@@ -9,7 +9,7 @@ import typing
 from . import references
 from . import effects
 from . import controllers
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PlantAlong', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -2169,6 +2169,16 @@ class Prediction:
         """
         m/s, corrected
         """
+class PlantAlong:
+    """
+    A plant along its prediction on a log, to which effects are added.
+    
+    What all effects need of the plant is worked out once, when the first asks for it.
+    """
+    def added(self, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone | effects.EmpiricalForce | effects.OwnLaws], sizes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        As Predictor.added.
+        """
 class Predictor:
     """
     One step ahead along a log.
@@ -2213,6 +2223,10 @@ class Predictor:
     def net_force(self, plants: collections.abc.Sequence[Plant], middle_position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], middle_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
         """
         Command that acts plus all forces (V) along a motion given half-way between rows, (plants, n).
+        """
+    def plant_along(self, along: Prediction, plant: Plant) -> PlantAlong:
+        """
+        A plant along its prediction on this log, for many calls of `added`.
         """
     def predict(self, plant: Plant) -> Prediction:
         """
