@@ -2,6 +2,7 @@
 #include "cogging/estimation/predictor.hpp"
 #include "cogging/estimation/whitening.hpp"
 #include "cogging/simulation/batch.hpp"
+#include "lanes/net_forces.hpp"
 #include "without_gil.hpp"
 
 using namespace cogging;
@@ -37,6 +38,19 @@ void bind_predictor(py::module_& module) {
       .def_property_readonly(
           "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
           "1, or 0 where the axis sticks");
+
+  py::class_<PlantAlong>(module, "PlantAlong", R"(A plant along its prediction on a log, to which effects are added.
+
+What all effects need of the plant is worked out once, when the first asks for it.)")
+      .def(
+          "added",
+          [](const PlantAlong& self, const std::vector<Effect<>>& effects, const std::vector<double>& sizes,
+             unsigned threads) {
+            std::vector<double> rows =
+                without_gil([&](StopRequest* stop) { return self.added(effects, sizes, threads, stop); });
+            return to_array(std::move(rows), {py::ssize_t(effects.size()), py::ssize_t(self.rows())});
+          },
+          py::arg("effects"), py::arg("sizes"), py::kw_only(), py::arg("threads") = 0, "As Predictor.added.");
 
   py::class_<Predictor>(module, "Predictor", R"(One step ahead along a log.
 
@@ -74,7 +88,7 @@ Raises:
           [](const Predictor& self, const std::vector<Plant<>>& plants, const Array& middle_position,
              const Array& middle_velocity, unsigned threads) {
             return rows_of(self, plants.size(), [&](StopRequest* stop) {
-              return self.net_forces(plants, view(middle_position), view(middle_velocity), threads, stop);
+              return net_forces(self, plants, view(middle_position), view(middle_velocity), threads, stop);
             });
           },
           py::arg("plants"), py::arg("middle_position"), py::arg("middle_velocity"), py::kw_only(),
@@ -107,8 +121,9 @@ Raises:
           "added",
           [](const Predictor& self, const Prediction& along, const Plant<>& plant, const std::vector<Effect<>>& effects,
              const std::vector<double>& sizes, unsigned threads) {
-            return rows_of(self, effects.size(),
-                           [&](StopRequest* stop) { return self.added(along, plant, effects, sizes, threads, stop); });
+            return rows_of(self, effects.size(), [&](StopRequest* stop) {
+              return self.plant_along(along, plant)->added(effects, sizes, threads, stop);
+            });
           },
           py::arg("along"), py::arg("plant"), py::arg("effects"), py::arg("sizes"), py::kw_only(),
           py::arg("threads") = 0,
@@ -126,6 +141,8 @@ Args:
 
 Raises:
     ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.)")
+      .def("plant_along", &Predictor::plant_along, py::arg("along"), py::arg("plant"), py::keep_alive<0, 1>(),
+           py::keep_alive<0, 2>(), "A plant along its prediction on this log, for many calls of `added`.")
       .def(
           "propagate_transposed",
           [](const Predictor& self, const Prediction& along, double mass, const Array& weight) {

@@ -118,7 +118,7 @@ class SmoothSign {
       return two_over_pi * atan(velocity * inverse_);
     if constexpr (lanes_of<Scalar> == 1)
       return sign(velocity);
-    else
+    else  // not smooth_sign: a lane has the bits of its machine alone, whatever the others are
       return select(width_ > 0.0, two_over_pi * atan(velocity * inverse_), sign(velocity));
   }
 

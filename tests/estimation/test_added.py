@@ -219,6 +219,22 @@ def test_effects_at_once_are_those_one_by_one(log):
         np.testing.assert_array_equal(row, source.rows_of_effects(along, plant, [effect], [size])[0])
 
 
+def test_what_is_kept_of_one_plant_is_not_used_for_another(log):
+    """Plants and predictions by turns have the bits of a predictor that is asked but once."""
+    random = np.random.default_rng(3)
+    source = Innovations(log, machine())
+    plants = [quiet_plant(machine(coulomb=coulomb)) for coulomb in (0.0, 1.0, 2.0)]
+    alongs = [source.predictor.predict(plant) for plant in plants]
+    names = [*LINEAR, "command_delay", "flexible_mode", "backlash"]
+    for _ in range(30):
+        plant, along = plants[random.integers(3)], alongs[random.integers(3)]
+        effects = [sample(name, random) for name in random.choice(names, size=3)]
+        effects = [effect for effect in effects if source.predictor.is_addable(plant, effect)]
+        rows = source.rows_of_effects(along, plant, effects, [1.0] * len(effects))
+        expected = source.scale * source.predictor.added(along, plant, effects, [1.0] * len(effects))
+        assert rows.tobytes() == expected.tobytes()
+
+
 def test_what_must_be_predicted_as_a_whole_is_refused(log):
     predictor = Predictor(log.time, log.position, log.command)
     plant = quiet_plant(machine())

@@ -15,6 +15,7 @@ from cogging import (
     Model,
     NoiseParameters,
     SplineHarmonics,
+    _core,
 )
 from cogging.cli.main import main
 from cogging.identification.identify import identify
@@ -147,6 +148,17 @@ def test_text_and_json_tell_what_was_found(fitted):
 def test_is_a_pure_function(fitted):
     _, prior, log, found = fitted
     assert identify(log, prior).to_dict() == found.to_dict()
+
+
+def test_every_instruction_set_finds_the_same_bits(fitted, monkeypatch):
+    """As do replays one by one."""
+    _, prior, log, _ = fitted
+    log = Log.of({name: column[:4000] for name, column in log.columns().items()})
+    found = []
+    for instructions in ("none", *_core.instruction_sets()):
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+        found.append(json.dumps(identify(log, prior).to_dict()))
+    assert found == found[:1] * len(found)
 
 
 def test_only_the_parameters_asked_for_move(fitted):

@@ -35,14 +35,17 @@ struct RecordedBatch {
   const std::vector<double>& durations;
   const std::vector<std::uint64_t>& seeds;
   const std::vector<int>& steps;
+  const std::vector<double>& initial_positions;  // none: where each motion begins
+  double initial_velocity;
+  const std::vector<double>& added_command;
   RecordRequest request;
   bool keeps_refused;
-  SharedRows rows;
-  std::vector<double> values;  // (runs, indexes and reductions)
-  std::vector<std::vector<std::vector<double>>> columns;
-  std::vector<std::string> reasons;  // empty: the run came to its end
-  std::vector<double> times;
-  std::vector<char> in_lanes;
+  SharedRows rows{};
+  std::vector<double> values{};  // (runs, indexes and reductions)
+  std::vector<std::vector<std::vector<double>>> columns{};
+  std::vector<std::string> reasons{};  // empty: the run came to its end
+  std::vector<double> times{};
+  std::vector<char> in_lanes{};
 
   std::size_t width() const { return index_count + request.reductions.size(); }
 
@@ -62,11 +65,18 @@ struct RecordedBatch {
 
   const Reference& reference(std::size_t i) const { return *one_of(references, i); }
 
+  std::optional<double> initial_position(std::size_t i) const {
+    return initial_positions.empty() ? std::nullopt : std::optional(one_of(initial_positions, i));
+  }
+
   RunOptions options_of(std::size_t i, StopRequest* stop) const {
     RunOptions options;
     options.seed = seeds.empty() ? 0 : seeds[i];
     options.steps_per_sample = one_of(steps, i);
     options.duration = one_of(durations, i);
+    options.initial_position = initial_position(i);
+    options.initial_velocity = initial_velocity;
+    options.added_command = added_command;
     options.stop = stop;
     detail::require_options(options);
     return options;
@@ -132,7 +142,7 @@ struct RecordedBatch {
     std::vector<const AnyController<>*> own_places;
     std::vector<KeptOfRun> kept(job.size());
     for (const std::size_t i : job) {
-      runs.push_back({&plants[i], seeds.empty() ? 0 : seeds[i]});
+      runs.push_back({&plants[i], seeds.empty() ? 0 : seeds[i], initial_position(i)});
       std::visit(
           [&]<class C>(const C& c) {
             if constexpr (std::is_constructible_v<AnyController<>, const C&>) own.emplace_back(c);
@@ -203,12 +213,18 @@ void bind_batch(py::module_& module) {
          const std::vector<const Reference*>& references, const std::vector<double>& durations,
          const std::vector<std::uint64_t>& seeds, const std::vector<int>& steps_per_sample, unsigned threads,
          double start, double stop, double final_window, const std::vector<AskedReduction>& reductions,
-         const std::vector<std::string>& columns, std::size_t every, bool keeps_refused) {
+         const std::vector<std::string>& columns, std::size_t every, bool keeps_refused,
+         const std::vector<double>& initial_positions, double initial_velocity,
+         const std::vector<double>& added_command) {
         require_one_for_each("controllers", controllers, plants.size(), false);
         require_one_for_each("references", references, plants.size(), true);
         require_one_for_each("durations", durations, plants.size(), true);
         require_one_for_each("steps_per_sample", steps_per_sample, plants.size(), true);
         if (!seeds.empty()) require_one_for_each("seeds", seeds, plants.size(), false);
+        if (!initial_positions.empty())
+          require_one_for_each("initial_positions", initial_positions, plants.size(), true);
+        for (const double position : initial_positions) require_finite("initial_positions", position);
+        for (const double added : added_command) require_finite("added_command", added);
         // Where a plant asks Python, it holds a lock for which other threads would only wait.
         for (const Plant<>& plant : plants)
           if (is_serial(plant.effects)) threads = 1;
@@ -219,8 +235,9 @@ void bind_batch(py::module_& module) {
         RecordRequest request{{start, stop, final_window}, {}, columns, every};
         for (const auto& [quantity, kind, at] : reductions) request.reductions.push_back({quantity, kind, at});
         const RunRecord<double> refuses_what_is_wrong(request);
-        RecordedBatch batch{plants, given, references, durations, seeds, steps_per_sample, request, keeps_refused, {},
-                            {},     {},    {},         {},        {}};
+        RecordedBatch batch{
+            plants,           given,         references, durations,    seeds, steps_per_sample, initial_positions,
+            initial_velocity, added_command, request,    keeps_refused};
         batch.make_room();
         without_gil([&](StopRequest* request_to_stop) { batch.run(threads, request_to_stop); });
         return kept_of(std::move(batch));
@@ -228,11 +245,15 @@ void bind_batch(py::module_& module) {
       py::arg("plants"), py::arg("controllers"), py::arg("references"), py::kw_only(), py::arg("durations"),
       py::arg("seeds"), py::arg("steps_per_sample"), py::arg("threads"), py::arg("start"), py::arg("stop"),
       py::arg("final_window"), py::arg("reductions"), py::arg("columns"), py::arg("every"), py::arg("keeps_refused"),
+      py::arg("initial_positions") = std::vector<double>{}, py::arg("initial_velocity") = 0.0,
+      py::arg("added_command") = std::vector<double>{},
       R"(Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
 
 `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
 run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
-`in_lanes`: of each run whether it shared its steps with others of its course.)");
+`in_lanes`: of each run whether it shared its steps with others of its course.
+`initial_positions` (m): one for all runs, one for each or none, where each starts on its reference; `added_command` (V,
+one entry a row or none) is added to what each controller computes, as by closed_loop.)");
 
   module.def(
       "instruction_sets",
@@ -243,7 +264,7 @@ run failed. `failures`: run, time (s), reason. `columns`: one list for each, an 
       },
       "Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.");
   module.def(
-      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr}).name; },
+      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr, nullptr}).name; },
       R"(The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
 COGGING_INSTRUCTIONS names; "none": each run alone.
 

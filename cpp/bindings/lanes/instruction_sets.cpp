@@ -3,8 +3,10 @@
 
 #include "run_lanes.hpp"
 
-// Defined where run_lanes.cpp is compiled for them; the value is the size of a pack.
-#define COGGING_DECLARED(set) void run_lanes_##set(const PackOfRuns&);
+// Defined where run_lanes.cpp and force_lanes.cpp are compiled for them; the value is the size of a pack.
+#define COGGING_DECLARED(set)              \
+  void run_lanes_##set(const PackOfRuns&); \
+  void force_lanes_##set(const PackOfForces&);
 #ifdef COGGING_LANES_v2
 COGGING_DECLARED(v2)
 COGGING_DECLARED(v3)
@@ -19,16 +21,16 @@ std::vector<InstructionSet> instruction_sets() {
 #ifdef COGGING_LANES_v2
   __builtin_cpu_init();
   if (__builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt"))
-    sets.push_back({"v2", COGGING_LANES_v2, run_lanes_v2});
+    sets.push_back({"v2", COGGING_LANES_v2, run_lanes_v2, force_lanes_v2});
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
       __builtin_cpu_supports("bmi2"))
-    sets.push_back({"v3", COGGING_LANES_v3, run_lanes_v3});
+    sets.push_back({"v3", COGGING_LANES_v3, run_lanes_v3, force_lanes_v3});
   if (sets.size() == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    sets.push_back({"v4", COGGING_LANES_v4, run_lanes_v4});
+    sets.push_back({"v4", COGGING_LANES_v4, run_lanes_v4, force_lanes_v4});
 #endif
 #ifdef COGGING_LANES_neon
-  sets.push_back({"neon", COGGING_LANES_neon, run_lanes_neon});
+  sets.push_back({"neon", COGGING_LANES_neon, run_lanes_neon, force_lanes_neon});
 #endif
   return sets;
 }

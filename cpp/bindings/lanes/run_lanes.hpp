@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cogging/control/list.hpp"
+#include "cogging/estimation/prediction.hpp"
 #include "cogging/simulation/lanes_loop.hpp"
 #include "cogging/simulation/reference_rows.hpp"
 #include "cogging/simulation/run_record.hpp"
@@ -22,11 +23,22 @@ struct PackOfRuns {
   const cogging::RunOptions& options;
 };
 
+/// Plants of one course (see course_of_forces), as many or fewer, and where the net force of each along one motion
+/// goes.
+struct PackOfForces {
+  std::span<const cogging::Plant<>* const> plants;
+  std::span<double* const> rows;
+  const cogging::Recording& log;
+  std::span<const double> middle_position, middle_velocity;  // m, m/s
+  cogging::StopRequest* stop;
+};
+
 /// Instructions for which this module was compiled and that this machine has.
 struct InstructionSet {
   std::string name;
   std::size_t lanes;               // runs in a pack
   void (*run)(const PackOfRuns&);  // raises what a run raises before its first row
+  void (*net_force)(const PackOfForces&);
 };
 
 /// The widest last.

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <mutex>
+#include <optional>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -41,52 +44,59 @@ inline bool is_addable(const Plant<double>& plant, const Effect<double>& effect)
   return addable;
 }
 
-/// The same of effects that are loads behind a coupling, each by its own course.
-inline void add_loads(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
-                      const std::vector<std::size_t>& loads, const Plant<double>& plant, const Prediction& along,
-                      const Recording& log, const ObserverLoop& loop, unsigned threads,
-                      std::vector<double>& innovation) {
-  if (loads.empty()) return;
-  const std::size_t rows = loop.rows();
-  const std::vector<double> force = net_force(plant, log, along.middle_position, along.middle_velocity, loop.stop());
-  std::vector<CouplingParameters> couplings(effects.size());
-  std::vector<std::size_t> springs, loose;
-  for (const std::size_t effect : loads) {
-    visit_law(effects[effect], [&](const HasCoupling auto& law) { couplings[effect] = law.coupling(); });
-    if (!couplings[effect].rigid()) (has_play(couplings[effect]) ? loose : springs).push_back(effect);
-  }
-  const auto pass = [&]<std::size_t width>(std::integral_constant<std::size_t, width>, std::size_t first) {
-    std::array<CouplingParameters, width> some;
-    std::array<double*, width> out;
-    for (std::size_t i = 0; i < width; ++i) {
-      some[i] = couplings[springs[first + i]];
-      out[i] = innovation.data() + springs[first + i] * rows;
-    }
-    pass_springs(some, plant.axis, loop, along.slope_velocity, force, out);
-  };
-  in_blocks(
-      springs.size(), threads, loop.stop(),
-      [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
-      [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
-  run_batch(loose.size(), threads, loop.stop(), [&](std::size_t job) {
-    double* out = innovation.data() + loose[job] * rows;
-    pass_loose(couplings[loose[job]], plant.axis, loop, along.slope_velocity, force, out);
-  });
-  for (const std::size_t effect : loads)
-    for (std::size_t k = 0; k < rows; ++k) innovation[effect * rows + k] /= sizes[effect];
-}
+/// A plant along its prediction on a log, to which effects are added. What all of them need is worked out once, when
+/// the first asks for it.
+class PlantAlong {
+ public:
+  /// `along` and what `log` shows must outlive this.
+  PlantAlong(Plant<double> plant, const Prediction& along, const Recording& log, const PredictionOptions& options)
+      : plant_(std::move(plant)), along_(along), log_(log), loop_(along, log, options) {}
 
-/// What each effect adds to the innovations of a plant, m, per size of it: one row of the log's length an effect.
-inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
-                                    const Plant<double>& plant, const Prediction& along, const Recording& log,
-                                    const ObserverLoop& loop, unsigned threads) {
-  const std::size_t rows = loop.rows(), count = effects.size();
-  std::vector<double> innovation(count * rows);
-  std::vector<std::size_t> forces, loads;
-  for (std::size_t i = 0; i < count; ++i)
-    std::visit([&]<class E>(const E&) { (HasCoupling<E> ? loads : forces).push_back(i); }, effects[i]);
-  if (!forces.empty()) {
-    const AddedForce law(plant, log, along.middle_position, along.middle_velocity, loop.stop());
+  std::size_t rows() const { return loop_.rows(); }
+
+  /// What each effect adds to the innovations of the plant, m, per size of it, to first order along the prediction:
+  /// (effects, rows).
+  ///
+  /// Raises std::invalid_argument for an effect that is not valid or not addable (see is_addable), for sizes that are
+  /// not one an effect.
+  std::vector<double> added(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
+                            unsigned threads, StopRequest* stop = nullptr) const {
+    require(sizes.size() == effects.size(), "sizes", "must be as many as effects", static_cast<double>(sizes.size()));
+    for (const double size : sizes) require_positive("sizes", size);
+    for (const Effect<double>& effect : effects)
+      visit_law(effect, [&](const auto& law) {
+        law.validate();
+        require(is_addable(plant_, effect), law.name, "must be predicted as a whole in this plant, added", 1);
+      });
+    if (is_serial(effects) || is_serial(plant_.effects)) threads = 1;
+    std::vector<double> innovation(effects.size() * rows());
+    std::vector<std::size_t> forces, loads;
+    for (std::size_t i = 0; i < effects.size(); ++i)
+      std::visit([&]<class E>(const E&) { (HasCoupling<E> ? loads : forces).push_back(i); }, effects[i]);
+    if (!forces.empty()) add_forces(effects, sizes, forces, threads, stop, innovation);
+    if (!loads.empty()) add_loads(effects, sizes, loads, threads, stop, innovation);
+    return innovation;
+  }
+
+ private:
+  AddedForce law(StopRequest* stop) const {
+    const std::lock_guard lock(mutex_);
+    if (!law_) law_.emplace(plant_, log_, along_.middle_position, along_.middle_velocity, stop);
+    return law_->heeding(stop);
+  }
+
+  const std::vector<double>& force(StopRequest* stop) const {
+    const std::lock_guard lock(mutex_);
+    if (force_.empty()) force_ = net_force(plant_, log_, along_.middle_position, along_.middle_velocity, stop);
+    return force_;
+  }
+
+  void add_forces(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
+                  const std::vector<std::size_t>& forces, unsigned threads, StopRequest* stop,
+                  std::vector<double>& innovation) const {
+    const AddedForce law = this->law(stop);
+    const ObserverLoop loop = loop_.heeding(stop);
+    const std::size_t rows = loop.rows();
     const auto pass = [&]<std::size_t width>(std::integral_constant<std::size_t, width>, std::size_t first) {
       std::vector<double> force(width * rows, 0.0), excess(width * rows, 0.0);
       std::array<double*, width> out;
@@ -97,16 +107,55 @@ inline std::vector<double> added_by(const std::vector<Effect<double>>& effects, 
       }
       const double *force_of = force.data(), *excess_of = excess.data();
       const bool steady = std::all_of(excess.begin(), excess.end(), [](double one) { return one == 0.0; });
-      loop.pass<width>(plant.axis.mass, rows_from<width>(force_of, 0, rows),
+      loop.pass<width>(plant_.axis.mass, rows_from<width>(force_of, 0, rows),
                        rows_from<width, const double*>(steady ? nullptr : excess_of, 0, rows), {}, out);
     };
     in_blocks(
-        forces.size(), threads, loop.stop(),
+        forces.size(), threads, stop,
         [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
         [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
   }
-  add_loads(effects, sizes, loads, plant, along, log, loop, threads, innovation);
-  return innovation;
-}
+
+  /// Effects that are loads behind a coupling, each by its own course.
+  void add_loads(const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
+                 const std::vector<std::size_t>& loads, unsigned threads, StopRequest* stop,
+                 std::vector<double>& innovation) const {
+    const std::vector<double>& net = force(stop);
+    const ObserverLoop loop = loop_.heeding(stop);
+    std::vector<CouplingParameters> couplings(effects.size());
+    std::vector<std::size_t> springs, loose;
+    for (const std::size_t effect : loads) {
+      visit_law(effects[effect], [&](const HasCoupling auto& law) { couplings[effect] = law.coupling(); });
+      if (!couplings[effect].rigid()) (has_play(couplings[effect]) ? loose : springs).push_back(effect);
+    }
+    const auto pass = [&]<std::size_t width>(std::integral_constant<std::size_t, width>, std::size_t first) {
+      std::array<CouplingParameters, width> some;
+      std::array<double*, width> out;
+      for (std::size_t i = 0; i < width; ++i) {
+        some[i] = couplings[springs[first + i]];
+        out[i] = innovation.data() + springs[first + i] * rows();
+      }
+      pass_springs(some, plant_.axis, loop, along_.slope_velocity, net, out);
+    };
+    in_blocks(
+        springs.size(), threads, stop,
+        [&](std::size_t first) { pass(std::integral_constant<std::size_t, abreast>(), first); },
+        [&](std::size_t one) { pass(std::integral_constant<std::size_t, 1>(), one); });
+    run_batch(loose.size(), threads, stop, [&](std::size_t job) {
+      double* out = innovation.data() + loose[job] * rows();
+      pass_loose(couplings[loose[job]], plant_.axis, loop, along_.slope_velocity, net, out);
+    });
+    for (const std::size_t effect : loads)
+      for (std::size_t k = 0; k < rows(); ++k) innovation[effect * rows() + k] /= sizes[effect];
+  }
+
+  Plant<double> plant_;
+  const Prediction& along_;
+  Recording log_;
+  ObserverLoop loop_;
+  mutable std::mutex mutex_;
+  mutable std::optional<AddedForce> law_;
+  mutable std::vector<double> force_;  // V, net
+};
 
 }  // namespace cogging

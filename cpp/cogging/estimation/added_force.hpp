@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cogging/estimation/prediction.hpp"
@@ -26,16 +28,25 @@ class AddedForce {
     const std::size_t rows = log.time.size();
     const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
     RecordedAmplifier amplifier(plant.effects, log.time, log.command);
-    rows_.reserve(rows - 1);
+    std::vector<Row> made;
+    made.reserve(rows - 1);
     StopCheck check(stop_);
     for (std::size_t k = 0; k + 1 < rows; ++k) {
       check.row();
       const double start = log.time[k], end = log.time[k + 1];
       const double v = middle_velocity[k];
       const Motion<double> motion{middle_position[k], v, smooth_sign(v, plant.axis.coulomb_width), 0.5 * (start + end)};
-      rows_.push_back({motion, amplifier.moments(start, end), axis.summed_friction_level(motion),
-                       1.0 + axis.command_gain(motion.position, motion.time)});
+      made.push_back({motion, amplifier.moments(start, end), axis.summed_friction_level(motion),
+                      1.0 + axis.command_gain(motion.position, motion.time)});
     }
+    rows_ = std::make_shared<const std::vector<Row>>(std::move(made));
+  }
+
+  /// The same, in which another is asked whether to end.
+  AddedForce heeding(StopRequest* stop) const {
+    AddedForce other = *this;
+    other.stop_ = stop;
+    return other;
   }
 
   /// Adds to `force` (V, one entry a row) what the effect pushes with, friction taken off, and to `excess` (V s^2, see
@@ -63,9 +74,9 @@ class AddedForce {
                       std::span<double> excess) const {
     const auto add_pushes = [&](const auto& push) {  // push(row), V
       StopCheck check(stop_);
-      for (std::size_t k = 0; k < rows_.size(); ++k) {
+      for (std::size_t k = 0; k < rows_->size(); ++k) {
         check.row();
-        force[k] += push(rows_[k]) * share;
+        force[k] += push((*rows_)[k]) * share;
       }
     };
     visit_law(effect, [&](const HasForce<double> auto& law) {
@@ -88,7 +99,7 @@ class AddedForce {
   template <class E>
   void add_along(const E& law, double share, std::span<double> force) const {
     std::vector<double> position, velocity, time;
-    for (const Row& row : rows_) {
+    for (const Row& row : *rows_) {
       position.push_back(row.motion.position);
       velocity.push_back(row.motion.velocity);
       time.push_back(row.motion.time);
@@ -97,8 +108,8 @@ class AddedForce {
     const std::vector<double> pushes = law.along(Hook::force, course);
     const std::vector<double> levels = law.along(Hook::friction_level, course);
     const std::vector<double> gains = law.along(Hook::command_gain, course);
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-      const Row& row = rows_[k];
+    for (std::size_t k = 0; k < rows_->size(); ++k) {
+      const Row& row = (*rows_)[k];
       const double level = std::max(row.friction_level + levels[k], 0.0) - std::max(row.friction_level, 0.0);
       force[k] += (pushes[k] - level * row.motion.direction + gains[k] * row.acting.mean) * share;
     }
@@ -110,9 +121,9 @@ class AddedForce {
     effects.push_back(effect);
     RecordedAmplifier amplifier(effects, log_.time, log_.command);
     StopCheck check(stop_);
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
+    for (std::size_t k = 0; k < rows_->size(); ++k) {
       check.row();
-      const Row& row = rows_[k];
+      const Row& row = (*rows_)[k];
       const CommandMoments acting = amplifier.moments(log_.time[k], log_.time[k + 1]);
       force[k] += (acting.mean - row.acting.mean) * row.gain * share;
       excess[k] += (acting.excess - row.acting.excess) * row.gain * share;
@@ -123,7 +134,7 @@ class AddedForce {
   const Recording& log_;
   StopRequest* stop_;
   PlantContext context_;
-  std::vector<Row> rows_;
+  std::shared_ptr<const std::vector<Row>> rows_;
 };
 
 }  // namespace cogging

@@ -32,8 +32,7 @@ inline Prediction expected_prediction(const Plant<double>& plant, const Recordin
   rest.effects.erase(rest.effects.begin() + place);
   if (is_addable(rest, *loose)) {
     Prediction result = predict(rest, log, options, true);
-    const ObserverLoop loop(result, log, options);
-    const std::vector<double> added = added_by({*loose}, {1.0}, rest, result, log, loop, 1);
+    const std::vector<double> added = PlantAlong(rest, result, log, options).added({*loose}, {1.0}, 1, options.stop);
     for (std::size_t k = 0; k < added.size(); ++k) result.innovation[k] += added[k];
     return result;
   }

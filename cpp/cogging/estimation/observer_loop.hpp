@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cogging/estimation/prediction.hpp"
@@ -32,21 +34,29 @@ class ObserverLoop {
     require(along.moving.size() == rows, "along", "must be a prediction along this log, rows",
             static_cast<double>(along.moving.size()));
     const ObserverGain gain(options.bandwidth, median_step(log));
-    intervals_.reserve(rows - 1);
+    std::vector<Interval> intervals;
+    intervals.reserve(rows - 1);
     for (std::size_t k = 0; k + 1 < rows; ++k) {
       const double h = log.time[k + 1] - log.time[k];
       const double decay = along.slope_velocity[k] * h;
       const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : std::expm1(decay) / decay;
       const Kind kind = h > options.gap ? Kind::starts_anew : along.moving[k] == 0.0 ? Kind::rests : Kind::moves;
-      intervals_.push_back({h, 1.0 + decay * grown, h * grown, along.slope_position[k],
-                            gain.position(step_after(log.time, k + 1)), gain.velocity(h), kind});
+      intervals.push_back({h, 1.0 + decay * grown, h * grown, along.slope_position[k],
+                           gain.position(step_after(log.time, k + 1)), gain.velocity(h), kind});
     }
+    intervals_ = std::make_shared<const std::vector<Interval>>(std::move(intervals));
   }
 
-  std::size_t rows() const { return intervals_.size() + 1; }
-  const std::vector<Interval>& intervals() const { return intervals_; }
+  std::size_t rows() const { return intervals_->size() + 1; }
+  const std::vector<Interval>& intervals() const { return *intervals_; }
   /// What passes through this loop asks.
   StopRequest* stop() const { return stop_; }
+  /// The same loop, in which another is asked.
+  ObserverLoop heeding(StopRequest* stop) const {
+    ObserverLoop other = *this;
+    other.stop_ = stop;
+    return other;
+  }
 
   /// What the innovations (m) gain from small forces: `width` independent changes side by side, one entry a row each.
   ///
@@ -59,9 +69,10 @@ class ObserverLoop {
     Course<width> course{1.0 / mass, force, excess, error, innovation, {}, {}};
     course.begin();
     StopCheck stop(stop_);
-    for (std::size_t k = 0; k < intervals_.size();) {
-      const std::size_t asked_again = stop.rows_until(k, intervals_.size());
-      for (; k < asked_again; ++k) course.follow(intervals_[k], k);
+    const std::vector<Interval>& intervals = *intervals_;
+    for (std::size_t k = 0; k < intervals.size();) {
+      const std::size_t asked_again = stop.rows_until(k, intervals.size());
+      for (; k < asked_again; ++k) course.follow(intervals[k], k);
     }
   }
 
@@ -115,7 +126,7 @@ class ObserverLoop {
     }
   };
 
-  std::vector<Interval> intervals_;
+  std::shared_ptr<const std::vector<Interval>> intervals_;
   StopRequest* stop_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -46,6 +47,12 @@ class Predictor {
     median_step_ = median_step(time_);
   }
 
+  /// As many threads as plants can use: where one needs a lock, others would only wait for it.
+  static unsigned useful(const std::vector<Plant<double>>& plants, unsigned threads) {
+    const auto serial = [](const Plant<double>& plant) { return is_serial(plant.effects); };
+    return std::any_of(plants.begin(), plants.end(), serial) ? 1 : threads;
+  }
+
   std::size_t rows() const { return time_.size(); }
   Recording log() const { return {time_, position_, command_, median_step_}; }
 
@@ -59,16 +66,6 @@ class Predictor {
                                   StopRequest* stop = nullptr) const {
     return table(plants.size(), useful(plants, threads), stop,
                  [&](std::size_t i) { return expected_prediction(plants[i], log(), options(stop), false).innovation; });
-  }
-
-  /// Command that acts plus all forces, V, of many plants along a motion given half-way between rows: (plants, rows).
-  std::vector<double> net_forces(const std::vector<Plant<double>>& plants, std::span<const double> middle_position,
-                                 std::span<const double> middle_velocity, unsigned threads,
-                                 StopRequest* stop = nullptr) const {
-    require_length("middle_position", middle_position);
-    require_length("middle_velocity", middle_velocity);
-    return table(plants.size(), useful(plants, threads), stop,
-                 [&](std::size_t i) { return net_force(plants[i], log(), middle_position, middle_velocity, stop); });
   }
 
   /// What small forces (V, (count, rows)) and errors of the reading (m, the same shape, or empty: none) add to the
@@ -93,24 +90,14 @@ class Predictor {
     return pass_transposed(ObserverLoop(along, log(), options(stop)), mass, weight);
   }
 
-  /// What each effect would add to the innovations of a plant per size of it, m, to first order along a prediction of
-  /// that plant: (effects, rows).
-  ///
-  /// Raises std::invalid_argument for an effect that is not valid or not addable (see is_addable), for sizes that are
-  /// not one an effect.
-  std::vector<double> added(const Prediction& along, const Plant<double>& plant,
-                            const std::vector<Effect<double>>& effects, const std::vector<double>& sizes,
-                            unsigned threads, StopRequest* stop = nullptr) const {
-    require(sizes.size() == effects.size(), "sizes", "must be as many as effects", static_cast<double>(sizes.size()));
-    for (const double size : sizes) require_positive("sizes", size);
-    for (const Effect<double>& effect : effects)
-      visit_law(effect, [&](const auto& law) {
-        law.validate();
-        require(is_addable(plant, effect), law.name, "must be predicted as a whole in this plant, added", 1);
-      });
-    const ObserverLoop loop(along, log(), options(stop));
-    const bool one_by_one = is_serial(effects) || is_serial(plant.effects);
-    return added_by(effects, sizes, plant, along, log(), loop, one_by_one ? 1 : threads);
+  /// A plant along its prediction on this log, to which effects are added (see PlantAlong): both must outlive it.
+  std::unique_ptr<PlantAlong> plant_along(const Prediction& along, const Plant<double>& plant) const {
+    return std::make_unique<PlantAlong>(plant, along, log(), options(nullptr));
+  }
+
+  /// Raises std::invalid_argument for a column that is not as long as the log.
+  void require_length(std::string_view name, std::span<const double> column) const {
+    require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
   }
 
  private:
@@ -118,16 +105,6 @@ class Predictor {
     PredictionOptions options = options_;
     options.stop = stop;
     return options;
-  }
-
-  void require_length(std::string_view name, std::span<const double> column) const {
-    require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
-  }
-
-  // As many threads as plants can use: where one needs a lock, others would only wait for it.
-  static unsigned useful(const std::vector<Plant<double>>& plants, unsigned threads) {
-    const auto serial = [](const Plant<double>& plant) { return is_serial(plant.effects); };
-    return std::any_of(plants.begin(), plants.end(), serial) ? 1 : threads;
   }
 
   // Rows of a table, one a job, made by row(i).

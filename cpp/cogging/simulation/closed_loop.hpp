@@ -108,6 +108,11 @@ inline void require_options(const RunOptions& options) {
   if (options.initial_position) require_finite("initial_position", *options.initial_position);
 }
 
+inline void require_added_command(const RunOptions& options, std::size_t rows) {
+  require(options.added_command.empty() || options.added_command.size() >= rows, "added_command",
+          "must have an entry for each row", static_cast<double>(options.added_command.size()));
+}
+
 /// The command of row k that acts on the amplifier: cut at the limit, with what is added behind the controller.
 template <class Scalar, class C>
 COGGING_INLINE Scalar command_of_row(C& controller, const ReferenceRows& reference, std::size_t k, double time,
@@ -145,8 +150,7 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
   StopCheck stop(options.stop);
   const std::size_t rows = reference.size();
   recorder.begin(rows, reference.sample_rate(), stop);
-  require(options.added_command.empty() || options.added_command.size() >= rows, "added_command",
-          "must have an entry for each row", static_cast<double>(options.added_command.size()));
+  detail::require_added_command(options, rows);
   reference.require_within(plant.axis.travel);
 
   AxisState<Scalar> state{options.initial_position.value_or(reference.at(0).position), options.initial_velocity};

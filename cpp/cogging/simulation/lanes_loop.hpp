@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@ namespace cogging {
 struct RunInLane {
   const Plant<double>* plant;
   std::uint64_t seed;
+  std::optional<double> initial_position;  // m; the reference's first position when not given
   std::exception_ptr ended = nullptr;
 };
 
@@ -118,13 +120,14 @@ class MachinesInLanes {
         axes_(pack_, plants_, at_work_),
         amplifier_(pack_.effects, sample_time),
         steps_(options.steps_per_sample),
-        state_{options.initial_position.value_or(start), options.initial_velocity} {
+        state_{start, options.initial_velocity} {
     for (std::size_t i = 0; i < count; ++i) {
       const Plant<double>& plant = *plants_[i];
-      const std::uint64_t seed = runs[std::min(i, runs.size() - 1)].seed;
+      const RunInLane& run = runs[std::min(i, runs.size() - 1)];
       plant.encoder.validate();
-      force_noise_.emplace_back(plant.noise, sample_time, seed);
-      encoder_noise_.emplace_back(seed ^ 0x9e3779b97f4a7c15ULL);
+      set_lane(state_.position, i, run.initial_position.value_or(start));
+      force_noise_.emplace_back(plant.noise, sample_time, run.seed);
+      encoder_noise_.emplace_back(run.seed ^ 0x9e3779b97f4a7c15ULL);
       set_lane(resolution_, i, plant.encoder.resolution);
       noisy_ = noisy_ || plant.encoder.noise > 0.0;
       pushed_ = pushed_ || plant.noise.force > 0.0;
@@ -205,7 +208,7 @@ class MachinesInLanes {
 
 /// Runs the machines of a pack, all of one course, under the controllers of another pack, and tells `recorder` every
 /// row; see closed_loop_into. A run that ends before its end says so in `runs`, and the others go on: what the recorder
-/// is told of it afterwards is nothing.
+/// is told of it afterwards is nothing. Where each starts stands in `runs`, not in the options.
 template <std::size_t count, ClosesLoop<Lanes<count>> C, RecordsRun<Lanes<count>> Recorder>
 void closed_loop_in_lanes(Recorder& recorder, std::span<RunInLane> runs, C controller, const ReferenceRows& reference,
                           const RunOptions& options) {
@@ -216,6 +219,7 @@ void closed_loop_in_lanes(Recorder& recorder, std::span<RunInLane> runs, C contr
   StopCheck stop(options.stop);
   const std::size_t rows = reference.size();
   recorder.begin(rows, reference.sample_rate(), stop);
+  detail::require_added_command(options, rows);
   reference.require_within(runs[0].plant->axis.travel);
   double time = 0.0;
   for (std::size_t k = 0; k < rows; ++k) {

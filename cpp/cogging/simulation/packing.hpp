@@ -117,18 +117,11 @@ inline double loop_that_cuts(double time_constant, double sample_time) {
 
 }  // namespace detail
 
-/// The course of a run, none where it must run alone. The controller is one of AnyController, as it was made: a pack
-/// knows no past.
-template <std::size_t place>
-std::optional<SharedCourse> course_of(const Plant<double>& plant,
-                                      const std::variant_alternative_t<place, AnyController<>>& controller) {
+/// What the forces of plants have in common that share a pack, none where one must stand alone.
+inline std::optional<SharedCourse> course_of_forces(const Plant<double>& plant) {
   using detail::AnyLanes;
   if (detail::runs_alone(plant)) return std::nullopt;
   SharedCourse course;
-  course.add(place);
-  course.add_shared<typename std::variant_alternative_t<place, AnyController<AnyLanes>>::Parameters>(
-      controller.parameters());
-  const double sample_time = 1.0 / controller.sample_rate();
   course.add_shared<AxisParameters<AnyLanes>>(plant.axis);
   const SplineHarmonics& basis = plant.cogging.basis();
   course.add(basis.pitch()), course.add(basis.harmonics()), course.add(basis.periods());
@@ -141,9 +134,25 @@ std::optional<SharedCourse> course_of(const Plant<double>& plant,
       course.add(kind);
       if constexpr (detail::HasFields<One>)
         course.add_shared<std::variant_alternative_t<kind, Effect<AnyLanes>>>(std::get<kind>(effect));
-      if constexpr (HasLag<One>) course.add(detail::loop_that_cuts(std::get<kind>(effect).time_constant, sample_time));
     });
-  course.add(plant.encoder.resolution > 0.0);
+  return course;
+}
+
+/// The course of a run, none where it must run alone. The controller is one of AnyController, as it was made: a pack
+/// knows no past.
+template <std::size_t place>
+std::optional<SharedCourse> course_of(const Plant<double>& plant,
+                                      const std::variant_alternative_t<place, AnyController<>>& controller) {
+  std::optional<SharedCourse> course = course_of_forces(plant);
+  if (!course) return course;
+  course->add(place);
+  course->add_shared<typename std::variant_alternative_t<place, AnyController<detail::AnyLanes>>::Parameters>(
+      controller.parameters());
+  const double sample_time = 1.0 / controller.sample_rate();
+  for_each_law(plant.effects, [&](const HasLag auto& law) {
+    course->add(detail::loop_that_cuts(law.lag_time_constant(), sample_time));
+  });
+  course->add(plant.encoder.resolution > 0.0);
   return course;
 }
 

@@ -9,7 +9,7 @@ import typing
 from . import references
 from . import effects
 from . import controllers
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PlantAlong', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -2169,6 +2169,16 @@ class Prediction:
         """
         m/s, corrected
         """
+class PlantAlong:
+    """
+    A plant along its prediction on a log, to which effects are added.
+    
+    What all effects need of the plant is worked out once, when the first asks for it.
+    """
+    def added(self, effects: collections.abc.Sequence[effects.ConstantForce | effects.CableSpring | effects.EndEffect | effects.CoggingHarmonic | effects.CoggingModulation | effects.CoulombAsymmetry | effects.ViscousAsymmetry | effects.StribeckFriction | effects.PreslidingFriction | effects.PositionDependentFriction | effects.QuadraticDrag | effects.ForceConstantRipple | effects.ForceConstantDrift | effects.CommandDelay | effects.ActuatorLag | effects.CommandSaturation | effects.CommandDeadZone | effects.EncoderPeriodicError | effects.EncoderScaleError | effects.Backlash | effects.FlexibleMode | effects.DisturbanceStep | effects.DisturbanceTone | effects.EmpiricalForce | effects.OwnLaws], sizes: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        As Predictor.added.
+        """
 class Predictor:
     """
     One step ahead along a log.
@@ -2213,6 +2223,10 @@ class Predictor:
     def net_force(self, plants: collections.abc.Sequence[Plant], middle_position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], middle_velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
         """
         Command that acts plus all forces (V) along a motion given half-way between rows, (plants, n).
+        """
+    def plant_along(self, along: Prediction, plant: Plant) -> PlantAlong:
+        """
+        A plant along its prediction on this log, for many calls of `added`.
         """
     def predict(self, plant: Plant) -> Prediction:
         """
@@ -2290,13 +2304,15 @@ def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, d
         ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool) -> dict:
+def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool, initial_positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> dict:
     """
     Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
     
     `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
     run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
     `in_lanes`: of each run whether it shared its steps with others of its course.
+    `initial_positions` (m): one for all runs, one for each or none, where each starts on its reference; `added_command` (V,
+    one entry a row or none) is added to what each controller computes, as by closed_loop.
     """
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """

@@ -7,7 +7,7 @@ from copy import copy
 
 import numpy as np
 
-from cogging._core import Plant, Prediction, Predictor
+from cogging._core import Plant, PlantAlong, Prediction, Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
 from cogging.estimation.residuals import quiet_plant, steps_needed
@@ -40,6 +40,8 @@ class Innovations:
         rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
         quick_starts: rows count sooner after a start that is quicker than the observer (see settling).
     """
+
+    _joined: tuple[Prediction, Plant, PlantAlong] | None = None  # that effects were added to last
 
     def __init__(
         self,
@@ -187,7 +189,10 @@ class Innovations:
         Raises:
             ValueError: an effect that is not addable.
         """
-        rows = np.asarray(self.predictor.added(along, plant, for_core(effects), units))
+        joined = self._joined
+        if joined is None or joined[0] is not along or joined[1] != plant:
+            self._joined = joined = (along, plant, self.predictor.plant_along(along, plant))
+        rows = np.asarray(joined[2].added(for_core(effects), units))
         rows *= self.scale
         return rows
 

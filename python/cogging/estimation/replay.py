@@ -10,14 +10,13 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
-from cogging.effects.custom import is_serial
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.innovations import Innovations, initial_velocity
 from cogging.estimation.residuals import quiet, steps_needed
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
-from cogging.threads import on_threads
+from cogging.simulation.reductions import kept_of_runs
 
 INVERSIONS = 20  # of what an encoder errs by, which changes little from place to place
 
@@ -73,23 +72,29 @@ class Replay:
         """Along the prediction, m/s, (n,)."""
         return self._seen.velocity
 
-    def run(self, model: Model) -> dict[str, FloatArray]:
-        """The simulated columns of one model."""
+    def as_run(self, model: Model) -> Model:
+        """A model as it is run in the place of the one that was asked for."""
         model = quiet(model)
         # A run may leave the travel, but what an effect takes from the travel stays.
         effects = tuple(effect.resolved(model.axis, model.cogging) for effect in model.effects)
-        axis = model.axis.replace(travel=[-np.inf, np.inf])
-        steps = steps_needed(model, 1.0 / model.make_controller().sample_rate)
+        return model.replace(axis=model.axis.replace(travel=[-np.inf, np.inf]), effects=effects)
+
+    def run(self, model: Model) -> dict[str, FloatArray]:
+        """The simulated columns of one model."""
+        model = self.as_run(model)
         return closed_loop(
-            model.replace(axis=axis, effects=effects).plant(),
+            model.plant(),
             model.make_controller(),
             self.reference,
             duration=self.duration,
-            initial_position=place_of_reading(float(self.log.position[0]), effects),
+            initial_position=self._start(model),
             initial_velocity=self.initial_velocity,
             added_command=self.added_command,
-            steps_per_sample=steps,
+            steps_per_sample=_steps(model),
         )
+
+    def _start(self, model: Model) -> float:
+        return place_of_reading(float(self.log.position[0]), model.effects)
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n).
@@ -97,13 +102,35 @@ class Replay:
         Raises:
             DivergedError: a replay diverged.
         """
-        # A law in Python is asked by one thread at a time: others would only wait for its lock.
-        serial = any(is_serial(effect) for model in models for effect in model.effects)
-        runs = on_threads(self.run, models, 1 if serial else None)
-        commands = np.array([run["command"] for run in runs])
+        alone = len(models) == 1
+        commands = np.array([self.run(models[0])["command"]] if alone else self._commands(models))
         if not np.isfinite(commands).all():
             raise DivergedError("the replay diverged")
         return np.asarray(self.log.command - commands)
+
+    def _commands(self, models: Sequence[Model]) -> list[FloatArray]:
+        """The commands of each, V, with the bits of `run`: side by side where nothing of the models sticks."""
+        as_run = [self.as_run(model) for model in models]
+        kept = kept_of_runs(
+            [model.plant() for model in as_run],
+            [model.make_controller() for model in as_run],
+            [self.reference],
+            durations=[self.duration],
+            seeds=(),
+            steps_per_sample=[_steps(model) for model in as_run],
+            columns=["command"],
+            keeps_refused=True,
+            initial_positions=[self._start(model) for model in as_run],
+            initial_velocity=self.initial_velocity,
+            added_command=[] if self.added_command is None else self.added_command.tolist(),
+        )
+        for failure in kept.failures:
+            self.run(models[failure.run])  # raises what ended it
+        return kept.columns["command"]
+
+
+def _steps(model: Model) -> int:
+    return steps_needed(model, 1.0 / model.make_controller().sample_rate)
 
 
 def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:

@@ -95,13 +95,16 @@ class InverseDynamics:
             if key not in groups:
                 groups[key] = (self._behind(falsifying), [])
             groups[key][1].append(i)
-        table = np.empty((len(models), len(self.even)))
+        tables = []
         for motion, members in groups.values():
             plants = [quiet_plant(models[i]) for i in members]
             force = self.predictor.net_force(plants, motion.middle_position, motion.middle_velocity)
-            mass = np.array([models[i].axis.mass for i in members])
-            table[members] = force - mass[:, None] * motion.acceleration - self.lost
-        return table
+            for row, i in zip(force, members, strict=True):
+                row -= models[i].axis.mass * motion.acceleration
+                row -= self.lost
+            tables.append(force)
+        order = np.argsort([i for _, members in groups.values() for i in members])
+        return tables[0] if len(tables) == 1 else np.concatenate(tables)[order]
 
     def filtered(self, rows: FloatArray, every: int = 1) -> FloatArray:
         """The low-pass filter on rows (p, n), or on such of every second (third, ...) time.

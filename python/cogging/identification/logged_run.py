@@ -35,8 +35,8 @@ class LoggedReplay(Replay):
         self.controller, self.mass = model.controller, model.axis.mass
         self.sample_time = float(log.time[-1] - log.time[0]) / (len(log) - 1)
 
-    def run(self, model: Model) -> dict[str, FloatArray]:
-        """The simulated columns of one model, whatever its controller.
+    def as_run(self, model: Model) -> Model:
+        """A model as it is run, with the controller of the log whatever its own is.
 
         Raises:
             DivergedError: its mass is so small that the loop could not be stable.
@@ -51,7 +51,7 @@ class LoggedReplay(Replay):
             rate = friction_slope_max(1.0) * axis.coulomb / axis.mass  # m/s^2: over the width, 1/s
             least = rate * self.sample_time / STEEPEST
             axis = axis.replace(coulomb_width=max(axis.coulomb_width, least))
-        return super().run(model.replace(axis=axis, controller=self.controller))
+        return super().as_run(model.replace(axis=axis, controller=self.controller))
 
     def log_of(self, model: Model) -> Log:
         """The simulated log of one model, at the times of the measured one.

@@ -141,9 +141,12 @@ def kept_of_runs(
     columns: Sequence[str] = (),
     every: int = 1,
     keeps_refused: bool = False,
+    **starts: Any,
 ) -> Kept:
     """Run in the core; the arguments as closed_loop_batch takes them, with one reference, duration and number of steps
-    for all runs or one for each. With `keeps_refused`, a run that cannot begin is a failure among the others."""
+    for all runs or one for each. With `keeps_refused`, a run that cannot begin is a failure among the others.
+    `starts`: `initial_positions` (m, one for all, one for each or none), and of all runs `initial_velocity` and
+    `added_command` (a list), as closed_loop takes them."""
     further = names_of(reductions)[len(INDEXES) :]
     start, stop, final_window = window
     kept: dict[str, Any] = _core.closed_loop_records(
@@ -161,6 +164,7 @@ def kept_of_runs(
         columns=list(columns),
         every=every,
         keeps_refused=keeps_refused,
+        **starts,
     )
     failures = tuple(Failed(*failure) for failure in kept["failures"])
     by_column = dict(zip(columns, kept["columns"], strict=True))

@@ -1,0 +1,114 @@
+"""Replays of many models at once: each has the bits that it has alone, on any instruction set, whatever differs."""
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging import Model, _core
+from cogging.estimation.gauss_newton import columns_of
+from cogging.estimation.replay import Replay
+from cogging.model.difference_steps import central
+from cogging.model.model import CONTROLLERS
+from cogging.model.parameters import parameters_of, with_values
+from tests.fixtures.plants_by_hand import EXAMPLES, effect
+
+SETS = ["none", *_core.instruction_sets()]
+RATE, SECONDS, MASS = 2000.0, 0.3, 0.3
+MOVE = cogging.Sine(cogging.SineParameters(center=0.05, amplitude=0.03, frequency=6.0))
+#: Settings of each controller that hold a small axis on its motion.
+LEARNS = {"mass": MASS, "mass_bounds": [0.1, 0.6], "mass_adaptation": 1.0, "epsilon": 0.1}
+TUNED = {
+    "pid": {"kp": 2000.0, "ki": 2e4, "kd": 20.0},
+    "cascade": {"kp": 50.0, "kv": 20.0},
+    "speed": {"kp": 10.0},
+    "arc": LEARNS,
+    "dcarc": LEARNS,
+    "output_feedback_arc": {"theta": [8.4, 2.5, 0.0], "coulomb": 0.1},
+    "observer_based": {"periods": [0.05], "observer_gain": [200.0, 1.2e4, 2e5, 0.0, 0.0], "mass": MASS},
+}
+EFFECTS = sorted(name for name in EXAMPLES if name not in {"presliding_friction", "backlash", "flexible_mode"})
+READING = sorted(name for name in EFFECTS if "reading" in cogging.EFFECTS[name].HOOKS)
+
+
+def drawn(kind, seed):
+    """A model with a few effects, one of them of the encoder, the replay of a log of it, and all its parameters."""
+    rng = np.random.default_rng([seed, *kind.encode()])
+    names = {*rng.choice(EFFECTS, size=2, replace=False), str(rng.choice(READING))}
+    model = Model(
+        axis=cogging.AxisParameters(
+            mass=MASS * rng.uniform(0.8, 1.2),
+            viscous=rng.uniform(0.2, 0.8),
+            coulomb=rng.uniform(0.05, 0.15),
+            coulomb_width=0.003 * rng.uniform(0.3, 3.0),
+        ),
+        effects=tuple(effect(name, **EXAMPLES[name][0]) for name in sorted(names)),
+        controller=CONTROLLERS[kind][0](sample_rate=RATE, **TUNED[kind]),
+        controller_type=kind,
+    )
+    log = cogging.simulate(model, MOVE, seed=seed, duration=SECONDS)
+    added = 0.1 * rng.normal(size=len(log)) if seed % 2 else None
+    return Replay(log, model, added_command=added), model
+
+
+def sides(replay, model):
+    """The model, and either side of it by each of its parameters."""
+    models = [model]
+    for parameter in parameters_of(model).values():
+        try:
+            step = central(model, parameter, replay.scales.step(parameter))
+        except ValueError:  # one that no step may move
+            continue
+        models += [step.above, step.below]
+    return models
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", CONTROLLERS)
+def test_models_side_by_side_have_the_bits_of_each_alone(kind, seed, monkeypatch):
+    replay, model = drawn(kind, seed)
+    models = sides(replay, model)
+    assert len(models) > 9
+    alone = np.array([replay.run(one)["command"] for one in models])
+    assert len(np.unique(alone, axis=0)) > 9
+    for instructions in SETS:
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+        assert replay.of(models).tobytes() == (replay.log.command - alone).tobytes()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_derivatives_are_those_of_single_replays(seed, monkeypatch):
+    replay, model = drawn("pid", seed)
+    known = parameters_of(model)
+    moved = [known[path] for path in ("axis.mass", "axis.viscous", "axis.coulomb", "axis.coulomb_width")]
+    for instructions in SETS:
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+        (residual,), (columns,) = columns_of(model, moved, [replay], replay.scales)
+        assert residual.tobytes() == replay.of([model])[0].tobytes()
+        for parameter, column in zip(moved, columns, strict=True):
+            step = central(model, parameter, replay.scales.step(parameter))
+            above, below = replay.of([step.above])[0], replay.of([step.below])[0]
+            assert column.tobytes() == ((above - below) / step.span).tobytes()
+
+
+@pytest.mark.parametrize("instructions", SETS)
+@pytest.mark.parametrize("where", [0, 4, 9])
+def test_what_ends_one_of_them_is_what_ends_it_alone(instructions, where, monkeypatch):
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+    replay, model = drawn("pid", 1)
+    models = [with_values(model, {"axis.mass": MASS * (1.0 + 0.01 * i)}) for i in range(10)]
+    models[where] = with_values(model, {"axis.mass": 1e-4, "axis.coulomb": 0.0})
+    with pytest.raises(cogging.DivergedError) as alone:
+        replay.of([models[where]])
+    with pytest.raises(cogging.DivergedError) as together:
+        replay.of(models)
+    assert str(together.value) == str(alone.value)
+
+
+@pytest.mark.parametrize("instructions", SETS)
+def test_an_added_command_that_ends_too_early_is_refused(instructions, monkeypatch):
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+    replay, model = drawn("pid", 1)
+    short = Replay(replay.log, model, added_command=np.zeros(5))
+    for models in ([model], [model] * 10):
+        with pytest.raises(ValueError, match=r"^added_command: must have an entry for each row, got 5$"):
+            short.of(models)
