@@ -210,6 +210,8 @@ def folder(tmp_path_factory):
     (folder / "model.toml").write_text(MODEL)
     (folder / "ref.toml").write_text(REFERENCE + "dwell = 0.1\nrepeats = 120\n")
     cogging.Log(time=TIME, position=np.cos(TIME), command=np.sin(TIME)).write(folder / "log.mat")
+    (folder / "shorter.toml").write_text(REFERENCE + "dwell = 0.1\nrepeats = 30\n")
+    cogging.simulate(folder / "model.toml", folder / "shorter.toml", seed=1).write(folder / "moved.mat")
     for name in ("out", "temporary"):
         (folder / name).mkdir()
     return folder
@@ -302,7 +304,7 @@ runs = 4000
 """
 LONG = {
     "sweep": ["sweep", "sweep.toml", "--out", "swept/runs.csv"],
-    "diagnose": ["diagnose", "log.mat", "--model", "model.toml", "--json", "swept/result.json"],
+    "diagnose": ["diagnose", "moved.mat", "--model", "model.toml", "--json", "swept/result.json"],
     "reproduce": ["reproduce", "lu2008", "--out", "swept"],
 }
 

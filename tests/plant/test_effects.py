@@ -162,10 +162,12 @@ SECTION = {"pitch", "order", "origin", "periods", *COGGING}  # keys of [cogging]
 #: By the beginning of a path, names of fields that are also something else there.
 EXCEPTIONS = {
     "model/": {"levels", *SECTION},  # and an example of a path
-    "file_schema.py": SECTION,
+    "file_schema.py": {"start", "stop", *SECTION},  # of a window of time
     "diagnosis/candidates/map_errors.py": COGGING,
     "diagnosis/report/figures.py": {"center"},  # of a text in a figure
-    "design/": {"periods"},  # of an observer
+    "design/": {"periods", "start", "stop"},  # of an observer; a window of time
+    "simulation/sweep": {"start", "stop"},  # the same
+    "simulation/reductions.py": {"start", "stop", "period"},  # the same, and of a wave that is asked for
     "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
     "mapping/request.py": {"pitch", "order", "origin"},  # the same
     "simulation/reference.py": {"sine"},  # of a motion

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import Plant, Reference, closed_loop_batch, performance
+from cogging._core import Plant, Reference, performance
 from cogging.design.tuning.tune import tune
 from cogging.design.tuning.tuning import Tuning
-from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.xu2001 import setup as xu2001
+from cogging.simulation.closed_loop import closed_loop
 from cogging_command import run_command
 
 RANGE = 10.0  # above and below the printed gain
@@ -133,8 +133,7 @@ def on_own_runs(case: Case, model: Model) -> dict[str, tuple[float, float, float
     """Rms and largest error (m) and largest command (V) of a model's gains on each of the paper's own runs."""
     found = {}
     for name, (machine, motion, duration, start, seed) in case.own.items():
-        (columns,) = closed_loop_batch([machine], [model.make_controller()], motion, duration=duration, seeds=[seed])
-        log = Log.of(columns)
+        log = closed_loop(machine, model.make_controller(), motion, duration=duration, seed=seed)
         indexes = performance(log.time, log.error, log.command, start=start)
         found[name] = (indexes.error_rms, indexes.error_max, float(np.abs(log.command).max()))
     return found

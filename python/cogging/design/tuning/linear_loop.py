@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
-import scipy.signal
 
 from cogging._core import effects
 from cogging.arrays import FloatArray
@@ -81,6 +79,9 @@ def linear_controller(model: Model) -> Polynomials | None:
 
 def _plant(model: Model, sample_time: float) -> Polynomials:
     """Numerator and denominator in z of the reading over the command."""
+    from scipy.linalg import expm
+    from scipy.signal import ss2tf
+
     delay = sum(one.delay for one in model.effects if isinstance(one, effects.CommandDelay))
     lags = [one.time_constant for one in model.effects if isinstance(one, effects.ActuatorLag)]
     lags = [lag for lag in lags if lag > 0.0]
@@ -96,19 +97,21 @@ def _plant(model: Model, sample_time: float) -> Polynomials:
     whole, part = divmod(delay / sample_time, 1.0)
     late, early = _held(a, b, (1.0 - part) * sample_time), _held(a, b, part * sample_time)
     # The command of the sample before acts for the first part of a sample, that of the sample for the rest.
-    transition = scipy.linalg.expm(a * sample_time)
-    before = scipy.linalg.expm(a * (1.0 - part) * sample_time) @ early
+    transition = expm(a * sample_time)
+    before = expm(a * (1.0 - part) * sample_time) @ early
     output, none = np.eye(1, order), np.zeros((1, 1))
-    now, denominator = scipy.signal.ss2tf(transition, late, output, none)
-    old, _ = scipy.signal.ss2tf(transition, before, output, none)
+    now, denominator = ss2tf(transition, late, output, none)
+    old, _ = ss2tf(transition, before, output, none)
     numerator = np.polyadd(np.polymul(now[0], [1.0, 0.0]), old[0])
     return numerator, np.polymul(denominator, np.eye(1, int(whole) + 2)[0])
 
 
 def _held(a: FloatArray, b: FloatArray, time: float) -> FloatArray:
     """What a command of 1 that is held for a time leaves in the state."""
+    from scipy.linalg import expm
+
     size = a.shape[0]
     both = np.zeros((size + 1, size + 1))
     both[:size, :size], both[:size, size:] = a, b
-    held: FloatArray = scipy.linalg.expm(both * time)[:size, size:]
+    held: FloatArray = expm(both * time)[:size, size:]
     return held
