@@ -57,7 +57,8 @@ def compile_by_hand(instructions, lanes):
 def drawn_machines(runs, setup=lu2008_loop.SETUP):
     """Mass, viscous and Coulomb friction and the cogging's coefficients, a row a machine."""
     rng = np.random.default_rng(3)
-    axis = np.array([setup[name] for name in ("mass", "viscous", "coulomb")]) * rng.uniform(0.9, 1.1, size=(runs, 3))
+    lowest = [0.9, 0.92, 0.9]  # within the controller's bounds
+    axis = np.array([setup[name] for name in ("mass", "viscous", "coulomb")]) * rng.uniform(lowest, 1.1, (runs, 3))
     return np.hstack([axis, [lu2008_loop.random_coefficients(seed).ravel() for seed in range(runs)]])
 
 
