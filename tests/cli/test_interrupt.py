@@ -305,7 +305,7 @@ runs = 4000
 LONG = {
     "sweep": ["sweep", "sweep.toml", "--out", "swept/runs.csv"],
     "diagnose": ["diagnose", "moved.mat", "--model", "model.toml", "--json", "swept/result.json"],
-    "reproduce": ["reproduce", "lu2008", "--out", "swept"],
+    "reproduce": ["reproduce", "malaize2009", "--out", "swept"],
 }
 
 

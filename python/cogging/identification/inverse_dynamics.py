@@ -103,6 +103,8 @@ class InverseDynamics:
                 row -= models[i].axis.mass * motion.acceleration
                 row -= self.lost
             tables.append(force)
+        if not tables:
+            return np.empty((0, len(self.even)))
         order = np.argsort([i for _, members in groups.values() for i in members])
         return tables[0] if len(tables) == 1 else np.concatenate(tables)[order]
 
