@@ -8,12 +8,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
-from cogging.model.model import is_number
+from cogging.files import FieldError, read_text, read_toml
 from cogging.outputs import AnyPath
 from cogging.shown import quoted
+from cogging.simulation.job_file import files_of_job, require_keys, run_job
 from cogging.simulation.reductions import names_of, reduction
-from cogging.simulation.reference import files_of_reference
 from cogging.simulation.sweep import SweepRuns, sweep
 from cogging.simulation.sweep_points import KEYS as VARIATION
 from cogging.simulation.sweep_points import METHODS, require_numbers
@@ -33,7 +32,6 @@ KEYS: dict[str, tuple[type, str]] = {
     "vary": (dict, 'how each number is varied, by path; or "bounds": all that the model has [bounds] for'),
 }
 NEEDED = ("model", "reference", "vary")
-WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
 
 
 def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -55,7 +53,7 @@ def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def files_of_sweep(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
     """All that a sweep reads: the sweep file, its model, its reference and what that names."""
-    return [path, arguments["model"], *files_of_reference(arguments["reference"])]
+    return files_of_job(arguments, path)
 
 
 def run_sweep(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
@@ -64,14 +62,7 @@ def run_sweep(path: str | os.PathLike[str], arguments: Mapping[str, Any], **opti
     Raises:
         InputError: what only the sweep itself can find; names the file, and the line where it stands in it.
     """
-    try:
-        return sweep(**{**arguments, **options})
-    except InputError:
-        raise
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
+    return run_job(path, sweep, arguments, options)
 
 
 def _require(document: Mapping[str, Any]) -> None:
@@ -80,16 +71,7 @@ def _require(document: Mapping[str, Any]) -> None:
     Raises:
         FieldError: names field, rule and value.
     """
-    refuse_unknown_keys(document, KEYS, "")
-    for key in NEEDED:
-        if key not in document:
-            raise FieldError("", key, "must be given, got nothing")
-    for key, value in document.items():
-        kind = KEYS[key][0]
-        fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
-        if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == "bounds")):
-            what = f'{WORDS[kind]} or "bounds"' if key == "vary" else WORDS[kind]
-            raise FieldError("", key, f"must be {what}, got {quoted(value)}")
+    require_keys(document, KEYS, NEEDED)
     if document.get("method", "grid") not in METHODS:
         raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(document['method'])}")
     window = (document.get("start", -math.inf), document.get("stop", math.inf), document.get("final_window", 2.0))
