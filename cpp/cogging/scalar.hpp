@@ -93,7 +93,7 @@ COGGING_INLINE decltype(auto) with_index(int index, const Function& function) {
 /// S(v) = (2/pi) atan(v / width); width = 0 is sgn(v), with sgn(0) = 0. Each lane by its own width.
 template <class Scalar>
 COGGING_INLINE Scalar smooth_sign(const Scalar& velocity, const Scalar& width) {
-  constexpr double two_over_pi = 0.63661977236758134308;
+  using elementary::two_over_pi;
   const auto smooth = width > 0.0;
   if (all(smooth)) return two_over_pi * atan(velocity / width);
   if constexpr (lanes_of<Scalar> == 1)
@@ -113,7 +113,7 @@ class SmoothSign {
         smooth_(all(width > 0.0)) {}
 
   COGGING_INLINE Scalar operator()(const Scalar& velocity) const {
-    constexpr double two_over_pi = 0.63661977236758134308;
+    using elementary::two_over_pi;
     if (smooth_) [[likely]]
       return two_over_pi * atan(velocity * inverse_);
     if constexpr (lanes_of<Scalar> == 1)

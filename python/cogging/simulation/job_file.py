@@ -11,9 +11,9 @@ from cogging.model.model import is_number
 from cogging.outputs import AnyPath
 from cogging.shown import quoted
 from cogging.simulation.reference import files_of_reference
+from cogging.simulation.sweep_points import BOUNDS
 
 WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
-BOUNDS = "bounds"  # in place of the section `vary`
 
 Result = TypeVar("Result")
 

@@ -24,7 +24,7 @@ from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.sweep_executor import run_elsewhere
 from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
-from cogging.simulation.sweep_points import points_of, require_numbers, variation_of
+from cogging.simulation.sweep_points import BOUNDS, points_of, require_numbers, variation_of
 from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
 from cogging.values import ByValue
 
@@ -221,8 +221,8 @@ def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None
 def _points(setup: Setup, vary: Any, method: str, runs: int, seed: int) -> tuple[tuple[str, ...], FloatArray]:
     """The paths that are varied, and the values of each run."""
     intervals = setup.model.intervals
-    if vary == "bounds":
-        vary = {path: "bounds" for path, ends in intervals.items() if np.isfinite(ends).all()}
+    if vary == BOUNDS:
+        vary = {path: BOUNDS for path, ends in intervals.items() if np.isfinite(ends).all()}
     if not isinstance(vary, Mapping) or not vary:
         raise ValueError(f'vary: must give at least one number, or be "bounds" of a model that has some, got {vary!r}')
     refuse_unknown_paths(setup, vary)

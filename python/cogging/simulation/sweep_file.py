@@ -14,8 +14,8 @@ from cogging.shown import quoted
 from cogging.simulation.job_file import files_of_job, require_keys, run_job
 from cogging.simulation.reductions import names_of, reduction
 from cogging.simulation.sweep import SweepRuns, sweep
+from cogging.simulation.sweep_points import BOUNDS, METHODS, require_numbers
 from cogging.simulation.sweep_points import KEYS as VARIATION
-from cogging.simulation.sweep_points import METHODS, require_numbers
 
 #: The keys of a sweep file: type and meaning.
 KEYS: dict[str, tuple[type, str]] = {
@@ -48,7 +48,7 @@ def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise error.in_file(path, read_text(path)) from None
     vary = document["vary"]
     files = {key: Path(path).parent / document[key] for key in ("model", "reference")}
-    return {**document, **files, "vary": vary if vary == "bounds" else dict(_flat(vary))}
+    return {**document, **files, "vary": vary if vary == BOUNDS else dict(_flat(vary))}
 
 
 def files_of_sweep(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:

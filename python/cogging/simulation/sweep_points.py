@@ -17,6 +17,7 @@ from cogging.shown import quoted
 from cogging.simulation.varied import SEED
 
 METHODS = ("grid", "random", "latin_hypercube", "sobol")
+BOUNDS = "bounds"  # in place of a variation, or of all of them: the model's own
 KEYS = ("values", "from", "to", "points", "scale", "mean", "deviation")
 RUNS_MAX = 10**8
 SEED_EXACT = 2**53  # up to which a list of numbers holds every whole one
@@ -85,7 +86,7 @@ def variation_of(path: str, told: Any, model: Model) -> Variation:
     Raises:
         FieldError: what is told breaks a rule.
     """
-    if told == "bounds":
+    if told == BOUNDS:
         return _bounds(path, model)
     table: Mapping[str, Any] = {"values": told} if isinstance(told, list | tuple) else told
     if not isinstance(table, Mapping):

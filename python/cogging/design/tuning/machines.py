@@ -10,10 +10,8 @@ import numpy as np
 from cogging.design.drawn_machines import DRAWS_MAX
 from cogging.files import FieldError
 from cogging.model.intervals import Intervals
-from cogging.simulation.sweep_points import Variation, variation_of
+from cogging.simulation.sweep_points import BOUNDS, Variation, variation_of
 from cogging.simulation.varied import SEED, Setup, refuse_unknown_paths, with_numbers
-
-BOUNDS = "bounds"
 
 
 class Machine(NamedTuple):

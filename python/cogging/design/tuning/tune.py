@@ -15,7 +15,7 @@ from cogging._core import Reference
 from cogging.calls import Kind, did_you_mean, takes
 from cogging.design.tuning.gains import Tuned, tuned_of_function, tuned_of_model
 from cogging.design.tuning.limits import ALL_END, asked_limits, excesses, limits_of
-from cogging.design.tuning.machines import BOUNDS, machines_of, variations_of
+from cogging.design.tuning.machines import machines_of, variations_of
 from cogging.design.tuning.margins import Push, push_of
 from cogging.design.tuning.reached import INDEXES, MARGINS, Course, Judge, Reached
 from cogging.design.tuning.trials import RULE, KeptTrials, Trial, best_of, optuna, run_trials
@@ -28,6 +28,7 @@ from cogging.progress import Progress, steps
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
+from cogging.simulation.sweep_points import BOUNDS
 from cogging.simulation.varied import Setup
 
 CHATTER = "command_chatter"  # what rms error is traded against where nothing else is asked for
