@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
 import os
@@ -13,11 +12,10 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from cogging.shown import quoted
+from cogging.shown import nearest_name, quoted
 
 F = TypeVar("F", bound=Callable[..., Any])
 C = TypeVar("C")
-ALIKE = 0.6  # of two words, from which one is taken for the other mistyped
 MANY = 12  # names that are listed where none is alike
 PATH: tuple[type, ...] = (str, os.PathLike)
 ANYTHING = re.compile(r"\[(object|typing\.Any)\]")  # a list whose entries the core looks at itself: controllers
@@ -26,9 +24,9 @@ ANYTHING = re.compile(r"\[(object|typing\.Any)\]")  # a list whose entries the c
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """The end of a sentence about a word that is not known: the nearest one, or those that there are."""
     names = [str(name) for name in known]
-    near = difflib.get_close_matches(str(word), names, n=1, cutoff=ALIKE)
-    if near:
-        return f"did you mean {near[0]}?"
+    near = nearest_name(str(word), names)
+    if near is not None:
+        return f"did you mean {near}?"
     listed = names if len(names) <= MANY else [*names[:MANY], "..."]
     return f"known: {', '.join(listed) or 'none'}"
 

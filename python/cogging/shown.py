@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from typing import Any
 
 LONGEST_LINE = 1500  # characters of an answer
 LONGEST_VALUE = 120  # characters of a value in it
+ALIKE = 0.7  # of two names (twice the letters in common, of all), from which one is taken for the other mistyped
+BEGINNING = 3  # letters with which a name must have been begun to be taken for it
 
 
 def printable(text: str, keep: str = "") -> str:
@@ -42,6 +46,42 @@ def shortened(text: str, longest: int) -> str:
     if len(text) <= longest:
         return text
     return f"{text[: 2 * longest // 3]} ... {text[-longest // 3 :]}"
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """The name that was probably meant by one that is not known; None where nothing is near.
+
+    Capitals and hyphens count as the letters that they stand for. A name without a dot may mean the last part of a
+    path (`mass`: `axis.mass`), and the beginning of one name alone means that name.
+    """
+    written, best, found = _plain(str(name)), ALIKE, None
+    names = [str(entry) for entry in known]
+    for entry in names:
+        plain = _plain(entry)
+        forms = [plain] if "." in written else [plain, plain.rpartition(".")[2]]
+        for rank, form in enumerate(forms):
+            alike = difflib.SequenceMatcher(None, form, written).ratio() - 0.01 * rank  # the whole name comes first
+            if alike >= best and (found is None or alike > best):
+                best, found = alike, entry
+    if found is None and len(written) >= BEGINNING:
+        begun = [entry for entry in names if _plain(entry).startswith(written)]
+        found = begun[0] if len(begun) == 1 else None
+    return found
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The end of a message about a name that is not known: ` (did you mean 'mass'?)`, or nothing where none is near.
+
+    Args:
+        name: as it was typed.
+        known: names that it might have been.
+    """
+    found = nearest_name(name, known)
+    return "" if found is None else f" (did you mean {quoted(found)}?)"
+
+
+def _plain(name: str) -> str:
+    return name.strip().casefold().replace("-", "_")
 
 
 def _escaped(character: str) -> str:
