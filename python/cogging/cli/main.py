@@ -16,6 +16,7 @@ from cogging_command import run_command
 
 #: The commands in the order of the help: each a module of `cogging.cli` with `add_parser(commands)`, `run(arguments)`.
 COMMANDS = (
+    "init",
     "reproduce",
     "simulate",
     "predict",

@@ -159,7 +159,7 @@ class Balance:
         """
         at = np.clip(self.taken + shift, 0, len(self.command) - 1)
         command = self.command[at]
-        target = self._freed((command + self.known[self.taken])[None])[0]
+        target = self.freed((command + self.known[self.taken])[None])[0]
         columns, size, triangle = self._columns
         limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
         weights = bounded(size, triangle, target, limits)
@@ -174,7 +174,7 @@ class Balance:
 
     def gain(self, values: Mapping[str, float]) -> float:
         """Factor on the command with which it is nearest to what these parameters need."""
-        columns, target = self._columns[0], self._freed((self.command + self.known)[self.taken][None])[0]
+        columns, target = self._columns[0], self.freed((self.command + self.known)[self.taken][None])[0]
         asked = np.array([values[name] for name in AXIS]) @ columns[:3]
         likeness = float(asked @ target)
         return float(asked @ asked) / likeness if likeness else 0.0
@@ -188,12 +188,12 @@ class Balance:
     @cached_property
     def _columns(self) -> tuple[FloatArray, FloatArray, Any]:
         """Columns of the parameters and of drag freed of all else, (4, m), their sizes, and their QR factors."""
-        columns = self._freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
+        columns = self.freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
         size = np.sqrt(np.mean(columns**2, axis=1))
         size[size == 0.0] = 1.0
         return columns, size, np.linalg.qr((columns / size[:, None]).T)
 
-    def _freed(self, rows: FloatArray) -> FloatArray:
+    def freed(self, rows: FloatArray) -> FloatArray:
         """Rows (p, m) without what is free beside the parameters."""
         rows = self._placed(rows)
         basis = self._beside
