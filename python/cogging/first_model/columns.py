@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -136,6 +137,8 @@ def _meant(path: str | os.PathLike[str], label: str, headers: Mapping[str, Heade
 
 def _numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
     """The columns of numbers of the length that most of them have."""
+    with contextlib.suppress(InputError):  # a text, a scalar, a hole among them
+        return _columns(path, labels, rows) if labels else {}
     start = (rows.start or 0) if rows is not None else 0
     glance: dict[str, int] = {}
     for label in labels:

@@ -18,7 +18,7 @@ from cogging.arrays import FloatArray
 from cogging.calls import PATH, Kind, takes
 from cogging.files import InputError, parse_toml
 from cogging.first_model.columns import ColumnGuesses, guess_columns
-from cogging.first_model.model_text import MARGIN, model_lines, number
+from cogging.first_model.model_text import MARGIN, model_lines, number, units_in
 from cogging.first_model.moves import Motion, motion_of_log
 from cogging.first_model.pitch import Wave, strongest_wave
 from cogging.first_model.sizes import Sizes, sizes_of
@@ -133,7 +133,7 @@ class ModelDraft(ByValue):
             samples: file of the samples where the motion is told by nothing less.
         """
         head = f"# The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
-        lines = [head, f"# {self.motion.told.replace(' m', f' {self.units.position}')}", ""]
+        lines = [head, f"# {self.units.of(self.motion.told)}", ""]
         if self.motion.kind in ("sampled", "rest"):
             lines += ['type = "sampled"', f"file = {_quoted(samples)}   # time (s), reference"]
             return "\n".join(lines) + "\n"
@@ -173,12 +173,12 @@ class ModelDraft(ByValue):
             if self.columns.unused:
                 lines.append(f"  not used: {', '.join(repr(printable(label)) for label in self.columns.unused[:12])}")
         lines += ["rows:", *(f"  {line}" for line in self.audit.text().splitlines())]
-        lines += [f"motion, seen in the {self.seen_in}: {self.motion.told}", "first force balance:"]
+        lines += [f"motion, seen in the {self.seen_in}: {self.units.of(self.motion.told)}", "first force balance:"]
         for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
             size = self.sizes.sizes[name]
             value = f"{size.value:.4g} {self.units.of(unit)}, "
             sure = f"+- {100.0 * size.uncertainty:.0f} %, " if size.uncertainty is not None else ""
-            lines.append(f"  {name} {value if size.value else ''}{sure}{size.told}")
+            lines.append(f"  {name} {value if size.value else ''}{sure}{units_in(self.units, size.told)}")
         if self.sizes.explained is not None:
             lines.append(
                 f"  together they explain {100.0 * self.sizes.explained:.3g} % of the command's power in motion"
@@ -314,7 +314,7 @@ def _drafted(
         motion=motion,
         seen_in=source_of_motion,
         sizes=sizes,
-        wave=strongest_wave(sizes.position, sizes.residual),
+        wave=strongest_wave(sizes.position, sizes.residual, found.command_rms),
         controller=recover_controller(log),
         units=Units(**labels),
         scale=dict(scale),

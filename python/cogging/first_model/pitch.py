@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ FEWEST_PERIODS = 3  # in the travel: a longer wave may be a slope
 MOST_PERIODS = 400
 A_PERIOD = 8  # rows, at least, in the shortest period that is sought
 SHARE = 0.05  # of what is left, that the wave must explain to be worth a line
+LEAST = 0.03  # of the rms command, that its amplitude must be
 STEPS = 201  # of the search between two lines of the spectrum
 
 
@@ -34,12 +36,13 @@ class Wave:
     share: float
 
 
-def strongest_wave(position: FloatArray, force: FloatArray) -> Wave | None:
+def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) -> Wave | None:
     """The strongest wave of a force over position that noise would not leave; None where there is none.
 
     Args:
         position: m, (n,).
         force: V, (n,).
+        command_rms: V, of all that the command does: a wave that is small beside it is not worth a line.
     """
     travel = float(np.ptp(position)) if len(position) else 0.0
     if len(position) < 200 or travel == 0.0:
@@ -58,7 +61,8 @@ def strongest_wave(position: FloatArray, force: FloatArray) -> Wave | None:
     if spectrum.false_alarm(float(ratio[strongest]), degrees) > FALSE_ALARM:
         return None
     wave = _refined(x, rest, float(spectrum.frequency[strongest]), 1.0 / travel)
-    return wave if wave.share > SHARE else None
+    worth = wave.share > SHARE and math.hypot(wave.sine, wave.cosine) > LEAST * command_rms
+    return wave if worth else None
 
 
 def _refined(x: FloatArray, rest: FloatArray, frequency: float, width: float) -> Wave:

@@ -20,6 +20,7 @@ SHOWN = 0.003  # of the command's power, that a parameter must explain alone to 
 WIDEST = 0.5  # relative: a size that is known worse than that is not told
 SAFE = 2.0  # by which a first balance is less sure than its blocks are
 LEAST = 0.2  # relative uncertainty of what is told: a first balance has a bias that its blocks do not show
+BIAS = 0.3  # of what is not explained, by which it may pass for what one parameter explains alone
 SPRINGLESS = 0.3  # the same of a mass that only the absence of a spring tells
 EXPLAINED = 0.5  # of the command's power, that mass and friction must explain before its sign is doubted
 FED = 0.02  # of rms command times rms speed: a command that pushes forward feeds friction at least so much
@@ -155,7 +156,8 @@ def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: floa
         if value > 0.0 and sigma < WIDEST * value and fit.alone[k] > SHOWN:
             least = LEAST if beside or name != "mass" else SPRINGLESS
             how = "beside a force of any place" if beside else "if no spring and no cogging acts"
-            return Size(value, max(sigma / value, least), f"found by a first force balance, {how}")
+            bias = BIAS * float(np.sqrt((1.0 - fit.explained) / fit.alone[k]))
+            return Size(value, max(sigma / value, least, bias), f"found by a first force balance, {how}")
     value = sign * float(plain.values[k])
     bound = abs(value) + SIGMAS * float(plain.sigmas[k])
     unit = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V"}[name]

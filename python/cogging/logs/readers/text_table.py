@@ -109,6 +109,8 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
 def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: int, first: int, request: Request) -> str:
     """The decimal mark of the wanted columns, as the rows at the file's beginning have it: a point or a comma.
 
+    That a comma is no mark of thousands may be seen in any column.
+
     Raises:
         InputError: both stand there, or only commas that may part thousands as well.
     """
@@ -121,10 +123,10 @@ def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: in
         if not commas and (point or "." not in line):
             continue
         cells = _split(line, separator)
+        sure = sure or any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in cells)
         for cell in (cells[place] for place in index.values() if place < len(cells)):
             if DECIMAL_COMMA.fullmatch(cell) or THOUSANDS.fullmatch(cell):
                 comma = comma or cell
-                sure = sure or not THOUSANDS.fullmatch(cell)
             elif "." in cell and _is_number(cell):
                 point = point or cell
         if comma and point:
