@@ -54,6 +54,8 @@ class ModelDraft(ByValue):
         wave: over position that stands out of what they leave; None where none does.
         controller: of known kind that made the command; None where none did, or no reference is there.
         units: labels of command and position.
+        scale: factors that `--scale` must give, the command's sign included.
+        rows: data rows that were taken; None: all.
         likely: what was guessed with good reason, and may be checked.
         unsure: what could not be told, each with what to do.
         model: the model that `model_text` says.
@@ -224,7 +226,8 @@ class ModelDraft(ByValue):
         }
 
     def _brief(self) -> str:
-        return f"{self.source}: {self.motion.kind}, {len(self.unsure)} things that cannot be told"
+        mass = f"mass {self.sizes.sizes['mass'].value:.4g} {self.units.of('V/(m/s^2)')}"
+        return f"{self.source}, {mass}, {self.motion.kind}, {len(self.unsure)} open"
 
     def _travel(self) -> tuple[float, float]:
         low, high = self.audit.travel
