@@ -96,12 +96,13 @@ def free_name(path: AnyPath, ending: str = "") -> str:
 
 def after_an_audit(arguments: argparse.Namespace) -> str:
     """A log that was looked at is fitted."""
-    return _fit(arguments, arguments.model or "MODEL.toml")
+    return _fit(arguments, arguments.model)
 
 
-def _fit(arguments: argparse.Namespace, model: AnyPath) -> str:
-    fitted = option("--out", free_name(model, "fitted"))
-    return command_line("identify", files(arguments.logs), option("--model", model), log_options(arguments), fitted)
+def _fit(arguments: argparse.Namespace, model: AnyPath | None) -> str:
+    out = option("--out", free_name("fitted.toml") if model is None else free_name(model, "fitted"))
+    stated = option("--model", model or "MODEL.toml")
+    return command_line("identify", files(arguments.logs), stated, log_options(arguments), out)
 
 
 def after_a_fit(arguments: argparse.Namespace, found: Identification) -> str:
@@ -117,7 +118,7 @@ def after_a_fit(arguments: argparse.Namespace, found: Identification) -> str:
 def after_a_map(arguments: argparse.Namespace) -> str:
     """A map is kept, and put into a model that is fitted to logs."""
     if arguments.out:
-        return command_line("identify", "LOG.csv", "--model", "MODEL.toml", "--out", free_name("MODEL.toml", "fitted"))
+        return command_line("identify", "LOG.csv", "--model", "MODEL.toml", option("--out", free_name("fitted.toml")))
     sign = ["--force-sign", str(arguments.force_sign)] if arguments.force_sign != 1 else []
     again = [*files([arguments.scan]), "--pitch", repr(arguments.pitch), *sign, *log_options(arguments)]
     return command_line("map", again, option("--out", free_name(arguments.scan, "map")))

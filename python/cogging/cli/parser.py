@@ -47,7 +47,7 @@ class Parser(argparse.ArgumentParser):
         """As argparse does; what is left over is told by the command that has left it."""
         found, rest = self.parse_known_args(args, namespace)
         if rest:
-            getattr(found, "parser", self).error(f"unrecognized arguments: {' '.join(rest)}")
+            getattr(found, "parser", self).error(f"does not take {' '.join(rest)}")
         return found
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -58,11 +58,11 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Say what is wrong with the call and end the command with status 2."""
-        told = f"{self.prog}: {shortened(message, LONGEST_LINE // 2)}{self._meant()}; see {self.prog} --help"
+        told = f"{self.prog}: {shortened(message, LONGEST_LINE // 2)}{self._meant(message)}; see {self.prog} --help"
         complain(told)
         raise SystemExit(2)
 
-    def _meant(self) -> str:
+    def _meant(self, message: str) -> str:
         """What the first option that is not known probably is."""
         known = [option for option in self._option_string_actions if option.startswith("--")]
         for word in self.words:
@@ -70,7 +70,8 @@ class Parser(argparse.ArgumentParser):
             if word == "--":
                 break
             if option.startswith("--") and not any(name.startswith(option) for name in known):
-                return nearest(option, known)
+                found = nearest(option, known)
+                return f", got {quoted(option)}{found}" if found and option not in message else found
         return ""
 
     def _print_message(self, message: str, file: Any = None) -> None:

@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
         refuse_unknown("PAPER", paper, PAPERS)
     check_folder(arguments.out)
     names = [*(arguments.papers or (() if arguments.compare else PAPERS)), *(["comparison"] * arguments.compare)]
-    check_outputs({"--json": json_file(arguments), **{name: f"{arguments.out}/{name}.json" for name in names}})
+    check_outputs({"--json": json_file(arguments)}, [f"{arguments.out}/{name}.json" for name in names])
     told: list[dict[str, Any]] = []
     for name in names:
         shown = not arguments.quiet
