@@ -92,16 +92,16 @@ def _mended(arguments: argparse.Namespace, result: Diagnosis) -> str:
     wrong = [path for path in every if printable(path) in mismatch.get("logs", ())]
     if name not in ("--scale", "--columns") or not wrong:
         return _audit(arguments)
-    told = []
+    told, kind = [], name.removeprefix("--")
     for prefix in (f"{path}:" for path in map(printable, wrong)):
         pairs = pairs.replace(prefix, "")
     for path in wrong:
-        given = options_of(arguments, path)[0][name.removeprefix("--")]
+        given = options_of(arguments, path)[0][kind]
         # One that names the file comes before one that names none, so that it holds whatever else was given.
-        before = "" if len(every) == 1 and path not in getattr(arguments, name.removeprefix("--")) else f"{path}:"
+        before = "" if len(every) == 1 and set(getattr(arguments, kind)) <= {""} else f"{path}:"
         for column, _, value in (pair.partition("=") for pair in dict.fromkeys(pairs.split(","))):
             new = repr(float(value) * given.get(column, 1.0)) if name == "--scale" else given.get(value, value)
             told.append(f"{before}{column}={new}")
-    if any("," in path or "=" in path for path in wrong) and len(every) > 1:
-        return _audit(arguments)
+        if "," in before or "=" in before:  # a name that no option can bear
+            return _audit(arguments)
     return _again(arguments, more=[name, ",".join(told)])
