@@ -39,7 +39,7 @@ def test_from_a_result_to_whether_it_came_true(folder, capsys):
     said = capsys.readouterr().out
     assert "cable_spring and end_effect will stand" in said
     assert "; today 0.4" in said
-    assert said.endswith("next.toml, next.csv, next.plan.json written\n")
+    assert "\nnext.toml, next.csv, next.plan.json written\n" in said
     assert main(["simulate", "model.toml", "--reference", "next.toml", "--out", "new.csv"]) == 0
     log = cogging.read_log(folder / "new.csv")
     assert log.time[-1] <= 2.5

@@ -504,7 +504,7 @@ def test_the_command_in_a_fresh_folder(tmp_path, monkeypatch, capsys):
     assert main(["tune", "tune.toml", "--json", "out.json", "--figure", "trade_off.png"]) == 0
     said = capsys.readouterr()
     assert said.err == ""
-    assert "tuned.toml, out.json, trade_off.png written" in said.out
+    assert "tuned.toml, trade_off.png, out.json written" in said.out
     result = json.loads(Path("out.json").read_text())
     tuned = cogging.Model.read("tuned.toml")
     assert tuned.controller.kp == result["tuned"]["gains"]["controller.kp"]

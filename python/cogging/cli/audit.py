@@ -4,21 +4,35 @@ from __future__ import annotations
 
 import argparse
 
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
+from cogging.cli.next_command import after_an_audit
+from cogging.cli.parser import Commands, add_command
+from cogging.cli.working import working
 from cogging.files import InputError
-from cogging.outputs import check_outputs, to_json, with_sidecars, write_text
+from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("audit", help="what a log is like, and whether a stated controller made it")
-    command.add_argument("logs", nargs="+", metavar="LOG")
+    command = add_command(
+        commands,
+        "audit",
+        help="what a log is like, and whether a stated controller made it",
+        description="Say of each log how many rows it has and how evenly they stand, where rows are missing, the step "
+        "of the encoder, travel, speed and command, and outliers. With a model, also whether its controller made the "
+        "log.",
+        examples=(
+            "cogging audit log.csv",
+            "cogging audit log.csv --model model.toml --json audit.json",
+            "cogging audit drive.csv --columns position=qm,command=vir --scale command=2",
+        ),
+    )
+    command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--model", metavar="MODEL.toml", help="whose controller and travel are compared")
-    command.add_argument("--json", metavar="OUT", help="where the figures are written, one object a log")
     add_log_options(command)
+    add_answer_options(command.add_argument_group(COMES_OUT), json="what was found, one object a log,")
     command.set_defaults(run=run)
 
 
@@ -29,19 +43,18 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.model.model import Model
 
     inputs = [*with_sidecars(arguments.logs), *([arguments.model] if arguments.model else [])]
-    check_outputs({"--json": arguments.json}, inputs)
+    check_outputs({"--json": json_file(arguments)}, inputs)
     model = Model.read(arguments.model) if arguments.model else None
     told, texts = [], []
-    for path, log in zip(arguments.logs, read_logs(arguments, arguments.logs), strict=True):
-        if model is not None:
-            check_against_model(log, model, path)
-        try:
-            found = audit(log, model)
-        except ValueError as error:
-            raise InputError(f"{path}: {error}") from None
-        told.append({"log": path, **found.to_dict()})
-        texts.append(f"{printable(path)}\n{found.text()}\n")
-    if arguments.json:
-        write_text(arguments.json, to_json(told))
-    for text in texts:
-        say(text)
+    with working(arguments, "audit") as begin:
+        for path, log in zip(arguments.logs, read_logs(arguments, arguments.logs), strict=True):
+            begin(printable(path))
+            if model is not None:
+                check_against_model(log, model, path)
+            try:
+                found = audit(log, model)
+            except ValueError as error:
+                raise InputError(f"{path}: {error}") from None
+            told.append({"log": path, **found.to_dict()})
+            texts.append(f"{printable(path)}\n{found.text()}\n")
+    give(arguments, "\n".join(texts), document=told, next_command=after_an_audit(arguments))

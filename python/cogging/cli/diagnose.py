@@ -5,50 +5,64 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
-from cogging.outputs import check_outputs, to_json, to_toml, with_sidecars, write_files
+from cogging.cli.next_diagnosis import after_a_diagnosis
+from cogging.cli.parser import Commands, add_command
+from cogging.cli.working import working
+from cogging.outputs import check_outputs, to_toml, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("diagnose", help="find, name and add the effect that a model lacks")
-    command.add_argument("logs", nargs="+", metavar="LOG")
-    command.add_argument("--model", required=True, metavar="MODEL.toml")
+    command = add_command(
+        commands,
+        "diagnose",
+        help="find, name and add the effect that a model lacks",
+        description="Re-tune the model to the logs, measure the gap that is left between what it says and what was "
+        "logged, find where it sits, and name the effect that explains it, with its parameters, how sure that is and "
+        "what else it could be. The first line is the verdict: no_gap, named, ambiguous, unlisted, data_mismatch, "
+        "controller_mismatch or insufficient_excitation; the exit status is 0 whichever it is.",
+        examples=(
+            "cogging diagnose log.csv --model model.toml",
+            "cogging diagnose log.csv --model model.toml --confirm other.csv --out patched.toml --report report.html",
+            "cogging diagnose log.csv --model model.toml --rows 0:3000 --json -",
+        ),
+    )
+    command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
+    command.add_argument("--model", required=True, metavar="MODEL.toml", help="what is believed of the machine")
     command.add_argument(
         "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
-    )
-    command.add_argument("--json", metavar="OUT", help="where the result is written")
-    command.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
-    command.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
-    command.add_argument(
-        "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
     )
     command.add_argument(
         "--planned", metavar="REF.toml", help="the planned experiment that a log is of: what became of what it expected"
     )
     add_log_options(command)
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
+    group.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
+    group.add_argument(
+        "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
+    )
+    add_answer_options(group)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Diagnose the logs, write what was asked for, print the verdict."""
-    from tqdm import tqdm
-
     from cogging.diagnosis.diagnose import diagnose
     from cogging.diagnosis.experiment.experiment_plan import plan_path
     from cogging.model.model import Model
 
-    outputs = {"--json": arguments.json, "--report": arguments.report, "--out": arguments.out}
+    outputs = {"--json": json_file(arguments), "--report": arguments.report, "--out": arguments.out}
     inputs = [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])]
     if arguments.planned is not None:
         inputs += [arguments.planned, plan_path(arguments.planned)]
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
-    with tqdm(desc="diagnose", bar_format="{desc} [{elapsed}]", leave=False, disable=None) as bar:
+    with working(arguments, "diagnose") as begin:
         result = diagnose(
             given,
             model,
@@ -57,18 +71,19 @@ def run(arguments: argparse.Namespace) -> None:
             confirm_names=[printable(path) for path in arguments.confirm],
             empirical=arguments.empirical,
             planned=arguments.planned,
-            progress=bar.set_description_str,
+            progress=begin,
         )
-        content = {}
-        if arguments.json:
-            content[arguments.json] = to_json(result.to_dict())
+        files = {}
         if arguments.report:
-            bar.set_description_str("writing the report")
+            begin("writing the report")
             title = ", ".join(printable(Path(path).name) for path in arguments.logs)
-            content[arguments.report] = result.html(title=title)
+            files[arguments.report] = [result.html(title=title).encode()]
         if arguments.out:
-            content[arguments.out] = to_toml(result.model.to_dict())
-    write_files({path: [text.encode()] for path, text in content.items()})
-    say(result.text())
-    if content:
-        say(f"{', '.join(map(printable, content))} written")
+            files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
+    give(
+        arguments,
+        result.text(),
+        document=result.to_dict(),
+        files=files,
+        next_command=after_a_diagnosis(arguments, result),
+    )

@@ -4,23 +4,37 @@ from __future__ import annotations
 
 import argparse
 
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
-from cogging.outputs import check_outputs, to_json, to_toml, with_sidecars, write_files
+from cogging.cli.next_command import after_a_fit
+from cogging.cli.parser import Commands, add_command
+from cogging.outputs import check_outputs, to_toml, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("identify", help="fit the parameters of a model to logs, with intervals")
-    command.add_argument("logs", nargs="+", metavar="LOG")
+    command = add_command(
+        commands,
+        "identify",
+        help="fit the parameters of a model to logs, with intervals",
+        description="Fit mass, friction and the other parameters of a model to logs, by two methods that check each "
+        "other. Printed are what each log is like, what the logs can determine, each parameter with its 95 % interval, "
+        "and what the fitted model leaves unexplained.",
+        examples=(
+            "cogging identify log.csv --model model.toml --out fitted.toml",
+            "cogging identify log.csv other.csv --model model.toml --free axis.mass,axis.viscous --json fit.json",
+            "cogging identify drive.csv --columns position=qm,command=vir --scale command=2 --model model.toml",
+        ),
+    )
+    command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="the prior; its controller is optional")
-    command.add_argument("--out", metavar="MODEL.toml", help="where the fitted model is written, with [bounds]")
-    command.add_argument("--json", metavar="OUT", help="where the fit is written")
     command.add_argument("--free", metavar="PATH,...", help="parameters to fit, as axis.mass (default: all)")
     command.add_argument("--cutoff", type=float, metavar="HZ", help="of the filter (default: found from the noise)")
     add_log_options(command)
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--out", metavar="MODEL.toml", help="where the fitted model is written, with [bounds]")
+    add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
 
 
@@ -29,17 +43,13 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.identification.identify import identify
     from cogging.model.model import Model
 
-    outputs = {"--json": arguments.json, "--out": arguments.out}
+    outputs = {"--json": json_file(arguments), "--out": arguments.out}
     check_outputs(outputs, [arguments.model, *with_sidecars(arguments.logs)])
     model = Model.read(arguments.model)
     free = None if arguments.free is None else [path.strip() for path in arguments.free.split(",")]
     names = [printable(path) for path in arguments.logs]
     logs = read_logs(arguments, arguments.logs)
-    found = identify(logs, model, free=free, cutoff=arguments.cutoff, names=names, progress=True)
-    content = {}
-    if arguments.json:
-        content[arguments.json] = to_json(found.to_dict())
-    if arguments.out:
-        content[arguments.out] = to_toml(found.model.to_dict())
-    write_files({path: [text.encode()] for path, text in content.items()})
-    say(found.text())
+    found = identify(logs, model, free=free, cutoff=arguments.cutoff, names=names, progress=not arguments.quiet)
+    files = {arguments.out: [to_toml(found.model.to_dict()).encode()]} if arguments.out else {}
+    following = after_a_fit(arguments, found)
+    give(arguments, found.text(), document=found.to_dict(), files=files, next_command=following)

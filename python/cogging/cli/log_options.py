@@ -22,14 +22,20 @@ OPTIONS = ("columns", "scale", "zero", "rows")
 
 def add_log_options(command: argparse.ArgumentParser) -> None:
     """Give a command the options `--columns`, `--scale`, `--zero` and `--rows`."""
+    group = command.add_argument_group("how files are read")
     for option, kind, metavar, text, example in (
         ("--columns", _names, "NAME=IN_FILE,...", "what columns are called in the file", "a.csv:position=qm"),
         ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", "a.csv:command=35,b.csv:command=2"),
         ("--zero", _zeros, "NAME=VALUE,...", "what is taken off columns, after the factors", "a.csv:position=0.012"),
         ("--rows", _rows, "FIRST:END", "the data rows to take, from 0", "a.csv:0:500,b.csv:100:"),
     ):
-        command.add_argument(
-            option, type=kind, default={}, metavar=metavar, help=f"{text}; {ONE_FILE % example}", action=_Together
+        group.add_argument(
+            option,
+            type=_told(kind),
+            default={},
+            metavar=metavar,
+            help=f"{text}; {ONE_FILE % example}",
+            action=_Together,
         )
 
 
@@ -101,6 +107,22 @@ class _Together(argparse.Action):
         before = getattr(namespace, self.dest)
         merged = {file: {**before.get(file, {}), **values.get(file, {})} for file in {**before, **values}}
         setattr(namespace, self.dest, merged)
+        namespace.log_words = [*getattr(namespace, "log_words", ()), (self.option_strings[0], values.text)]
+
+
+class _Told(dict[str, dict[str, Any]]):
+    """What an option says, and the text that said it: the next command repeats it."""
+
+    text = ""
+
+
+def _told(convert: Callable[[str], dict[str, dict[str, Any]]]) -> Callable[[str], _Told]:
+    def told(text: str) -> _Told:
+        found = _Told(convert(text))
+        found.text = text
+        return found
+
+    return told
 
 
 def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> dict[str, dict[str, Any]]:

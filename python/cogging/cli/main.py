@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from cogging import _core
-from cogging.cli.parser import Parser, Tell
+from cogging.cli.parser import Formatter, Parser, Tell
 from cogging.cli.screen import complain, stand_in_for_closed_streams
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
@@ -17,25 +17,37 @@ from cogging_command import run_command
 #: The commands in the order of the help: each a module of `cogging.cli` with `add_parser(commands)`, `run(arguments)`.
 COMMANDS = (
     "init",
-    "reproduce",
-    "simulate",
-    "predict",
-    "sweep",
-    "tune",
-    "map",
-    "diagnose",
-    "experiment",
     "audit",
     "identify",
+    "diagnose",
+    "experiment",
+    "map",
+    "predict",
+    "tune",
+    "simulate",
+    "sweep",
+    "reproduce",
     "schema",
+    "completion",
+    "help",
 )
+NO_COMMAND = "a command must be given, got none"
+STORY = """from a log to a better model: audit the log, identify the model, diagnose what it lacks, and confirm that \
+with a log of other motion. Every command ends with the next one, as a line that can be pasted; words in capitals \
+there, such as REF.toml, are files that only you have.
+
+cogging help COMMAND says what a command takes, with examples."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status is 0 when done, 2 when the input or the call cannot be used."""
     stand_in_for_closed_streams()
     try:
-        parsed = _parser().parse_args(arguments)
+        parser = _parser()
+        parsed = parser.parse_args(arguments)
+        if not hasattr(parsed, "run"):
+            parser.print_help()
+            parser.error(NO_COMMAND)
         parsed.run(parsed)
     except InputError as error:
         complain(f"cogging: {error}")
@@ -53,11 +65,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> Parser:
-    parser = Parser(prog="cogging", description="Simulate, control and identify axes with cogging linear motors.")
+    described = "Simulate, control and identify axes with cogging linear motors."
+    parser = Parser(prog="cogging", description=described, epilog=STORY, formatter_class=Formatter)
     parser.add_argument("--version", action="version", version=importlib.metadata.version("cogging"))
     parser.add_argument("--include-dir", action=Tell, nargs=0, const=get_include, help="folder of the C++ headers")
     parser.add_argument("--cmake-dir", action=Tell, nargs=0, const=get_cmake_dir, help="cogging_DIR of a CMake project")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    parser.set_defaults(whole=parser)
+    commands = parser.add_subparsers(metavar="COMMAND")
     for name in COMMANDS:
         importlib.import_module(f"cogging.cli.{name}").add_parser(commands)
     return parser

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
 from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
+from cogging.cli.next_command import after_a_map
+from cogging.cli.parser import Commands, add_command
+from cogging.cli.working import working
 from cogging.files import InputError
 from cogging.logs.columns import read_columns
 from cogging.outputs import check_outputs
@@ -16,14 +18,27 @@ from cogging.shown import printable
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("map", help="fit the cogging model to a force-against-position scan")
-    command.add_argument("scan", metavar="SCAN")
+    command = add_command(
+        commands,
+        "map",
+        help="fit the cogging model to a force-against-position scan",
+        description="Find the harmonics of the magnet pitch in a scan of the force that holds the axis at each "
+        "position, fit their amplitudes, constant or changing along the travel, and say what the map explains. The "
+        "scan has the columns position (m) and force (the command's unit).",
+        examples=(
+            "cogging map scan.csv --pitch 0.05 --out map.toml",
+            "cogging map sensor.csv --pitch 0.05 --columns position=mm --scale position=0.001 --force-sign -1",
+        ),
+    )
+    command.add_argument("scan", metavar="SCAN", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m")
     command.add_argument(
         "--force-sign", type=int, default=1, metavar="S", help="-1: the sensor reads the motor's push (default: 1)"
     )
-    command.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
     add_log_options(command)
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
+    add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
 
 
@@ -32,16 +47,20 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.mapping.fit import fit_map
 
     figure = Path(arguments.out).with_suffix(".png") if Path(arguments.out or "").name else None
-    check_outputs({"--out": arguments.out, "its figure": figure}, [arguments.scan])
+    outputs = {"--out": arguments.out, "its figure": figure, "--json": json_file(arguments)}
+    check_outputs(outputs, [arguments.scan])
     require_known(arguments, [arguments.scan])
     how, zero = options_of(arguments, arguments.scan)
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
-    try:
-        fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, force_sign=arguments.force_sign)
-    except ValueError as error:
-        raise InputError(f"{arguments.scan}: {error}") from None
+    with working(arguments, "map"):
+        try:
+            fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, force_sign=arguments.force_sign)
+        except ValueError as error:
+            raise InputError(f"{arguments.scan}: {error}") from None
+        if arguments.out:
+            fit.write(arguments.out)
+    text = fit.text()
     if arguments.out:
-        fit.write(arguments.out)
-    say(fit.text())
-    if arguments.out:
-        say(f"{printable(arguments.out)} and {printable(str(Path(arguments.out).with_suffix('.png')))} written")
+        text += f"\nput [cogging] of {printable(arguments.out)} into a model, in place of what stands there"
+    written = [arguments.out, str(figure)] if arguments.out else []
+    give(arguments, text, document=fit.to_dict(), written=written, next_command=after_a_map(arguments))

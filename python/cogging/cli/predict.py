@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.parser import Commands, require_whole
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.next_command import command_line, free_name, option
+from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.cli.run_options import add_files, add_seed, naming_files, require_seed
-from cogging.cli.screen import say
-from cogging.outputs import check_outputs, to_json, write_text
-from cogging.shown import printable
+from cogging.cli.working import working
+from cogging.outputs import check_outputs
 from cogging.simulation.reference import files_of_reference
 
 MOST_SAMPLES = 1_000_000  # machines that a prediction draws
@@ -16,11 +17,21 @@ MOST_SAMPLES = 1_000_000  # machines that a prediction draws
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("predict", help="the tracking error of each controller, before the machine moves")
+    command = add_command(
+        commands,
+        "predict",
+        help="the tracking error of each controller, before the machine moves",
+        description="Draw machines from the intervals of the model, run the model's own controller and those that can "
+        "be designed for it along the reference, and print rms and largest error of each with its 95 % interval.",
+        examples=(
+            "cogging predict model.toml --reference ref.toml",
+            "cogging predict model.toml --reference ref.toml --samples 200 --json errors.json",
+        ),
+    )
     add_files(command)
     command.add_argument("--samples", type=int, default=40, metavar="N", help="machines to draw (default: 40)")
     add_seed(command, of="machines and noise")
-    command.add_argument("--json", metavar="OUT", help="where the numbers are written")
+    add_answer_options(command.add_argument_group(COMES_OUT), json="the errors")
     command.set_defaults(run=run)
 
 
@@ -30,11 +41,9 @@ def run(arguments: argparse.Namespace) -> None:
 
     require_whole("--samples", arguments.samples, 2, MOST_SAMPLES)
     require_seed(arguments)
-    check_outputs({"--json": arguments.json}, [arguments.model, *files_of_reference(arguments.reference)])
-    with naming_files(arguments):
-        prediction = predict_error(arguments.model, arguments.reference, samples=arguments.samples, seed=arguments.seed)
-    if arguments.json:
-        write_text(arguments.json, to_json(prediction.to_dict(), indent=2))
-    say(prediction.text())
-    if arguments.json:
-        say(f"{printable(arguments.json)} written")
+    check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
+    options = {"samples": arguments.samples, "seed": arguments.seed}
+    with naming_files(arguments), working(arguments, "predict"):
+        prediction = predict_error(arguments.model, arguments.reference, **options)
+    following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))
+    give(arguments, prediction.text(), document=prediction.to_dict(), indent=2, next_command=following)

@@ -3,37 +3,49 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
-from cogging.files import InputError
-from cogging.outputs import check_folder
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file, show
+from cogging.cli.next_command import after_a_paper
+from cogging.cli.parser import Commands, add_command, refuse_unknown
+from cogging.outputs import check_folder, check_outputs
 from cogging.papers.reproduction import PAPERS, compare, reproduce
-from cogging.papers.result import Reproduction
-from cogging.shown import quoted
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("reproduce", help="the published experiments beside the papers' numbers")
+    command = add_command(
+        commands,
+        "reproduce",
+        help="the published experiments beside the papers' numbers",
+        description="Run the experiments of a paper and print its tables beside ours, each number with whether it was "
+        "calibrated or predicted. The tables (PAPER.json) and the figures (PNG) go into a folder.",
+        examples=(
+            "cogging reproduce lu2008",
+            "cogging reproduce malaize2009 xu2001 --out results",
+            "cogging reproduce --compare --out comparison",
+        ),
+    )
     command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
     command.add_argument("--compare", action="store_true", help="all papers' controllers on one axis")
-    command.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
+    add_answer_options(group, json="the tables, one object a paper,")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Reproduce the papers, write tables and figures, print the tables."""
     for paper in arguments.papers:
-        if paper not in PAPERS:
-            raise InputError(f"PAPER: must be one of {', '.join(PAPERS)}, got {quoted(paper)}")
+        refuse_unknown("PAPER", paper, PAPERS)
     check_folder(arguments.out)
-    for paper in arguments.papers or (() if arguments.compare else PAPERS):
-        _show(reproduce(paper, progress=True), arguments.out)
-    if arguments.compare:
-        _show(compare(progress=True), arguments.out)
-
-
-def _show(result: Reproduction, folder: str) -> None:
-    written = result.write(folder)
-    say(f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
+    names = [*(arguments.papers or (() if arguments.compare else PAPERS)), *(["comparison"] * arguments.compare)]
+    check_outputs({"--json": json_file(arguments)}, [f"{arguments.out}/{name}.json" for name in names])
+    told: list[dict[str, Any]] = []
+    for name in names:
+        shown = not arguments.quiet
+        result = compare(progress=shown) if name == "comparison" else reproduce(name, progress=shown)
+        written = result.write(arguments.out)
+        told.append(result.to_dict())
+        show(arguments, f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
+    give(arguments, "", document=told, next_command=after_a_paper(arguments))

@@ -14,8 +14,8 @@ SEEDS = 1 << 64  # that there are
 
 def add_files(command: argparse.ArgumentParser) -> None:
     """Give a command the model and the reference that it runs."""
-    command.add_argument("model", metavar="MODEL.toml")
-    command.add_argument("--reference", required=True, metavar="REF.toml")
+    command.add_argument("model", metavar="MODEL.toml", help="the machine and its controller")
+    command.add_argument("--reference", required=True, metavar="REF.toml", help="the motion that is asked for")
 
 
 def add_seed(command: argparse.ArgumentParser, of: str) -> None:

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.parser import Commands
+from cogging.cli.parser import Commands, add_command
 from cogging.cli.screen import say
 from cogging.outputs import to_json
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command, which takes no arguments."""
-    command = commands.add_parser("schema", help="print the JSON Schema of model, reference, limits and sweep files")
+    command = add_command(
+        commands,
+        "schema",
+        help="print the JSON Schema of model, reference, limits and sweep files",
+        description="Print the JSON Schema by which an editor completes and checks model, reference, limits and sweep "
+        "files.",
+        examples=("cogging schema",),
+    )
     command.set_defaults(run=run)
 
 
@@ -19,4 +26,4 @@ def run(arguments: argparse.Namespace) -> None:
     """Print the schema."""
     from cogging.file_schema import schema
 
-    say(to_json(schema()).rstrip("\n"))
+    say(to_json(schema()).rstrip("\n"), plain=True)

@@ -6,6 +6,7 @@ import os
 import sys
 from typing import TextIO
 
+from cogging.cli.colour import coloured, wants_colour
 from cogging.files import InputError
 from cogging.shown import one_line, printable
 
@@ -20,11 +21,15 @@ def stand_in_for_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
 
 
-def say(text: str) -> None:
+def say(text: str, *, plain: bool = False) -> None:
     """Print a text on standard output.
 
     What the terminal would obey and what its encoding lacks is escaped. A reader that has gone, as `head -1` does,
     has seen enough: the rest of the output goes nowhere, and the command does what it was asked for to its end.
+
+    Args:
+        text: of any number of lines.
+        plain: what a program reads, which is never coloured.
 
     Raises:
         InputError: the output cannot be written, as on a full disk.
@@ -32,6 +37,8 @@ def say(text: str) -> None:
     out = sys.stdout
     encoding = getattr(out, "encoding", None) or "utf-8"
     safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)
+    if not plain and wants_colour(out):
+        safe = coloured(safe)
     try:
         out.write(f"{safe}\n")
         out.flush()
@@ -44,8 +51,9 @@ def say(text: str) -> None:
 
 def complain(text: str) -> None:
     """Print one line on standard error."""
+    line = one_line(text)
     try:
-        sys.stderr.write(one_line(text) + "\n")
+        sys.stderr.write((coloured(line) if wants_colour(sys.stderr) else line) + "\n")
         sys.stderr.flush()
     except OSError:  # nobody to tell
         _give_up(sys.stderr)

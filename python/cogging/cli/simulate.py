@@ -4,25 +4,42 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.parser import Commands, require_whole
+from cogging._core import performance
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.next_command import command_line, files, option
+from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.cli.run_options import add_files, add_seed, naming_files, require_seed
-from cogging.cli.screen import say
+from cogging.cli.working import working
 from cogging.model.model import STEPS_MAX
 from cogging.outputs import check_outputs, sidecar
 from cogging.shown import printable
+from cogging.simulation.reductions import INDEXES
 from cogging.simulation.reference import files_of_reference
 from cogging.simulation.run import simulate
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("simulate", help="one closed-loop run")
+    command = add_command(
+        commands,
+        "simulate",
+        help="one closed-loop run",
+        description="Run the model under its controller along the reference and write the log: time, reading, command, "
+        "reference and the true motion, with the model and the seed beside it (LOG.csv.toml). Printed are rows, "
+        "seconds and the largest error.",
+        examples=(
+            "cogging simulate model.toml --reference ref.toml --out run.csv",
+            "cogging simulate model.toml --reference ref.toml --seed 7 --out run.parquet --json run.json",
+        ),
+    )
     add_files(command)
-    command.add_argument("--out", required=True, metavar="LOG.csv")
     add_seed(command, of="the noise")
     command.add_argument(
         "--steps-per-sample", type=int, metavar="N", help="fewest integration steps a sample (default: the model's)"
     )
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--out", required=True, metavar="LOG.csv", help="also .mat and .parquet")
+    add_answer_options(group, json="rows, seconds and the indexes of the error")
     command.set_defaults(run=run)
 
 
@@ -32,9 +49,16 @@ def run(arguments: argparse.Namespace) -> None:
     steps = arguments.steps_per_sample
     if steps is not None:
         require_whole("--steps-per-sample", steps, 1, STEPS_MAX)
-    outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out)}
+    outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out), "--json": json_file(arguments)}
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
-    with naming_files(arguments):
-        log = simulate(arguments.model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
-    log.write(arguments.out)
-    say(f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
+    with working(arguments, "simulate") as begin:
+        with naming_files(arguments):
+            log = simulate(arguments.model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
+        begin("writing the log")
+        log.write(arguments.out)
+    told = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}
+    indexes = performance(log.time, log.error, log.command)
+    text = f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m"
+    following = command_line("audit", files([arguments.out]), option("--model", arguments.model))
+    document = {**told, **{name: getattr(indexes, name) for name in INDEXES}}
+    give(arguments, text, document=document, next_command=following)

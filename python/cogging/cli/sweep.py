@@ -3,22 +3,48 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING, Any
 
-from cogging.cli.parser import Commands, require_whole
-from cogging.cli.screen import say
+import numpy as np
+
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.next_command import after_many_runs
+from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.files import InputError
 from cogging.outputs import check_outputs
 from cogging.shown import printable
+from cogging.simulation.reductions import INDEXES
+
+if TYPE_CHECKING:
+    from cogging.simulation.sweep import SweepRuns
 
 THREADS_MAX = 1024
+FILE = """SWEEP.toml:
+  model = "model.toml"             # beside this file
+  reference = "ref.toml"
+  method = "latin_hypercube"       # or grid, random, sobol
+  runs = 1000
+  [vary]
+  "axis.mass" = { from = 0.11, to = 0.13 }"""
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("sweep", help="many runs of a model, each with other numbers")
-    command.add_argument("sweep", metavar="SWEEP.toml")
-    command.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")
+    command = add_command(
+        commands,
+        "sweep",
+        help="many runs of a model, each with other numbers",
+        description="Run the model along the reference once for each set of numbers, and write a table: a row a run, "
+        "with its numbers, its errors and its command. Ended before its time it keeps what is done, and the same "
+        "command goes on from there.",
+        epilog=FILE,
+        examples=("cogging sweep sweep.toml --out runs.csv", "cogging sweep sweep.toml --out runs.parquet --threads 2"),
+    )
+    command.add_argument("sweep", metavar="SWEEP.toml", help="which runs, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")
+    add_answer_options(group, json="a summary of the runs")
     command.set_defaults(run=run)
 
 
@@ -29,12 +55,25 @@ def run(arguments: argparse.Namespace) -> None:
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_sweep(arguments.sweep)
-    check_outputs({"--out": arguments.out}, files_of_sweep(asked, arguments.sweep))
+    outputs = {"--out": arguments.out, "--json": json_file(arguments)}
+    check_outputs(outputs, files_of_sweep(asked, arguments.sweep))
     try:
         if is_parquet(arguments.out):
             library("pyarrow")
     except ImportError as error:
         raise InputError(f"--out: {error}") from None
-    options = {"out": arguments.out, "threads": arguments.threads, "progress": True}
+    options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
     runs = run_sweep(arguments.sweep, asked, **options)
-    say(f"{printable(arguments.out)}: {runs!r}")
+    following = after_many_runs(asked["model"], asked["reference"])
+    text = f"{printable(arguments.out)}: {runs!r}"
+    give(arguments, text, document=_summary(runs, arguments.out), indent=2, next_command=following)
+
+
+def _summary(runs: SweepRuns, out: str) -> dict[str, Any]:
+    """How many runs there are, over what, and smallest, median and largest of each index."""
+    found = {}
+    for name in INDEXES:
+        values = runs.table[name][np.isfinite(runs.table[name])]
+        low, middle, high = np.quantile(values, (0.0, 0.5, 1.0)) if values.size else (np.nan,) * 3
+        found[name] = {"smallest": low, "median": middle, "largest": high}
+    return {"out": out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units), "indexes": found}

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.parser import Commands, require_whole
-from cogging.cli.screen import say
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.next_command import after_many_runs
+from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.files import InputError
-from cogging.outputs import check_outputs, to_json, write_text
-from cogging.shown import printable
+from cogging.outputs import check_outputs
 
 THREADS_MAX = 1024
-EXAMPLE = """TUNE.toml:
+FILE = """TUNE.toml:
   model = "gantry.toml"            # with [controller] and [bounds]
   reference = "move.toml"
   trials = 200
@@ -21,28 +21,32 @@ EXAMPLE = """TUNE.toml:
   [limits]                         # on every machine
   command_max = 4.0                # V
   delay_margin = 1e-3              # s
-  command_chatter = { present = 1.5 }
-"""
+  command_chatter = { present = 1.5 }"""
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
+    command = add_command(
+        commands,
         "tune",
         help="the gains of a controller for an uncertain machine",
-        description="Find the gains with the smallest rms error over machines drawn from the model's intervals,\n"
-        "within limits on command, chatter and robustness, and say what they cost. Ended before its time,\n"
-        "it writes the best so far, and the same command goes on from there.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, within "
+        "limits on command, chatter and robustness, and say what they cost. Ended before its time, it writes the best "
+        "so far, and the same command goes on from there.",
+        epilog=FILE,
+        examples=(
+            "cogging tune tune.toml --out tuned.toml",
+            "cogging tune tune.toml --figure tuned.png --json tuned.json",
+        ),
     )
-    command.add_argument("tune", metavar="TUNE.toml")
-    command.add_argument(
+    command.add_argument("tune", metavar="TUNE.toml", help="what is tuned, as below")
+    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument(
         "--out", default="tuned.toml", metavar="MODEL.toml", help="the model with the tuned gains (default: tuned.toml)"
     )
-    command.add_argument("--json", metavar="OUT", help="where the numbers are written")
-    command.add_argument("--figure", metavar="OUT.png", help="where the trade-off is drawn")
-    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
+    group.add_argument("--figure", metavar="OUT.png", help="where the trade-off is drawn")
+    add_answer_options(group, json="the tuning")
     command.set_defaults(run=run)
 
 
@@ -53,17 +57,18 @@ def run(arguments: argparse.Namespace) -> None:
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_tune(arguments.tune)
-    outputs = {"--out": arguments.out, "--json": arguments.json, "--figure": arguments.figure}
+    outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_tune(asked, arguments.tune))
     try:
         optuna()
     except ImportError as error:
         raise InputError(str(error)) from None
-    tuning = run_tune(arguments.tune, asked, out=arguments.out, threads=arguments.threads, progress=True)
-    if arguments.json:
-        write_text(arguments.json, to_json(tuning.to_dict(), indent=2))
+    options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
+    tuning = run_tune(arguments.tune, asked, **options)
+    written = [arguments.out] if tuning.model is not None else []
     if arguments.figure:
         tuning.write_figure(arguments.figure)
-    say(tuning.text())
-    written = [*([arguments.out] if tuning.model is not None else []), arguments.json, arguments.figure]
-    say(f"{', '.join(printable(path) for path in written if path) or 'nothing'} written")
+        written.append(arguments.figure)
+    text = tuning.text() if written or arguments.json else f"{tuning.text()}\nnothing written"
+    following = after_many_runs(arguments.out if tuning.model is not None else asked["model"], asked["reference"])
+    give(arguments, text, document=tuning.to_dict(), indent=2, written=written, next_command=following)

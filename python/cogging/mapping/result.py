@@ -6,7 +6,7 @@ import io
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -148,6 +148,31 @@ class MapFit(ByValue):
                 f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  V rms, {name}, {c.coefficients} coefficients{mark}"
             )
         return "\n".join(lines + [f"note: {note}" for note in self.notes])
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `cogging map --json` writes: the fit without the points of the scan and of the spectrum."""
+        return {
+            "cogging": cogging_to_dict(self.cogging),
+            "order": self.order,
+            "sine_standard_error": self.sine_standard_error,
+            "cosine_standard_error": self.cosine_standard_error,
+            "amplitudes": [vars(entry) for entry in self.amplitudes],
+            "offset": self.offset,
+            "offset_standard_error": self.offset_standard_error,
+            "coulomb": self.coulomb,
+            "coulomb_standard_error": self.coulomb_standard_error,
+            "direction_amplitudes": [vars(entry) for entry in self.direction_amplitudes],
+            "direction_rms": self.direction_rms,
+            "direction_lag": self.direction_lag,
+            "trend": self.trend,
+            "trend_standard_error": self.trend_standard_error,
+            "residual_rms": self.residual_rms,
+            "noise": self.noise,
+            "cross_validation": [vars(entry) for entry in self.cross_validation],
+            "unexcited": self.unexcited,
+            "points": len(self.position),
+            "notes": self.notes,
+        }
 
     def plot(self) -> Figure:
         """Draw measured and fitted force and their difference over position (as Figs. 5, 6), and the spectrum."""

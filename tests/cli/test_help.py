@@ -1,0 +1,168 @@
+"""What the command says of itself: examples that run, lines that fit the terminal, the nearest to a mistyped word."""
+
+import argparse
+import random
+import shlex
+import shutil
+
+import pytest
+
+from cogging.cli.main import COMMANDS, main
+from cogging.cli.parser import EXAMPLES, Parser
+from cogging.cli.reproduce import PAPERS
+from cogging.papers.result import Reproduction
+from tests.fixtures import command_files
+from tests.fixtures.commands import examples_of, of, words_of
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("examples")
+    command_files.write(folder)
+    return folder
+
+
+@pytest.fixture
+def folder(written, tmp_path, monkeypatch):
+    shutil.copytree(written, tmp_path / "work")
+    monkeypatch.chdir(tmp_path / "work")
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
+    monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
+    return tmp_path / "work"
+
+
+def help_of(capsys, *words):
+    with pytest.raises(SystemExit) as ended:
+        main([*words, "--help"])
+    said = capsys.readouterr()
+    assert (ended.value.code, said.err) == (0, "")
+    return said.out
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_examples_run(command, folder, capsys):
+    calls = examples_of(command)
+    assert len(calls) >= (1 if command == "schema" else 2)
+    shown = help_of(capsys, command)
+    before = {path.name for path in folder.iterdir()}
+    for words in calls:
+        call = shlex.join(["cogging", *words])
+        assert f"\n  {call}\n" in f"{shown}\n"
+        assert main(words) == 0, call
+        said = capsys.readouterr()
+        assert said.err == "", call
+        assert said.out, call
+        for output in (
+            words[i + 1] for i, word in enumerate(words) if word in ("--out", "--json", "--report", "--figure")
+        ):
+            assert output == "-" or (folder / output).exists(), call
+            assert output not in before, call
+
+
+@pytest.mark.parametrize("command", [None, *COMMANDS])
+@pytest.mark.parametrize("columns", [60, 80, 120, 250])
+def test_help_fits_the_terminal(command, columns, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    text = help_of(capsys, *([command] if command else []))
+    assert text.isascii(), "a terminal of few letters shows it"
+    prose, _, _ = text.partition(".toml:\n")
+    prose, _, _ = prose.partition("once and for all:")
+    prose, _, _ = prose.partition(f"\n{EXAMPLES}")
+    longest = max(prose.splitlines(), key=len)
+    assert len(longest) <= min(columns, 100) or " " not in longest.strip(), longest
+    assert max(map(len, text.splitlines())) <= 110
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_there_are_three_ways_to_the_help(command, capsys):
+    texts = [help_of(capsys, command)]
+    with pytest.raises(SystemExit):
+        main([command, "-h"])
+    texts.append(capsys.readouterr().out)
+    assert main(["help", command]) == 0
+    texts.append(capsys.readouterr().out)
+    assert texts[0] == texts[1] == texts[2]
+    assert texts[0].startswith(f"usage: cogging {command} ")
+
+
+def test_the_commands_are_listed_also_without_one(capsys):
+    whole = help_of(capsys)
+    assert main(["help"]) == 0
+    assert capsys.readouterr().out == whole
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    said = capsys.readouterr()
+    assert ended.value.code == 2, "a script that has lost its command is told"
+    assert said.out == whole
+    assert said.err == "cogging: a command must be given, got none; see cogging --help\n"
+
+
+def test_every_word_says_what_it_is():
+    for command in COMMANDS:
+        for action in of(command)._actions:
+            assert action.help, f"{command} {action.dest}"
+        assert of(command).description
+        assert isinstance(of(command), Parser)
+        names = [name for action in of(command)._actions for name in action.option_strings]
+        assert {"-h", "--help"} <= {*names}
+        if command not in ("schema", "help", "completion"):
+            assert {"--json", "--quiet", "-q"} <= {*names}
+
+
+def mistyped(word, chance):
+    """A word with a letter too few, too many, another, or two that have changed places."""
+    at = chance.randrange(3 if word.startswith("--") else 1, len(word))
+    letter = chance.choice("aeioutrx")
+    ways = [word[:at] + word[at + 1 :], word[:at] + letter + word[at:], word[:at] + letter + word[at + 1 :]]
+    ways.append(word[: at - 1] + word[at] + word[at - 1] + word[at + 1 :] if at > 3 else ways[1])
+    return chance.choice(ways)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_mistyped_word_is_answered_with_the_nearest(seed, capsys):
+    chance = random.Random(seed)
+    command = chance.choice(COMMANDS)
+    known = [name for action in of(command)._actions for name in action.option_strings if len(name) > 4]
+    meant = chance.choice([command, *known])
+    wrong = mistyped(meant, chance)
+    if wrong in (*known, *COMMANDS) or (wrong.startswith("--") and any(name.startswith(wrong) for name in known)):
+        return  # a word, or the beginning of one
+    words = (
+        [wrong] if meant == command else [*words_of(command), *chance.choice(([wrong], [wrong, "x"], [f"{wrong}=x"]))]
+    )
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    said = capsys.readouterr()
+    assert (ended.value.code, said.out, said.err.count("\n")) == (2, "", 1)
+    assert f"(did you mean '{meant}'?)" in said.err
+    assert said.err.startswith("cogging: argument COMMAND: " if meant == command else f"cogging {command}: ")
+
+
+def test_an_option_that_hides_a_needed_one_is_named(capsys):
+    with pytest.raises(SystemExit):
+        main(["identify", "log.csv", "--modle", "model.toml"])
+    assert "required: --model, got '--modle' (did you mean '--model'?)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("words", "known"), [(["help", "dignose"], COMMANDS), (["reproduce", "lu2009"], PAPERS)])
+def test_a_mistyped_value_is_answered_with_the_nearest(words, known, capsys):
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert f"must be one of {', '.join(known)}, got '{words[1]}' (did you mean '" in said
+
+
+def test_what_is_nowhere_near_gets_no_guess(capsys):
+    for words in (["frobnicate"], ["audit", "log.csv", "--zzz"]):
+        with pytest.raises(SystemExit):
+            main(words)
+        assert "did you mean" not in capsys.readouterr().err
+
+
+def test_a_plain_parser_takes_the_commands():
+    """What a command adds needs nothing of the parser that it is added to."""
+    import cogging.cli.audit
+
+    commands = argparse.ArgumentParser().add_subparsers()
+    cogging.cli.audit.add_parser(commands)
+    assert commands.choices["audit"].parse_args(["a.csv", "--scale", "command=2"]).scale == {"": {"command": 2.0}}

@@ -1,0 +1,350 @@
+"""The next command that every command ends with: it can be pasted, it runs, and it leads to a better model."""
+
+import dataclasses
+import io
+import os
+import random
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import cogging
+import cogging.diagnosis.diagnose
+from cogging.cli.main import COMMANDS, main
+from cogging.cli.next_command import PLACEHOLDERS, command_line, free_name
+from cogging.papers.result import Reproduction
+from tests.fixtures import command_files
+from tests.fixtures.commands import examples_of
+from tests.fixtures.hostile_calls import NAMES
+
+pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="hints are for a shell of POSIX")
+
+SILENT = ("schema", "completion", "help")  # what they print is not for a person, or is itself the advice
+#: What stands in the folder for each file that only a user has.
+OWN = {
+    "LOG.csv": "log.csv",
+    "OTHER_LOG.csv": "other.csv",
+    "NEW_LOG.csv": "log.csv",
+    "MODEL.toml": "model.toml",
+    "REF.toml": "ref.toml",
+    "LIMITS.toml": "limits.toml",
+    "TUNE.toml": "tune.toml",
+}
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("next")
+    command_files.write(folder)
+    return folder
+
+
+@pytest.fixture
+def folder(written, tmp_path, monkeypatch):
+    shutil.copytree(written, tmp_path / "work")
+    monkeypatch.chdir(tmp_path / "work")
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
+    monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
+    return tmp_path / "work"
+
+
+@pytest.fixture(scope="module")
+def unmeasured():
+    """A diagnosis of a log in which nothing moves for long."""
+    log = cogging.simulate(command_files.model(), command_files.REFERENCE)
+    short = cogging.Log(log.time[:600], log.position[:600], log.command[:600])
+    return cogging.diagnose(short, command_files.model())
+
+
+@pytest.fixture
+def diagnosed(monkeypatch, unmeasured):
+    """Give the command a result in place of a diagnosis, and see what it has read."""
+    seen = []
+
+    def answer(**changes):
+        def diagnose(logs, model, **options):
+            seen.append((logs, options))
+            return dataclasses.replace(unmeasured, **{"model": model, **changes})
+
+        monkeypatch.setattr(cogging.diagnosis.diagnose, "diagnose", diagnose)
+        return seen
+
+    return answer
+
+
+def words_of(line, shell="bash"):
+    """The words that a shell makes of a line, as the bytes that a program gets."""
+    done = subprocess.run([shell, "-c", f"printf '%s\\0' {line}"], capture_output=True, check=True, env={"LC_ALL": "C"})
+    return done.stdout.split(b"\0")[:-1]
+
+
+def said_next(text):
+    """The words of the next command, without `cogging`: the last line, and the only one of its kind."""
+    *before, last = text.splitlines()
+    assert last.startswith("next: cogging "), text
+    assert not any(line.startswith("next:") for line in before)
+    return [os.fsdecode(word) for word in words_of(last.removeprefix("next: "))][1:]
+
+
+def run(words, capsys):
+    """Run a call; the words of the next one."""
+    capsys.readouterr()
+    assert main(words) == 0, words
+    said = capsys.readouterr()
+    assert said.err == ""
+    return said_next(said.out)
+
+
+def filled(words):
+    """The words with files of the user's own in the places that are left for them."""
+    return [OWN.get(word, word) for word in words]
+
+
+def test_every_place_that_is_left_is_told_and_recognisable():
+    assert set(OWN) == set(PLACEHOLDERS)
+    assert all(name.partition(".")[0].isupper() for name in PLACEHOLDERS)
+
+
+@pytest.mark.parametrize("command", [name for name in COMMANDS if name not in SILENT])
+def test_every_command_ends_with_one_that_runs(command, folder, capsys, diagnosed):
+    diagnosed(verdict="named")
+    for call in examples_of(command):
+        if "-" in call:
+            continue
+        following = run(call, capsys)
+        assert following[0] in COMMANDS
+        assert following != call
+        for word in following:
+            assert not word.partition(".")[0].isupper() or word in PLACEHOLDERS
+        assert main(filled(following)) == 0
+        capsys.readouterr()
+
+
+@pytest.mark.parametrize("command", SILENT)
+def test_what_prints_something_for_a_program_or_the_advice_itself_has_none(command, folder, capsys):
+    for call in examples_of(command):
+        assert main(call) == 0
+        assert "\nnext: " not in capsys.readouterr().out
+
+
+CALL = ["diagnose", "log.csv", "--model", "model.toml"]
+PLANT = command_files.model().replace(intervals={"axis.mass": [0.11, 0.13]})
+UNSURE = PLANT.replace(intervals={"axis.mass": [-np.inf, np.inf]})
+VERDICTS = [
+    ("named", [], {}, [*CALL, "--out", "model_patched.toml"]),
+    ("named", ["--out", "new.toml"], {}, [*CALL, "--confirm", "OTHER_LOG.csv", "--out", "new.toml"]),
+    (
+        "named",
+        ["--out", "new.toml", "--confirm", "other.csv"],
+        {},
+        ["predict", "new.toml", "--reference", "REF.toml"],
+    ),
+    ("named", ["--confirm", "other.csv"], {}, [*CALL, "--confirm", "other.csv", "--out", "model_patched.toml"]),
+    (
+        "named",
+        ["--out", "new.toml", "--confirm", "other.csv"],
+        {"model": UNSURE},
+        ["experiment", "--model", "new.toml", "--limits", "LIMITS.toml", "--out", "experiment.toml"],
+    ),
+    ("unlisted", [], {}, [*CALL, "--out", "model_patched.toml", "--empirical"]),
+    ("unlisted", ["--out", "a.toml"], {}, [*CALL, "--out", "a.toml", "--empirical"]),
+    (
+        "unlisted",
+        ["--out", "a.toml", "--empirical"],
+        {},
+        [*CALL, "--confirm", "OTHER_LOG.csv", "--out", "a.toml", "--empirical"],
+    ),
+    ("ambiguous", [], {}, [*CALL, "--json", "result_2.json"]),
+    (
+        "ambiguous",
+        ["--json", "r.json"],
+        {},
+        [
+            "experiment",
+            "--model",
+            "model.toml",
+            "--result",
+            "r.json",
+            "--limits",
+            "LIMITS.toml",
+            "--out",
+            "experiment.toml",
+        ],
+    ),
+    ("no_gap", [], {}, ["predict", "model.toml", "--reference", "REF.toml"]),
+    (
+        "controller_mismatch",
+        ["--scale", "command=1"],
+        {},
+        ["audit", "log.csv", "--model", "model.toml", "--scale", "command=1"],
+    ),
+    (
+        "insufficient_excitation",
+        [],
+        {},
+        ["experiment", "--model", "model.toml", "--limits", "LIMITS.toml", "--out", "experiment.toml"],
+    ),
+]
+
+
+@pytest.mark.parametrize(("verdict", "options", "changes", "expected"), VERDICTS)
+def test_what_is_next_after_each_verdict(verdict, options, changes, expected, folder, capsys, diagnosed):
+    diagnosed(verdict=verdict, **{"model": PLANT, **changes})
+    following = run([*CALL, *options], capsys)
+    assert following == expected
+    if "--result" in following:
+        shutil.copy("result.json", "r.json")  # one that has something to tell apart
+    if following[0] != "experiment" or "--result" in following:  # without one it takes long
+        assert main(filled(following)) == 0
+
+
+def test_one_of_several_logs_confirms(folder, capsys, diagnosed):
+    seen = diagnosed(verdict="named")
+    following = run(["diagnose", "log.csv", "other.csv", "--model", "model.toml", "--rows", "other.csv:0:900"], capsys)
+    assert following[:5] == ["diagnose", "log.csv", "--model", "model.toml", "--confirm"]
+    assert main(following) == 0
+    (logs, _), (given, told) = seen
+    assert [len(logs[0]), len(logs[1])] == [len(given[0]), 900]
+    assert len(told["confirm"][0]) == 900
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_misread_column_is_read_right_by_the_next_command(seed, folder, capsys, diagnosed):
+    """Whatever was given before, for all files or for this one, and whatever the file is called."""
+    draw = random.Random(seed)
+    name = draw.choice(["a b.csv", "caf\u00e9's $x.csv", "plain.csv", "-dash.csv"])
+    truth = cogging.read_log("log.csv")
+    factor, given = draw.choice([-1.0, 1e3]), draw.choice([1.0, 2.0, -0.5, 1e-3])
+    columns = {key: np.array(column) for key, column in truth.columns().items()}
+    columns["command"] = columns["command"] / factor / given
+    command_files.table(folder / name, columns)
+    several = draw.random() < 0.5
+    words = ["diagnose", f"./{name}", *(["other.csv"] if several else []), "--model", "model.toml"]
+    if given != 1.0:
+        own = several or draw.random() < 0.5
+        words += [f"--scale={name if own else ''}{':' * own}command={given!r}"]
+    following = run(words, capsys)
+    assert following[0] == "diagnose"
+    seen = diagnosed()
+    assert main(following) == 0
+    (log, *others), _ = seen[0]
+    np.testing.assert_allclose(log.command, truth.command, rtol=1e-12)
+    for other in others:
+        np.testing.assert_array_equal(other.command, cogging.read_log("other.csv").command)
+
+
+def test_columns_that_have_changed_places_are_read_right(folder, capsys, diagnosed):
+    truth = cogging.read_log("log.csv")
+    named = {"time": truth.time, "qm": truth.command, "vir": truth.position}
+    command_files.table(folder / "swapped.csv", named)
+    believed = command_files.model()
+    believed.replace(axis=believed.axis.replace(travel=[-9.0, 9.0]), controller=None, controller_type=None).write(
+        "model.toml"
+    )
+    words = ["diagnose", "swapped.csv", "--model", "model.toml", "--columns", "position=qm,command=vir"]
+    following = run(words, capsys)
+    seen = diagnosed()
+    assert main(following) == 0
+    np.testing.assert_array_equal(seen[0][0][0].command, truth.command)
+    np.testing.assert_array_equal(seen[0][0][0].position, truth.position)
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii", "latin-1"])
+def test_words_come_back_from_the_shell(shell, encoding, monkeypatch):
+    """Every name that a file can have, in letters that the terminal has."""
+    if shutil.which(shell) is None:
+        pytest.skip(f"no {shell}")
+    draw = random.Random(encoding)
+    letters = [
+        *" '\"\\$`!*?[]{}()<>|&;~#%^\n\t\r\x07\x1b\x7f",
+        "\u00e9",
+        "\u4e2d",
+        "\u202e",
+        "\U0001f600",
+        "\udcff",
+        "a",
+        "0",
+    ]
+    names = [name for name in NAMES if "\0" not in name and "\ud800" not in name]
+    names += ["".join(draw.choices(letters, k=draw.randrange(1, 12))) for _ in range(150)]
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding=encoding))
+    line = command_line(names)
+    assert line.isprintable()
+    line.encode(encoding)
+    assert words_of(line, shell) == [b"cogging", *map(os.fsencode, names)]
+
+
+def test_no_name_that_is_taken_is_proposed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    assert free_name("runs/a.toml", "fitted") == os.path.join("runs", "a_fitted.toml")
+    (tmp_path / "runs" / "a_fitted.toml").touch()
+    assert free_name("runs/a.toml", "fitted") == os.path.join("runs", "a_fitted_2.toml")
+    (tmp_path / "result.json").symlink_to("nowhere")
+    assert free_name("result.json") == "result_2.json"
+
+
+#: What a machine may have that its model lacks.
+LACKING = [
+    [cogging.effects.CableSpring(stiffness=3.0, center=0.2)],
+    [cogging.effects.CommandDelay(delay=2e-3)],
+    [cogging.effects.CoulombAsymmetry(difference=0.1)],
+    [cogging.effects.QuadraticDrag(coefficient=2.0)],
+]
+
+
+def follow_from_a_log(seed, folder, capsys, monkeypatch):
+    """From two logs to a patched model by the hints alone; the calls, the machine and the model."""
+    draw = random.Random(seed)
+    name = draw.choice(["run one.csv", "caf\u00e9 $1.csv", "it's.csv", "log.csv"])
+    unit = draw.choice([1.0, 0.5, 1e-3])
+    machine = command_files.model().replace(effects=draw.choice(LACKING))
+    for path, velocity in ((name, 0.5), ("other.csv", 0.35)):
+        log = cogging.simulate(machine, {**command_files.REFERENCE, "velocity": velocity, "repeats": 2}, seed=seed)
+        columns = {"time": log.time, "qm": log.position, "vir": log.command / unit, "reference": log.reference}
+        command_files.table(folder / path, columns)
+    found, plain = {}, cogging.diagnosis.diagnose.diagnose
+
+    def once(logs, model, *, confirm, **options):  # what only writes more needs no other computation
+        key = (len(logs), len(confirm), repr(model))
+        if key not in found:
+            found[key] = plain(logs, model, confirm=confirm, **options)
+        return found[key]
+
+    monkeypatch.setattr(cogging.diagnosis.diagnose, "diagnose", once)
+    words = ["audit", name, "--model", "model.toml", "--columns", "position=qm,command=vir"]
+    words += [] if unit == 1.0 else [f"--scale=command={unit!r}"]
+    calls = []
+    for _ in range(8):
+        calls.append(words)
+        words = filled(run(words, capsys))
+        if words[0] not in ("audit", "identify", "diagnose"):
+            break
+    return calls, words, machine
+
+
+def check_chain(seed, folder, capsys, monkeypatch):
+    calls, last, machine = follow_from_a_log(seed, folder, capsys, monkeypatch)
+    assert [call[0] for call in calls][:3] == ["audit", "identify", "diagnose"]
+    assert "--confirm" in calls[-1]
+    patched = calls[-1][calls[-1].index("--out") + 1]
+    better = cogging.Model.read(patched)
+    assert {type(effect) for effect in better.effects} == {type(effect) for effect in machine.effects} or (
+        better.axis != command_files.model().axis
+    )
+    assert last[:2] == ["predict", patched]
+    assert main(last) == 0
+
+
+def test_the_hints_alone_lead_from_a_log_to_a_patched_model(folder, capsys, monkeypatch):
+    check_chain(1, folder, capsys, monkeypatch)
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_more_ways_along_the_hints(seed, folder, capsys, monkeypatch):
+    check_chain(seed, folder, capsys, monkeypatch)
