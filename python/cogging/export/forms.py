@@ -94,7 +94,8 @@ class Form:
 
 
 #: Forms by name, in the order of the help.
-FORMS: dict[str, Form] = {form.name: form for form in ()}
+_ALL: tuple[Form, ...] = ()
+FORMS: dict[str, Form] = {form.name: form for form in _ALL}
 
 
 def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Exported:
