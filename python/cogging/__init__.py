@@ -62,6 +62,7 @@ from cogging.mapping.fit import fit_map
 from cogging.mapping.result import MapFit
 from cogging.model.controller import Controller, ReferencePoint
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.design.tuning.tune import tune
 from cogging.design.tuning.tuning import Tuning
 from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
@@ -120,6 +121,7 @@ __all__ = [
     "SweepRuns",
     "TrackingSpectrum",
     "Tuning",
+    "Units",
     "audit",
     "check_against_model",
     "check_controller",

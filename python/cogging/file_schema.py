@@ -9,6 +9,7 @@ from typing import Any
 from cogging import _core
 from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
 from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
+from cogging.model.units import LABEL
 from cogging.simulation.reference import REFERENCES
 from cogging.simulation.sweep_file import KEYS as SWEEP
 from cogging.simulation.sweep_file import NEEDED as SWEEP_NEEDED
@@ -34,6 +35,11 @@ SIMULATION: dict[str, tuple[dict[str, Any], str, str]] = {
         "1",
         "fewest integration steps between two samples; a run takes as many more as its accuracy needs",
     ),
+}
+UNIT = {"type": "string", "pattern": f"^({LABEL})$"}
+UNITS: dict[str, tuple[dict[str, Any], str, str]] = {
+    "command": ({**UNIT, "default": "V"}, "", "of the command, as A, N or Nm; wherever V stands here"),
+    "position": ({**UNIT, "default": "m"}, "", "of the position, as rad; wherever m stands here"),
 }
 SAMPLED: dict[str, tuple[dict[str, Any], str, str]] = {
     "file": ({"type": "string"}, "", "log file with time and reference, beside the reference file"),
@@ -142,6 +148,7 @@ def _model() -> dict[str, Any]:
             "noise": _section(NoiseParameters.__doc__ or "", _fields(NoiseParameters)),
             "controller": {"oneOf": controllers, "description": "absent: unknown"},
             "simulation": _section("how a run is integrated", _described(SIMULATION)),
+            "units": _section("labels, carried to all output; numbers stay as they are", _described(UNITS)),
             "bounds": {
                 "type": "object",
                 "additionalProperties": bound,

@@ -25,6 +25,7 @@ from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
+from cogging.model.units import Units
 from cogging.outputs import to_toml, write_text
 from cogging.shown import quoted
 from cogging.values import ByValue
@@ -35,7 +36,7 @@ CONTROLLERS: dict[str, tuple[Any, Any]] = {
 }
 PARAMETERS = tuple({struct for struct, _ in CONTROLLERS.values()})
 
-SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "bounds")
+SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "units", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
 LARGEST_FLOAT = int(sys.float_info.max)
 COUNTED = 1 << 31  # whole numbers that the core counts with
@@ -63,6 +64,7 @@ class Model(ByValue):
             logs do not determine the parameter.
         steps_per_sample: the fewest integration steps between two samples of a simulated run; it takes as many more
             as its accuracy needs.
+        units: labels of the command's and the position's unit, carried to all output.
 
     Example:
         >>> axis = cogging.AxisParameters(mass=0.12, viscous=0.2, travel=[0.0, 0.5])
@@ -82,12 +84,15 @@ class Model(ByValue):
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     steps_per_sample: int = 1
+    units: Units = field(default_factory=Units)
 
     def __post_init__(self) -> None:
         if (self.controller is None) != (self.controller_type is None):
             raise ValueError("controller, controller_type: both or neither must be given")
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
             raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
+        if not isinstance(self.units, Units):
+            raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
         if self.controller is not None and not isinstance(self.controller, PARAMETERS):
             rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
             own = "a controller of one's own is given to simulate(model, reference, controller=...)"
@@ -98,7 +103,7 @@ class Model(ByValue):
         object.__setattr__(self, "intervals", intervals)
 
     def _brief(self) -> str:
-        told = [f"mass {self.axis.mass:.6g} V/(m/s^2)"]
+        told = [f"mass {self.axis.mass:.6g} {self.units.of('V/(m/s^2)')}"]
         if self.cogging is not None:
             told.append(f"cogging of {self.cogging.basis.terms} terms")
         told += [effect.NAME for effect in self.effects]
@@ -186,6 +191,7 @@ class Model(ByValue):
             uncertainty=_uncertainty_from(uncertainty),
             intervals=_intervals_from(_table(document, "bounds")),
             steps_per_sample=_steps_from(_table(document, "simulation")),
+            units=Units.from_dict(_table(document, "units")),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -203,6 +209,8 @@ class Model(ByValue):
             document["controller"] = {"type": self.controller_type, **self.controller.to_dict()}
         if self.steps_per_sample != 1:
             document["simulation"] = {"steps_per_sample": self.steps_per_sample}
+        if self.units != Units():
+            document["units"] = self.units.to_dict()
         if self.intervals:
             document["bounds"] = {path: list(interval) for path, interval in self.intervals.items()}
         return document

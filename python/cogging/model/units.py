@@ -1,0 +1,76 @@
+"""What the numbers of a model are labelled with: V and m, or what the machine's maker calls them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cogging.calls import told_constructor
+from cogging.files import FieldError, refuse_unknown_keys
+from cogging.shown import quoted
+from cogging.values import ByValue
+
+UNIT_KEYS = ("command", "position")
+#: A label: a letter, then letters, digits and what stands in units; or per cent.
+LABEL = r"[^\W\d_][\w^*/.()%-]{0,11}|%"
+#: V or m, alone or with a prefix, as a word of a unit.
+WORD = re.compile(r"(?<![A-Za-z])([kmun]?)([Vm])(?![A-Za-z])")
+
+
+@told_constructor
+@dataclass(frozen=True, eq=False, repr=False)
+class Units(ByValue):
+    """Labels of the command's and the position's unit, `[units]` of a model file: numbers stay as they are.
+
+    Everywhere in this package V stands for the unit of the command and m for that of the position. A model that says
+    otherwise has its own labels carried to all output: a mass in N/(m/s^2), a friction in A/(rad/s).
+
+    Attributes:
+        command: "V", or "A", "N", "Nm".
+        position: "m", or "rad".
+
+    Example:
+        >>> units = cogging.Units(command="A", position="rad")
+        >>> units.of("V/(m/s)"), units.of("um"), units.of("Hz")
+        ('A/(rad/s)', 'urad', 'Hz')
+    """
+
+    command: str = "V"
+    position: str = "m"
+
+    def __post_init__(self) -> None:
+        for key in UNIT_KEYS:
+            value = getattr(self, key)
+            if not isinstance(value, str) or not re.fullmatch(LABEL, value):
+                rule = 'must be the label of a unit of at most 12 characters, as "A" or "Nm"'
+                raise ValueError(f"{key}: {rule}, got {quoted(value)}")
+
+    def of(self, unit: str) -> str:
+        """A unit of this package, of V and m, in these labels; `um` of a position in rad is `urad`.
+
+        Args:
+            unit: as "V/(m/s^2)", "mV", "1/m".
+        """
+        if self.command == "V" and self.position == "m":
+            return unit
+        return WORD.sub(lambda word: word[1] + (self.command if word[2] == "V" else self.position), unit)
+
+    @classmethod
+    def from_dict(cls, section: Mapping[str, Any]) -> Units:
+        """Make them from `[units]` of a model file.
+
+        Raises:
+            FieldError: an unknown key, or a value that is no label.
+        """
+        refuse_unknown_keys(section, UNIT_KEYS, "units")
+        try:
+            return cls(**section)
+        except ValueError as error:
+            key, _, problem = str(error).partition(": ")
+            raise FieldError("units", key, problem) from None
+
+    def to_dict(self) -> dict[str, str]:
+        """The section `[units]`: what from_dict reads."""
+        return {key: getattr(self, key) for key in UNIT_KEYS}
