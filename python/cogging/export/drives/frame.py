@@ -12,7 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.model.model import Model
 from cogging.shown import quoted
 
-CLOSES = 0.02  # of a period: by how much a whole number of them may miss a turn, 7 degrees of phase
+CLOSES = 0.01  # of a period: by how much a whole number of them may miss a turn, 4 degrees of phase
 MANY_SPANS = 20  # that are looked at where neither travel nor turn says how far the axis moves
 POSITIONS = 100_000  # at which law and map are compared
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # a step whose multiples fall evenly, and on no grid

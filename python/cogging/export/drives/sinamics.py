@@ -64,9 +64,11 @@ def make(
     else:
         low, high = travel_of(frame)
         width = pole_pair_width if pole_pair_width is not None else frame.cogging.basis.pitch or high - low
-        factor = (high - low) / require_positive("pole_pair_width", width)
-        # The table repeats, and its index 0 need not be where the travel begins.
-        law = Law(ENTRIES, 0.0, high - low, True, between)
+        # The table repeats, and its index 0 need not be where the travel begins: two entries beside the travel keep its
+        # ends apart.
+        span = (high - low) * ENTRIES / (ENTRIES - 2)
+        factor = span / require_positive("pole_pair_width", width)
+        law = Law(ENTRIES, 0.0, span, True, between)
     table = table_of(frame, law)
     lines = ["parameter,index,value", *(f"p5260,{index},{single(value)}" for index, value in numbered(table.values))]
     return exported(model, SHEET, table, unit, lines, [f"set p5253 to {factor:.9g}"])

@@ -138,7 +138,9 @@ def folded(frame: Frame, law: Law, places: FloatArray) -> FloatArray:
         inside = (at >= low) & (at <= high)
         total += np.where(inside, frame.wanted(frame.axis_position(at)), 0.0)
         met += inside
-    return np.where(met > 0, total / np.maximum(met, 1.0), frame.wanted(frame.axis_position(places)))
+    # Half an entry may stick out at an end of the motion: it continues that end.
+    nearest = places + law.span * np.round((0.5 * (low + high) - places) / law.span)
+    return np.where(met > 0, total / np.maximum(met, 1.0), frame.wanted(frame.axis_position(nearest)))
 
 
 def _repeats(frame: Frame, law: Law) -> bool:
