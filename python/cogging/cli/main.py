@@ -24,6 +24,7 @@ COMMANDS = (
     "map",
     "predict",
     "tune",
+    "export",
     "simulate",
     "sweep",
     "reproduce",

@@ -1,0 +1,182 @@
+"""The forms that `cogging export` writes, each by its name.
+
+A form is added in three steps: a module of this room with a function `make(model, **options) -> Exported`, an entry of
+FORMS below that names module and function, and a test that reads back what it writes. The command, its `--help` and
+`cogging.export.to` read the list. A module is imported when its form is asked for: what it needs may be an extra.
+
+An option is stated once, as an Option; forms that share it list the same object. The command turns `pole_pairs` into
+`--pole-pairs`, passes on only what was given, and refuses an option that the form does not take: the defaults stand in
+the signature of `make`. What cannot be used is refused there by a FieldError or ValueError in one line, `name: rule,
+got value`; `to` puts the model's file before it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cogging.calls import did_you_mean
+from cogging.files import FieldError, InputError, read_text, read_toml
+from cogging.model.model import Model
+from cogging.shown import quoted
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What a form makes of a model.
+
+    Attributes:
+        content: of the file.
+        text: what the machine takes of it and what it cannot, for the screen.
+        beside: further files by what is added to the file's name, `.txt`.
+    """
+
+    content: bytes
+    text: str
+    beside: Mapping[str, bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Option:
+    """A number, word or switch that a form may be given.
+
+    Attributes:
+        name: the keyword, in full words with `_`.
+        kind: float, int, str, or bool for a switch.
+        help: meaning and unit, with what holds where it is not given.
+        metavar: what stands for the value in `--help`.
+        choices: the words that it may be; none = any.
+        reads: whether it is the path of a file that is read.
+    """
+
+    name: str
+    kind: type[Any]
+    help: str
+    metavar: str = "X"
+    choices: tuple[str, ...] = ()
+    reads: bool = False
+
+
+@dataclass(frozen=True)
+class Form:
+    """A form in which a model, or a part of it, leaves.
+
+    Attributes:
+        name: as in `--to`.
+        writes: what the file is, in a few words.
+        made_by: module and function, `cogging.export.drives.akd:make`.
+        options: that it takes.
+        of_map: whether `[cogging]` alone is enough, as `cogging map` writes it: there need be no `[axis]`.
+    """
+
+    name: str
+    writes: str
+    made_by: str
+    options: tuple[Option, ...] = ()
+    of_map: bool = False
+
+    def make(self, model: Model, options: Mapping[str, Any]) -> Exported:
+        """Make it of a model.
+
+        Raises:
+            ValueError: an option that the form does not take; a model or a value that it cannot express.
+        """
+        names = [option.name for option in self.options]
+        for name in options:
+            if name not in names:
+                raise ValueError(f"{name}: must be an option of the form {self.name}: {did_you_mean(name, names)}")
+        module, function = self.made_by.split(":")
+        made: Exported = getattr(importlib.import_module(module), function)(model, **options)
+        return made
+
+
+_SCALE = Option(
+    "scale", float, "units of the drive per command unit of the model, as A per N; default: they are the same"
+)
+_SIGN = Option("sign", int, "-1: the drive subtracts its table, or the map is the motor's push; default 1", "S")
+_ZERO = Option("zero", float, "position of the model at which the drive is at 0; default 0")
+_REVERSE = Option("reverse", bool, "the drive counts and pushes the other way")
+_TURN = Option(
+    "turn", float, "one mechanical revolution, in the model's unit of position; default 2 pi where that is rad"
+)
+_BETWEEN = Option("between", str, "between entries: straight lines, or each held", choices=("linear", "hold"))
+_ENTRIES = Option("entries", int, "entries of the table", "N")
+_WIDTH = Option("pole_pair_width", float, "magnetic period of a linear motor, m; default: the pitch of the map")
+_FRAME = (_SCALE, _SIGN, _ZERO, _REVERSE, _TURN)
+_OVER = Option("over", str, "what the table covers", choices=("travel", "turn", "period"))
+_QUANTUM = Option("quantum", float, "step of an entry, A; default 0.001")
+_PAIRS = Option("pole_pairs", int, "electrical periods a revolution", "N")
+_QUANTITY = Option("quantity", str, "what the firmware's map is of", choices=("torque", "current"))
+_WAVE = Option("wave", str, "which wave has the phase phi", choices=("cosine", "sine"))
+_CHANNEL = Option("channel", str, "of a two-channel drive", choices=("A", "B"))
+
+
+def _drive(name: str, writes: str, module: str, *options: Option) -> Form:
+    """A form of a map; all have the frame's options."""
+    return Form(name, writes, f"cogging.export.drives.{module}:make", (*_FRAME, *options), of_map=True)
+
+
+#: Forms by name, in the order of the help.
+FORMS: dict[str, Form] = {
+    form.name: form
+    for form in (
+        _drive("csv", "a map by position: position, force", "by_position", _ENTRIES, _OVER, _BETWEEN),
+        _drive("akd", "a map as Kollmorgen AKD's compensation table (csv)", "akd", _ENTRIES, _BETWEEN, _QUANTUM),
+        _drive("sinamics", "a map as Siemens SINAMICS' p5260[0..4095]", "sinamics", _BETWEEN, _WIDTH),
+        _drive("ax8000", "a map as Beckhoff AX8000's coefficients (0x32CB)", "ax8000", _WAVE, _CHANNEL),
+        _drive("novanta", "a map as Novanta's 0x2306 to 0x2308", "novanta", _ENTRIES, _PAIRS, _WIDTH, _BETWEEN),
+        _drive("odrive", "a map as the anticogging map of ODrive 0.5", "odrive", _QUANTITY),
+        _drive("moteus", "a map as moteus' motor.cogging_dq_comp", "moteus"),
+    )
+}
+
+
+def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Exported:
+    """Make what `cogging export MODEL.toml --to FORM` writes.
+
+    Args:
+        model: a Model, or the path of a model file (for a map: of what `cogging map` wrote).
+        form: a key of FORMS.
+        **options: of that form, FORMS[form].options.
+
+    Returns:
+        Content of the file, what is beside it, and what the machine takes of it.
+
+    Raises:
+        ValueError: there is no such form, it does not take an option, or the model cannot be expressed in it.
+        InputError: the file cannot be used.
+    """
+    if form not in FORMS:
+        raise ValueError(f"form: must be one of {', '.join(FORMS)}, got {quoted(form)}: {did_you_mean(form, FORMS)}")
+    chosen = FORMS[form]
+    if isinstance(model, Model):
+        return chosen.make(model, options)
+    try:
+        return chosen.make(_read(model, of_map=chosen.of_map), options)
+    except FieldError as error:
+        raise error.in_file(model, read_text(model)) from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{os.fspath(model)}: {error}") from None
+
+
+def _read(path: str | os.PathLike[str], *, of_map: bool) -> Model:
+    """Read a model file; where a map is enough, also one without `[axis]`."""
+    document = read_toml(path)
+    if of_map and "cogging" in document and "axis" not in document:
+        document["axis"] = {"mass": 1.0}  # that no form of a map looks at
+    return Model.from_dict(document)
+
+
+def option_of(name: str) -> str:
+    """An option as it is written on the command line."""
+    return f"--{name.replace('_', '-')}"
+
+
+def shown_forms() -> str:
+    """The forms and what they write, a line each."""
+    return "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values())
