@@ -6,7 +6,7 @@ take_signals_of_module("cogging")  # before what takes long to import
 
 import importlib.metadata
 
-from cogging import effects
+from cogging import effects, export
 from cogging._core import controllers as _controllers
 from cogging._core import references as _references
 from cogging._core.controllers import *  # noqa: F403  (the lists stand in the core alone)
@@ -134,6 +134,7 @@ __all__ = [
     "desired_compensation_matrix",
     "diagnose",
     "effects",
+    "export",
     "fit_friction_curve",
     "fit_map",
     "friction_slope_max",

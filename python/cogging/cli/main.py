@@ -26,6 +26,7 @@ COMMANDS = (
     "experiment",
     "audit",
     "identify",
+    "export",
     "schema",
 )
 
