@@ -93,8 +93,14 @@ class Form:
         return made
 
 
+NAME = Option(
+    "name", str, "name in code: the header's namespace, the unit's model identifier; axis where not given", "NAME"
+)
+
 #: Forms by name, in the order of the help.
-_ALL: tuple[Form, ...] = ()
+_ALL: tuple[Form, ...] = (
+    Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (NAME,)),
+)
 FORMS: dict[str, Form] = {form.name: form for form in _ALL}
 
 
