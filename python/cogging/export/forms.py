@@ -97,9 +97,14 @@ NAME = Option(
     "name", str, "name in code: the header's namespace, the unit's model identifier; axis where not given", "NAME"
 )
 
+SAMPLE_RATE = Option(
+    "sample_rate", float, "Hz, at which noise is drawn and steps are proposed; the controller's where not given", "HZ"
+)
+
 #: Forms by name, in the order of the help.
 _ALL: tuple[Form, ...] = (
     Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (NAME,)),
+    Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (NAME, SAMPLE_RATE)),
 )
 FORMS: dict[str, Form] = {form.name: form for form in _ALL}
 
