@@ -8,6 +8,8 @@ from __future__ import annotations
 import ctypes
 import importlib.metadata
 import io
+import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -33,13 +35,16 @@ def check_run() -> None:
     """The README's first lines: a run, twice the same."""
     log = cogging.simulate(MODEL, MOVE, seed=1)
     error = abs(log.error).max()
-    assert len(log) > 1000 and 1e-7 < error < 1e-3, f"{len(log)} samples, largest error {error} m"
+    assert len(log) > 1000, f"{len(log)} samples"
+    assert 1e-7 < error < 1e-3, f"largest error {error} m"
     assert (cogging.repeat(log).position == log.position).all()
 
 
 def check_command(folder: Path) -> None:
     """The command that pip installed, from a file to files."""
-    command = Path(sys.executable).with_name("cogging")
+    beside = Path(sys.executable).parent
+    command = shutil.which("cogging", path=os.pathsep.join(map(str, (beside, beside / "Scripts"))))
+    assert command, f"no command cogging beside {sys.executable}"
     MODEL.write(folder / "model.toml")
     (folder / "move.toml").write_text(
         "\n".join(f"{name} = {value!r}" for name, value in MOVE.items()).replace("'", '"')
@@ -59,7 +64,7 @@ def check_library() -> None:
     assert (Path(cogging.get_include()) / "cogging" / "control" / "pid.hpp").is_file()
     assert (Path(cogging.get_cmake_dir()) / "coggingConfig.cmake").is_file()
     licence = importlib.metadata.distribution("cogging").read_text("licenses/LICENSE")
-    assert licence and "MIT" in licence, "no licence beside the package"
+    assert "MIT" in (licence or ""), "no licence beside the package"
 
 
 def check_unit(folder: Path) -> None:

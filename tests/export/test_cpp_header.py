@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ FLAGS = ["-std=c++20", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedant
 WITHOUT = ["-fno-exceptions", "-fno-rtti"]
 COMPILERS = [shutil.which(name) for name in (os.environ.get("CXX", "g++"), "clang++")]
 EVERY = pytest.mark.parametrize("kind", CONTROLLERS)
+ROOT = Path(__file__).resolve().parents[2]
 ROWS, FAULTS = 3000, [math.nan, math.inf, -1e308, 1e12]
 #: Every kind once, and two of them again: all in one program.
 NAMES = {**{kind: kind for kind in CONTROLLERS}, "second_pid": "pid", "second_arc": "arc"}
@@ -179,6 +181,13 @@ def test_beside_the_library_and_with_exceptions(folder):
         '#include "cogging/control/list.hpp"\ncogging::AnyController<> any;\narc::Controller made;\n'
     )
     compile_with(compilers()[0], "-fsyntax-only", f"-I{cogging.get_include()}", folder / "both.cpp")
+
+
+def test_the_guide_s_loop_compiles(folder):
+    (loop,) = re.findall(r"```cpp\n(.*?)```", (ROOT / "docs" / "cpp_export.md").read_text(), re.DOTALL)
+    (folder / "controller.hpp").write_bytes(cogging.export.to(model_of("arc", 0), "cpp", name="x_axis").content)
+    (folder / "loop.cpp").write_text(loop)
+    compile_with(compilers()[0], "-fsyntax-only", folder / "loop.cpp")
 
 
 def test_labels_are_those_of_the_model():

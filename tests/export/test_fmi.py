@@ -144,6 +144,14 @@ def test_by_the_importer_s_own_loop(tmp_path):
     np.testing.assert_allclose(got, expected, rtol=0, atol=1e-9 * LENGTH)
 
 
+def test_the_guide_s_lines_run(tmp_path, monkeypatch, capsys):
+    model, log, _ = simulated("constant_force", 1)
+    (lines,) = re.findall(r"```python\n(.*?)```", (SOURCES.parent / "docs" / "fmi.md").read_text(), re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(lines, {"model": model, "log": log})
+    assert capsys.readouterr().out == "True\n"
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_the_step_of_the_importer_changes_nothing_but_when_commands_change(seed):
     """Commands held over several samples: one long step each, or many short ones, of any lengths."""
