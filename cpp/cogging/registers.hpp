@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "cogging/register_types.hpp"
 #include "cogging/scalar.hpp"
 
 #if defined(__SSE2__)
@@ -48,25 +49,6 @@ struct Register<1> {
 };
 
 #if defined(__GNUC__)
-
-// Each width by its own name: GCC does not take a size that depends on a template's argument.
-template <std::size_t width>
-struct RegisterTypes;
-template <>
-struct RegisterTypes<2> {
-  using Numbers [[gnu::vector_size(16)]] = double;
-  using Mask [[gnu::vector_size(16)]] = std::int64_t;
-};
-template <>
-struct RegisterTypes<4> {
-  using Numbers [[gnu::vector_size(32)]] = double;
-  using Mask [[gnu::vector_size(32)]] = std::int64_t;
-};
-template <>
-struct RegisterTypes<8> {
-  using Numbers [[gnu::vector_size(64)]] = double;
-  using Mask [[gnu::vector_size(64)]] = std::int64_t;
-};
 
 template <std::size_t width>
 struct Register {

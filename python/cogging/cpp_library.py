@@ -29,7 +29,7 @@ def get_include() -> str:
         >>> (pathlib.Path(cogging.get_include()) / "cogging" / "control" / "pid.hpp").is_file()
         True
     """
-    for folder in (*_installed("include"), SOURCES):
+    for folder in (*installed("include"), SOURCES):
         if (folder / "cogging" / "require.hpp").is_file():
             return str(folder)
     raise InputError(f"{SOURCES.parent}: must hold the headers of the core, got a package without cogging/include")
@@ -48,7 +48,7 @@ def get_cmake_dir() -> str:
         >>> print(cogging.get_cmake_dir())  # doctest: +SKIP
         /usr/lib/python3/site-packages/cogging/cmake
     """
-    for folder in _installed("share/cmake/cogging"):
+    for folder in installed("share/cmake/cogging"):
         if (folder / "coggingConfig.cmake").is_file():
             return str(folder)
     raise InputError(
@@ -57,7 +57,8 @@ def get_cmake_dir() -> str:
     )
 
 
-def _installed(place: str) -> list[Path]:
+def installed(place: str) -> list[Path]:
+    """Where something stands below the package, if it is there at all."""
     # Of an editable installation the package has two folders: the sources and what was built.
     package = importlib.util.find_spec("cogging")
     assert package is not None

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "cogging/basis/b_spline.hpp"
-#include "cogging/registers.hpp"
+#include "cogging/register_types.hpp"
 
 namespace cogging {
 
@@ -137,7 +137,7 @@ class SplineHarmonics {
   }
 
 #if defined(__GNUC__)
-  using Pair = Register<2>::Numbers;
+  using Pair = RegisterTypes<2>::Numbers;
   COGGING_INLINE static Pair pair_at(const double* place) {
     Pair pair;
     std::memcpy(&pair, place, sizeof(pair));

@@ -1,0 +1,275 @@
+"""A controller with its gains as one C++ header that needs nothing but a C++20 compiler.
+
+The headers of the core that the controller is made of are put into it, each once, in the order in which they need each
+other. So a step does what the library's does, to the bit, and two such headers of two models, or one beside the library
+itself, do not meet: everything stands in a namespace of the header's own.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import math
+import re
+import textwrap
+from pathlib import Path
+from typing import Any
+
+from cogging.cpp_library import SOURCES, get_include
+from cogging.export.forms import Exported
+from cogging.files import FieldError, InputError
+from cogging.model.model import CONTROLLERS, Model
+from cogging.shown import quoted
+
+WIDTH = 120
+#: The words of the language, `main` and `std`.
+TAKEN = re.compile(
+    r"alignas|alignof|and|and_eq|asm|auto|bitand|bitor|bool|break|case|catch|char|char8_t|char16_t|char32_t|class|"
+    r"compl|concept|const|consteval|constexpr|constinit|const_cast|continue|co_await|co_return|co_yield|decltype|"
+    r"default|delete|do|double|dynamic_cast|else|enum|explicit|export|extern|false|float|for|friend|goto|if|"
+    r"inline|int|long|main|mutable|namespace|new|noexcept|not|not_eq|nullptr|operator|or|or_eq|private|protected|"
+    r"public|register|reinterpret_cast|requires|return|short|signed|sizeof|static|static_assert|static_cast|std|"
+    r"struct|switch|template|this|thread_local|throw|true|try|typedef|typeid|typename|union|unsigned|using|"
+    r"virtual|void|volatile|wchar_t|while|xor|xor_eq"
+)
+OWN_INCLUDE = re.compile(r'^#include "(cogging/[^"]+)"\n', re.MULTILINE)
+LIBRARY_INCLUDE = re.compile(r"^#include <([^>]+)>\n", re.MULTILINE)
+DEFINED = re.compile(r"^#define (COGGING_\w+)", re.MULTILINE)
+#: Of require.hpp, without exceptions: the library leaves to the program what becomes of parameters that break a rule.
+REFUSED = "[[noreturn]] void refused(const std::string& line);"
+NEVER_REFUSED = """\
+[[noreturn]] inline void refused(const std::string&) {
+  std::abort();  // does not happen: these gains were checked when the header was made
+}"""
+
+HEADER = """\
+// {type} with its gains, in one file: made by cogging {version}. Change the model and export it again.
+//
+// Needs a compiler of C++20 and its standard library, nothing of cogging. Compile with -ffp-contract=off (GCC, Clang)
+// to have the bits of the simulation; leave out -ffast-math, with which a lost reading (a NaN) is no longer recognised.
+//
+{licence}
+#pragma once
+
+{includes}
+
+namespace {name} {{
+
+{library}
+// The controller ------------------------------------------------------------------------------------------------------
+
+{comment}
+///
+/// A sample, with `controller` made before the loop begins:
+///
+///     const double applied = Controller::limited(controller.command({call}));
+///     controller.update(applied);  // the command ({V}) that really acts until the next sample
+///
+/// Neither call allocates, throws, locks or calls the system; nor does reset(). An object belongs to one thread at a
+/// time, and a copy of it is another controller.
+class Controller {{
+ public:
+  using Reference = cogging::ReferencePoint;  // position, velocity, acceleration: {m}, {m}/s, {m}/s^2
+
+  static constexpr double sample_rate = {sample_rate};  // Hz, at which command() is to be called
+  static constexpr double command_limit = {command_limit};  // {V}; 0 = none
+{preview}
+  Controller() : fresh_(parameters()), running_(fresh_) {{}}
+
+{command}
+  /// Ends the sample: `applied` ({V}) is what acted.
+  void update(double applied) noexcept {{ running_.update(applied); }}
+  /// As it was made.
+  void reset() noexcept {{ running_ = fresh_; }}
+
+  /// A command ({V}) cut at command_limit.
+  static double limited(double command) noexcept {{
+    return command_limit > 0.0 ? std::clamp(command, -command_limit, command_limit) : command;
+  }}
+  /// What it has learned or believes now; empty where it learns nothing.
+  std::span<const double> estimates() const noexcept {{ return running_.estimates(); }}
+  /// How many samples were no measurement (not finite, or 1e12 and more): the last command was held.
+  double samples_refused() const noexcept {{ return running_.samples_refused(); }}
+
+ private:
+  using Law = cogging::{law}<double>;
+
+  static Law::Parameters parameters() {{
+    Law::Parameters q;
+{assignments}
+    return q;
+  }}
+
+  Law fresh_, running_;
+}};
+
+}}  // namespace {name}
+
+{undefined}
+"""
+COMMAND = """\
+  /// The command ({V}) of a sample, not cut at command_limit; `reading` is the encoder's ({m}).
+  double command(const Reference& reference, double reading) noexcept {{ return running_.command(reference, reading); }}
+"""
+COMMAND_AHEAD = """\
+  /// The command ({V}) of a sample, not cut at command_limit; `ahead` is the reference `preview` seconds later, and
+  /// `reading` the encoder's ({m}).
+  double command(const Reference& reference, const Reference& ahead, double reading) noexcept {{
+    return running_.command(reference, ahead, reading);
+  }}
+"""
+TEXT = """\
+{type} at {rate:g} Hz as {name}::Controller, {lines} lines.
+takes:  all gains and limits, to the bit; commands are those of the library where the compiler joins no a * b + c
+        (GCC and Clang: -ffp-contract=off).
+leaves: axis, cogging and effects, which are the machine's; what was learned in a run: it begins as the model says.
+To use: #include it, then {name}::Controller controller; its comment shows the two calls of a sample."""
+
+
+def make(model: Model, *, name: str = "axis") -> Exported:
+    """Make the header of a model's controller.
+
+    Args:
+        model: with a `[controller]`.
+        name: of the namespace, in which all of the header stands.
+
+    Returns:
+        The header, and what it takes of the model.
+
+    Raises:
+        FieldError: the model has no controller.
+        ValueError: the name is none in C++.
+        InputError: the package is without the headers of the core.
+    """
+    if model.controller is None or model.controller_type is None:
+        raise FieldError("", "controller", "must be there to be exported, got a model without one")
+    require_name(name)
+    law = CONTROLLERS[model.controller_type][1]
+    text = _header(model, model.controller, law, name)
+    return Exported(
+        content=text.encode(),
+        text=TEXT.format(
+            type=model.controller_type, rate=model.controller.sample_rate, name=name, lines=text.count("\n")
+        ),
+    )
+
+
+def require_name(name: str) -> None:
+    """Refuse a name that is none in C++, or that the language has taken.
+
+    Raises:
+        ValueError: names the rule and the value.
+    """
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name or TAKEN.fullmatch(name):
+        rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63, no word of the language"
+        raise ValueError(f"name: {rule}, got {quoted(name)}")
+
+
+def inlined(first: str) -> tuple[str, list[str]]:
+    """A header of the core and all that it is made of, each once and after what it needs.
+
+    Args:
+        first: as `cogging/control/pid.hpp`.
+
+    Returns:
+        Their text without includes, and the headers of the standard library that they need.
+    """
+    folder, seen, parts, standard = Path(get_include()), set[str](), [], set[str]()
+
+    def add(path: str) -> None:
+        if path in seen:
+            return
+        seen.add(path)
+        text = (folder / path).read_text(encoding="utf-8")
+        for needed in OWN_INCLUDE.findall(text):
+            add(needed)
+        standard.update(LIBRARY_INCLUDE.findall(text))
+        own = LIBRARY_INCLUDE.sub("", OWN_INCLUDE.sub("", text.replace("#pragma once\n", "")))
+        own = re.sub(r"\n{3,}", "\n\n", own).strip()
+        parts.append(f"// {path} {'-' * (WIDTH - len(path) - 4)}\n\n{own}\n")
+
+    add(first)
+    return "\n".join(parts), sorted(standard)
+
+
+def licence() -> str:
+    """The text of the licence under which the core may be passed on.
+
+    Raises:
+        InputError: it is neither with the installed package nor beside the sources.
+    """
+    beside = SOURCES.parent / "LICENSE"
+    told = importlib.metadata.distribution("cogging").read_text("licenses/LICENSE")
+    if told:
+        return told
+    if beside.is_file():
+        return beside.read_text(encoding="utf-8")
+    raise InputError(f"{beside}: must hold the licence that an export passes on, got a package without it")
+
+
+def literal(value: Any) -> str:
+    """A value as C++ writes it: a number reads back as the same one."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value)
+    if isinstance(value, list | tuple):
+        return "{" + ", ".join(map(literal, value)) + "}"
+    if isinstance(value, float) and not math.isfinite(value):
+        return ("-" if value < 0 else "") + "std::numeric_limits<double>::infinity()"
+    return repr(value)
+
+
+def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
+    units = model.units
+    library, standard = inlined(_header_of(law.__name__))
+    library = library.replace(REFUSED, NEVER_REFUSED)
+    macros = sorted(set(DEFINED.findall(library)))
+    library = re.sub(r"\bCOGGING_", f"{name.upper()}_COGGING_", library)
+    preview = getattr(law(parameters), "preview", None)
+    ahead = preview is not None
+    shown = {"V": units.of("V"), "m": units.of("m")}
+    return HEADER.format(
+        **shown,
+        type=model.controller_type,
+        version=importlib.metadata.version("cogging"),
+        licence="\n".join(f"// {line}".rstrip() for line in licence().strip().splitlines()),
+        includes="\n".join(
+            f"#include <{one}>" for one in sorted({*standard, "algorithm", "cstdlib", "limits", "span"})
+        ),
+        name=name,
+        library=library,
+        comment="\n".join(f"/// {line}".rstrip() for line in _law_of(law).splitlines()),
+        call="reference, ahead, reading" if ahead else "reference, reading",
+        sample_rate=literal(parameters.sample_rate),
+        command_limit=literal(parameters.command_limit),
+        preview=f"  static constexpr double preview = {preview!r};  // s, how far ahead `ahead` is\n" if ahead else "",
+        command=(COMMAND_AHEAD if ahead else COMMAND).format(**shown).rstrip("\n"),
+        law=law.__name__,
+        assignments="\n".join(_assignment(field, value, model) for field, value in parameters.to_dict().items()),
+        undefined="\n".join(f"#undef {name.upper()}_{macro}" for macro in macros),
+    )
+
+
+def _law_of(law: Any) -> str:
+    """What a controller does: the first two paragraphs of its documentation."""
+    return "\n\n".join((law.__doc__ or "").split("\n\n")[:2]).strip()
+
+
+def _header_of(law: str) -> str:
+    """The header in which the core has a controller, of those in its list."""
+    folder = Path(get_include())
+    for path in OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8")):
+        if re.search(rf"^(class|using) {law}\b", (folder / path).read_text(encoding="utf-8"), re.MULTILINE):
+            return str(path)
+    raise InputError(f"{folder}: must hold a header with {law}, got none in cogging/control/list.hpp")
+
+
+def _assignment(field: str, value: Any, model: Model) -> str:
+    assert model.controller is not None
+    unit, meaning = type(model.controller).FIELDS[field]
+    unit = model.units.of(unit) if unit not in ("", "1") else ""
+    told = f"    // {unit + ': ' if unit else ''}{meaning}"
+    statement = f"    q.{field} = {literal(value)};"
+    broken = textwrap.wrap(statement, WIDTH, initial_indent="", subsequent_indent="        ", break_long_words=False)
+    return "\n".join([told, *(broken if len(statement) > WIDTH else [statement])])

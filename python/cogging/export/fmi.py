@@ -1,0 +1,303 @@
+"""The axis as a unit of FMI 3.0 for co-simulation, which other tools run without Python.
+
+The unit holds a library that is the same for every axis, built with this package, and the numbers of the model in a
+text that the library reads: so whoever exports needs no compiler, and there is one plant, that of the core. A number is
+written by its bits.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import io
+import math
+import platform
+import struct
+import sys
+import uuid
+import xml.etree.ElementTree as xml
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cogging.cpp_library import SOURCES, installed
+from cogging.effects.custom import Custom
+from cogging.export.cpp_header import licence, require_name
+from cogging.export.forms import Exported
+from cogging.files import FieldError, InputError
+from cogging.model.model import Model
+from cogging.shown import quoted
+
+LIBRARY = "cogging_axis"
+#: What a library is called, by system, and the system in FMI's words.
+SUFFIXES = {"linux": ".so", "darwin": ".dylib", "windows": ".dll"}
+MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
+#: Value references of the parameters that the plant has; those before stand in co_simulation.cpp.
+FIRST_PARAMETER = 16
+NAMESPACE = uuid.UUID("6a7d5c7e-5f0b-4d0a-9f0e-2f1c43b0a3d1")  # of the tokens, drawn once
+#: Exponents of the units whose quantity is known, as FMI has them; the others are labels.
+BASE_UNITS = {
+    "s": {"s": 1},
+    "Hz": {"s": -1},
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s^2": {"m": 1, "s": -2},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s^2": {"rad": 1, "s": -2},
+}
+TEXT = """\
+{name}: the axis as a unit of FMI 3.0 (co-simulation) for {system}, {size} kB.
+takes:  plant, {effects}, encoder and noise, to the bit; input `command` ({V}), held over each step;
+        outputs `reading`, `position`, `velocity`; parameters `seed`, `initial_position`, `initial_velocity` and
+        {count} of the plant. Steps of any length; proposed {step:g} s, at which noise is drawn.
+leaves: the controller, which its importer brings (a limit of the command is the controller's)."""
+
+
+class Parameter(NamedTuple):
+    """A number of the plant that the importer may change before it begins."""
+
+    name: str
+    section: str  # in the resource: axis, encoder, noise, or the number of an effect
+    field: str
+    unit: str
+    meaning: str
+    value: float
+
+
+def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) -> Exported:
+    """Make the unit of a model's axis.
+
+    Args:
+        model: its `[controller]` gives the sample rate alone.
+        name: of the unit, a name in C.
+        sample_rate: Hz, at which noise is drawn and the step that is proposed; that of the controller when None.
+
+    Returns:
+        The unit, a zip archive, and what it takes of the model.
+
+    Raises:
+        FieldError: there is neither a controller nor a sample rate, or an effect is of the user's own.
+        ValueError: the name or the sample rate cannot be used.
+        InputError: the package is without the unit's library.
+    """
+    require_name(name)
+    rate = _rate(model, sample_rate)
+    for effect in model.effects:
+        if isinstance(effect, Custom):
+            raise FieldError("", "effects", f"must be of the core's list to run without Python, got {effect.NAME}")
+    parameters = list(_parameters(model))
+    numbers = resource(model, rate, parameters)
+    token = f"{{{uuid.uuid5(NAMESPACE, numbers)}}}"
+    library = find_library()
+    content = _archive(
+        {
+            "modelDescription.xml": _description(model, name, token, rate, parameters),
+            "resources/axis.txt": f"cogging_axis 1\ntoken {token}\n{numbers}".encode(),
+            f"binaries/{platform_tuple()}/{name}{library.suffix}": library.read_bytes(),
+            "documentation/licenses/license.txt": licence().encode(),
+        }
+    )
+    return Exported(
+        content=content,
+        text=TEXT.format(
+            name=name,
+            system=platform_tuple(),
+            size=round(len(content) / 1000),
+            effects=f"{len(model.effects)} effects" if len(model.effects) != 1 else "1 effect",
+            V=model.units.of("V"),
+            count=len(parameters),
+            step=1.0 / rate,
+        ),
+    )
+
+
+def find_library() -> Path:
+    """The library for units that was built with this package.
+
+    Raises:
+        InputError: there is none: a source tree in which it was not built.
+    """
+    file = LIBRARY + SUFFIXES[_system()]
+    built = sorted((SOURCES.parent / "build").glob(f"*/cpp/fmi/{file}"), key=lambda path: path.stat().st_mtime)
+    for path in (*(folder / file for folder in installed("share/fmi")), *reversed(built)):
+        if path.is_file():
+            return path
+    raise InputError(
+        f"{SOURCES.parent}: must hold the library of a unit, got none: install the package (pip install .), or build "
+        f"the target {LIBRARY} below build"
+    )
+
+
+def platform_tuple() -> str:
+    """This platform as FMI names it: x86_64-linux."""
+    machine = platform.machine().lower()
+    return f"{MACHINES.get(machine, machine)}-{_system()}"
+
+
+def resource(model: Model, rate: float, parameters: list[Parameter]) -> str:
+    """The numbers of a model as the library reads them, a line an item: cpp/fmi/resource.hpp."""
+    lines = [
+        _line("sample_rate", rate),
+        _line("steps_per_sample", model.steps_per_sample),
+        _line("initial_position", _initial_position(model)),
+    ]
+    for section, struct_ in (("axis", model.axis), ("encoder", model.encoder), ("noise", model.noise)):
+        lines += [_line(f"{section} {field}", value) for field, value in struct_.to_dict().items()]
+    lines += _cogging_lines(model)
+    for number, effect in enumerate(model.effects):
+        lines.append(f"effect {effect.NAME}")
+        lines += [_line(f"{number} {field}", value) for field, value in effect.to_dict().items()]
+    for reference, parameter in enumerate(parameters, FIRST_PARAMETER):
+        lines.append(f"parameter {reference} {parameter.section} {parameter.field}")
+    return "\n".join(lines) + "\n"
+
+
+def _system() -> str:
+    return {"darwin": "darwin", "win32": "windows"}.get(sys.platform, "linux")
+
+
+def _rate(model: Model, given: float | None) -> float:
+    if given is not None:
+        if not (math.isfinite(given) and given > 0):
+            raise ValueError(f"sample_rate: must be finite and above 0, got {quoted(given)}")
+        return given
+    if model.controller is None:
+        raise FieldError("", "controller", "or an option sample_rate must be there to say how often noise is drawn")
+    return float(model.controller.sample_rate)
+
+
+def _initial_position(model: Model) -> float:
+    """Where the unit starts unless it is told: in the middle of the travel."""
+    low, high = model.axis.travel
+    return 0.5 * (low + high) if math.isfinite(high - low) else 0.0
+
+
+def _parameters(model: Model) -> Iterator[Parameter]:
+    """The numbers of the plant that stand alone and are finite, in the order of their value references."""
+    seen: dict[str, int] = {}
+    sections: list[tuple[str, str, Any]] = [
+        ("axis", "axis", model.axis),
+        ("encoder", "encoder", model.encoder),
+        ("noise", "noise", model.noise),
+    ]
+    for number, effect in enumerate(model.effects):
+        seen[effect.NAME] = seen.get(effect.NAME, 0) + 1
+        called = effect.NAME if seen[effect.NAME] == 1 else f"{effect.NAME}_{seen[effect.NAME]}"
+        sections.append((called, str(number), effect))
+    for called, section, struct_ in sections:
+        for field, value in struct_.to_dict().items():
+            if isinstance(value, float) and math.isfinite(value):
+                unit, meaning = struct_.FIELDS[field][:2]
+                yield Parameter(f"{called}.{field}", section, field, model.units.of(unit), meaning, value)
+
+
+def _bits(value: float) -> str:
+    return struct.pack(">d", value).hex()
+
+
+def _line(item: str, value: Any) -> str:
+    """An item with its value; behind # for people."""
+    values = value if isinstance(value, list) else [value]
+    words = [_bits(one) if isinstance(one, float) else str(int(one)) for one in values]
+    told = f"  # {value!r}" if len(values) == 1 and isinstance(values[0], float) else ""
+    return " ".join([item, *words]) + told
+
+
+def _cogging_lines(model: Model) -> list[str]:
+    if model.cogging is None:
+        return []
+    basis = model.cogging.basis
+    spline = basis.spline
+    knots = f"{spline.order} {_bits(spline.origin)} {_bits(spline.pitch)} {spline.control_points}"
+    terms = _line("cogging_periods", [float(period) for period in basis.periods])
+    if basis.harmonics:
+        terms = f"cogging_harmonics {_bits(basis.pitch)} {' '.join(str(int(one)) for one in basis.harmonics)}"
+    pairs = zip(model.cogging.sine.T.ravel().tolist(), model.cogging.cosine.T.ravel().tolist(), strict=True)
+    amplitudes = [value for pair in pairs for value in pair]  # one row a control point: sine and cosine of each term
+    return [f"cogging_knots {knots}", terms, _line("cogging_coefficients", amplitudes)]
+
+
+def _description(model: Model, name: str, token: str, rate: float, parameters: list[Parameter]) -> bytes:
+    """modelDescription.xml: the unit's capabilities and variables."""
+    root = xml.Element(
+        "fmiModelDescription",
+        fmiVersion="3.0",
+        modelName=name,
+        instantiationToken=token,
+        description="An axis with a cogging linear motor: command in, encoder reading and true motion out.",
+        generationTool=f"cogging {importlib.metadata.version('cogging')}",
+        variableNamingConvention="structured",
+    )
+    xml.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=name,
+        canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUState="true",
+    )
+    variables = list(_variables(model, parameters))
+    definitions = xml.SubElement(root, "UnitDefinitions")
+    for unit in dict.fromkeys(attributes["unit"] for _, attributes in variables if "unit" in attributes):
+        definition = xml.SubElement(definitions, "Unit", name=unit)
+        if unit in BASE_UNITS:
+            xml.SubElement(definition, "BaseUnit", {key: str(power) for key, power in BASE_UNITS[unit].items()})
+    categories = xml.SubElement(root, "LogCategories")
+    xml.SubElement(categories, "Category", name="logStatusError", description="What went wrong, when and where.")
+    xml.SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(1.0 / rate))
+    listed = xml.SubElement(root, "ModelVariables")
+    for kind, attributes in variables:
+        xml.SubElement(listed, kind, attributes)
+    structure = xml.SubElement(root, "ModelStructure")
+    outputs = [attributes["valueReference"] for _, attributes in variables if attributes["causality"] == "output"]
+    for reference in outputs:  # an output is that of the state: a command is felt from the next step on
+        xml.SubElement(structure, "Output", valueReference=reference, dependencies="")
+    for reference in outputs:
+        xml.SubElement(structure, "InitialUnknown", valueReference=reference)
+    xml.indent(root)
+    text: str = xml.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
+
+
+def _variables(model: Model, parameters: list[Parameter]) -> Iterator[tuple[str, dict[str, str]]]:
+    """Type and attributes of every variable; the value references of the first are those of co_simulation.cpp."""
+    unit, position = model.units.of, repr(_initial_position(model))
+    fixed = {"causality": "parameter", "variability": "fixed"}
+    output = {"causality": "output", "variability": "continuous", "initial": "calculated"}
+    first: list[tuple[str, str, str, dict[str, str]]] = [
+        ("time", "s", "", {"causality": "independent", "variability": "continuous"}),
+        ("command", unit("V"), "Command of the drive, held over the step", {"causality": "input", "start": "0"}),
+        ("reading", unit("m"), "Position as the encoder shows it", output),
+        ("position", unit("m"), "True position of the motor", output),
+        ("velocity", unit("m/s"), "True velocity of the motor", output),
+        ("seed", "", "Of the noise", {**fixed, "start": "0"}),
+        ("initial_position", unit("m"), "Where the axis starts", {**fixed, "start": position}),
+        ("initial_velocity", unit("m/s"), "With which it starts", {**fixed, "start": "0"}),
+    ]
+    for reference, (name, label, meaning, more) in enumerate(first):
+        kind = "UInt64" if name == "seed" else "Float64"
+        yield kind, _attributes(name, reference, label, meaning, more)
+    for reference, one in enumerate(parameters, FIRST_PARAMETER):
+        more = {**fixed, "start": repr(one.value)}
+        yield "Float64", _attributes(one.name, reference, one.unit, one.meaning, more)
+
+
+def _attributes(name: str, reference: int, unit: str, meaning: str, more: Mapping[str, str]) -> dict[str, str]:
+    told = {"name": name, "valueReference": str(reference), **more}
+    if meaning:
+        told["description"] = meaning
+    if unit not in ("", "1"):
+        told["unit"] = unit
+    return told
+
+
+def _archive(files: Mapping[str, bytes]) -> bytes:
+    """A zip archive, the same bytes for the same files."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name)
+            entry.external_attr = 0o755 << 16 if name.startswith("binaries") else 0o644 << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, content)
+    return made.getvalue()

@@ -1,0 +1,390 @@
+"""The axis as a unit of FMI 3.0: what `simulate` does, bit for bit, without Python within."""
+
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+
+import cogging
+from cogging.cli.main import main
+from cogging.export.fmi import FIRST_PARAMETER, find_library, platform_tuple
+from cogging.files import InputError
+from tests.fixtures.drawn_axes import TRAVEL, draw_axis, draw_motion
+from tests.fixtures.files import MODEL
+
+SOURCES = Path(__file__).resolve().parents[2] / "cpp"
+OFFICIAL = Path(fmpy.__file__).parent / "c-code"
+LENGTH = TRAVEL[1] - TRAVEL[0]
+REFERENCES = {name: number for number, name in enumerate(["time", "command", "reading", "position", "velocity"])}
+REFERENCES |= {"seed": 5, "initial_position": 6, "initial_velocity": 7}
+OUTPUTS = [REFERENCES[name] for name in ("reading", "position", "velocity")]
+EVERY = pytest.mark.parametrize("effect", cogging.EFFECTS)
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks the tools of Linux")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def library():
+    try:
+        return find_library()
+    except InputError:
+        pytest.skip("the library of units is not built here")
+
+
+class Unit:
+    """An instance of an exported model, run by its importer's rules; use as a context."""
+
+    def __init__(self, model, **start):
+        self.folder = Path(tempfile.mkdtemp())
+        (self.folder / "axis.fmu").write_bytes(cogging.export.to(model, "fmi").content)
+        fmpy.extract(self.folder / "axis.fmu", self.folder / "unit")
+        self.description = fmpy.read_model_description(self.folder / "unit", validate=False)
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.instances = []
+        self.lines = []
+        self.rate = model.controller.sample_rate
+        self.first = self.instance(**start)
+
+    def instance(self, **start):
+        """One more instance, in step mode."""
+        made = self.instantiated()
+        self.begin(made, **start)
+        return made
+
+    def instantiated(self, token=None, **options):
+        made = FMU3Slave(
+            guid=token or self.description.guid,
+            unzipDirectory=str(self.folder / "unit"),
+            modelIdentifier="axis",
+            instanceName="x",
+        )
+        self.instances.append(made)
+        made.instantiate(logMessage=lambda *told: self.lines.append(told[3].decode()), **options)
+        return made
+
+    def begin(self, instance, start_time=0.0, **start):
+        for name, value in start.items():
+            setter = instance.setUInt64 if name == "seed" else instance.setFloat64
+            setter([self.references[name]], [value])
+        instance.enterInitializationMode(startTime=start_time)
+        instance.exitInitializationMode()
+
+    def run(self, commands, instance=None, step=1, begin=0):
+        """Readings, positions and velocities, (n, 3): where each command begins, each held over `step` samples."""
+        instance = instance or self.first
+        rows = []
+        for k, command in enumerate(commands, begin):
+            rows.append(instance.getFloat64(OUTPUTS))
+            instance.setFloat64([REFERENCES["command"]], [float(command)])
+            instance.doStep(k * step / self.rate, step / self.rate)
+        return np.array(rows)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for instance in self.instances:
+            if instance.component:
+                instance.freeInstance()
+        shutil.rmtree(self.folder)
+
+
+def simulated(effect, seed):
+    """A drawn model, its log, and what of it a unit gives, (n, 3)."""
+    model = draw_axis(effect, seed)
+    log = cogging.simulate(model, draw_motion(seed), seed=seed)
+    assert np.ptp(log.true_position) > 0.01
+    return model, log, np.column_stack([log.position, log.true_position, log.true_velocity])
+
+
+def start_of(log, seed):
+    return {"seed": seed, "initial_position": float(log.reference[0])}
+
+
+@EVERY
+def test_under_the_commands_of_a_run_it_does_what_the_run_did(effect):
+    """The promise is 1e-9 of the travel; where unit and package are of one compiler there is no difference at all."""
+    seed = sum(effect.encode()) % 97
+    model, log, expected = simulated(effect, seed)
+    with Unit(model, **start_of(log, seed)) as unit:
+        got = unit.run(log.command)
+        assert validate_fmu(str(unit.folder / "axis.fmu")) == []
+        assert unit.lines == []
+    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-9 * LENGTH)
+    if sys.platform.startswith("linux") and platform.machine() == "x86_64":
+        np.testing.assert_array_equal(got, expected)
+
+
+def test_by_the_importer_s_own_loop(tmp_path):
+    """FMPy as its user calls it, with the commands as a signal."""
+    model, log, expected = simulated("flexible_mode", 4)
+    out = tmp_path / "axis.fmu"
+    out.write_bytes(cogging.export.to(model, "fmi").content)
+    signal = np.array(list(zip(log.time, log.command, strict=True)), dtype=[("time", float), ("command", float)])
+    result = fmpy.simulate_fmu(
+        str(out),
+        start_values=start_of(log, 4),
+        input=signal,
+        output=["reading", "position", "velocity"],
+        stop_time=log.time[-1],
+        output_interval=1 / model.controller.sample_rate,
+    )
+    assert len(result) == len(log)
+    got = np.column_stack([result[name] for name in ("reading", "position", "velocity")])
+    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-9 * LENGTH)
+
+
+def test_the_guide_s_lines_run(tmp_path, monkeypatch, capsys):
+    model, log, _ = simulated("constant_force", 1)
+    (lines,) = re.findall(r"```python\n(.*?)```", (SOURCES.parent / "docs" / "fmi.md").read_text(), re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(lines, {"model": model, "log": log})
+    assert capsys.readouterr().out == "True\n"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_step_of_the_importer_changes_nothing_but_when_commands_change(seed):
+    """Commands held over several samples: one long step each, or many short ones, of any lengths."""
+    rng = np.random.default_rng(seed)
+    effect = ["command_delay", "actuator_lag", "disturbance_step", "encoder_periodic_error"][seed]
+    model = draw_axis(effect, seed)
+    commands, step = rng.uniform(-1, 3, 40) * (0.3 + 2 * model.axis.mass), int(rng.integers(2, 6))
+    with Unit(model, seed=seed) as unit:
+        long = unit.run(commands, step=step)
+        short = unit.run(np.repeat(commands, step), unit.instance(seed=seed))[::step]
+        np.testing.assert_array_equal(long, short)
+        assert np.ptp(long[:, 1]) > 1e-4
+        third, rows = unit.instance(seed=seed), []
+        for k, command in enumerate(commands):
+            rows.append(third.getFloat64(OUTPUTS))
+            third.setFloat64([REFERENCES["command"]], [float(command)])
+            cuts = np.sort([k, k + 1, *rng.uniform(k, k + 1, 3)]) * step / unit.rate
+            for begin, length in zip(cuts, np.diff(cuts), strict=False):
+                third.doStep(begin, length)
+    # The integrator's own error, 1e-6 of the motion, is all that differs; a reading may fall on the next count.
+    motion = np.ptp(long, axis=0)
+    assert (abs(np.array(rows) - long)[:, 1:] <= 1e-5 * motion[1:]).all()
+
+
+def test_time_may_begin_anywhere():
+    model, log, expected = simulated("cable_spring", 1)
+    with Unit(model, start_time=0.0, **start_of(log, 1)) as unit:
+        other = unit.instance(start_time=12.5, **start_of(log, 1))
+        rows = []
+        for k, command in enumerate(log.command[:50]):
+            rows.append(other.getFloat64(OUTPUTS))
+            other.setFloat64([REFERENCES["command"]], [float(command)])
+            other.doStep(12.5 + k / unit.rate, 1 / unit.rate)
+        assert other.getFloat64([REFERENCES["time"]])[0] == pytest.approx(12.5 + 50 / unit.rate, abs=1e-12)
+    np.testing.assert_allclose(rows, expected[:50], rtol=0, atol=1e-9 * LENGTH)
+
+
+def test_instances_do_not_meet_and_states_come_back():
+    model, log, expected = simulated("presliding_friction", 3)
+    half = len(log) // 2
+    with Unit(model, **start_of(log, 3)) as unit:
+        first, second = unit.first, unit.instance(**start_of(log, 9))
+        for k, command in enumerate(log.command[:half]):  # in turn, the second under other commands and noise
+            np.testing.assert_array_equal(first.getFloat64(OUTPUTS), expected[k])
+            for instance, u in ((first, command), (second, -command)):
+                instance.setFloat64([REFERENCES["command"]], [float(u)])
+                instance.doStep(k / unit.rate, 1 / unit.rate)
+        assert abs(np.subtract(first.getFloat64(OUTPUTS), second.getFloat64(OUTPUTS))).min() > 1e-6
+        state = first.getFMUState()
+        for _ in range(2):
+            got = unit.run(log.command[half:], begin=half)
+            np.testing.assert_array_equal(got, expected[half:])
+            first.setFMUState(state)
+        first.freeFMUState(state)
+        first.reset()
+        unit.begin(first, **start_of(log, 3))
+        np.testing.assert_array_equal(unit.run(log.command), expected)
+
+
+def test_parameters_that_are_set_are_those_of_a_changed_model():
+    model, log, _ = simulated("stribeck_friction", 2)
+    changed = {"axis.mass": 1.3 * model.axis.mass, "noise.force": 0.01, "stribeck_friction.velocity": 0.02}
+    effects = [model.effects[0].replace(velocity=0.02), *model.effects[1:]]
+    noise = cogging.NoiseParameters(force=0.01, bandwidth=model.noise.bandwidth)
+    axis = cogging.AxisParameters(**model.axis.to_dict() | {"mass": changed["axis.mass"]})
+    with Unit(model, **start_of(log, 2)) as unit:
+        plain = unit.run(log.command)
+        got = unit.run(log.command, unit.instance(**start_of(log, 2), **changed))
+        told = unit.first.getFloat64([unit.references["axis.mass"], unit.references["stribeck_friction.velocity"]])
+        assert told == [model.axis.mass, model.effects[0].velocity]
+    with Unit(model.replace(axis=axis, noise=noise, effects=effects), **start_of(log, 2)) as unit:
+        np.testing.assert_array_equal(unit.run(log.command), got)
+    assert abs(got - plain)[:, 1].max() > 1e-4
+
+
+def test_leaving_the_travel_is_an_error_that_says_when_and_where():
+    model = draw_axis("cable_spring", 0)
+    with Unit(model, initial_velocity=0.1) as unit:
+        with pytest.raises(FMICallException):
+            unit.run(np.full(10**5, 50.0))
+        unit.first.getFloat64(OUTPUTS)  # where it was is still told
+        with pytest.raises(FMICallException):
+            unit.run([0.0])
+        time, position = map(float, re.match(r".*diverged at (\S+) s: position (\S+) m", unit.lines[0]).groups())
+        still = np.full(2 + int(time * unit.rate), 50.0)
+        unit.first.reset()
+        unit.begin(unit.first, initial_velocity=0.1)
+        assert len(unit.run(still[:-3])) == len(still) - 3
+    assert position > 1.5 * TRAVEL[1] - TRAVEL[0] - 1e-9
+    assert re.fullmatch(
+        r"x: the run diverged at \S+ s: position \S+ m, velocity \S+ m/s; the travel is \[0, 0.5\] m", unit.lines[0]
+    )
+    reference = cogging.Sampled(np.arange(len(still)) / unit.rate, 0 * still, 0 * still, still)
+    feedforward = cogging.Pid(cogging.PidParameters(sample_rate=unit.rate, mass=1.0))
+    with pytest.raises(cogging.DivergedError) as told:
+        cogging.simulate(model, reference, controller=feedforward, initial_position=0.5 * LENGTH, initial_velocity=0.1)
+    assert unit.lines[0] == f"x: {told.value}"  # in the same words, with the same numbers
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "line"),
+    [
+        ("axis.mass", -1.0, "mass: must be finite and above 0, got -1"),
+        ("encoder.noise", float("nan"), "noise: must be finite and at least 0, got nan"),
+        ("initial_position", 9.0, "the run diverged at 0 s: position 9 m"),
+        ("initial_velocity", float("inf"), "initial_velocity: must be a finite number, got inf"),
+    ],
+)
+def test_a_parameter_that_breaks_its_rule(name, value, line):
+    with Unit(draw_axis("cable_spring", 0)) as unit:
+        with pytest.raises(FMICallException):
+            unit.instance(**{name: value})
+        assert unit.lines[-1].startswith(f"x: {line}")
+
+
+def test_calls_that_cannot_be_meant():
+    with Unit(draw_axis("cable_spring", 0)) as unit:
+        axis = unit.first
+        wrong = [
+            (lambda: axis.setFloat64([unit.references["axis.mass"]], [1.0]), "after initialization"),
+            (lambda: axis.setFloat64([REFERENCES["reading"]], [1.0]), "must be that of an input or a parameter"),
+            (lambda: axis.getFloat64([999]), "value reference: must be that of a Float64, got 999"),
+            (lambda: axis.getInt32([1]), "fmi3GetInt32: is not offered"),
+            (
+                lambda: axis.doStep(0.7, 1e-3),
+                "currentCommunicationPoint: must be the time that is reached, 0 s, got 0.7",
+            ),
+            (lambda: axis.doStep(0.0, 0.0), "communicationStepSize: must be finite and above 0, got 0"),
+            (lambda: axis.doStep(0.0, float("nan")), "communicationStepSize: must be finite and above 0, got nan"),
+            (lambda: axis.enterInitializationMode(), "must be called first, once"),
+            (lambda: axis.enterEventMode(), "fmi3EnterEventMode: is not offered"),
+        ]
+        for call, line in wrong:
+            with pytest.raises(FMICallException):
+                call()
+            assert line in unit.lines[-1]
+        unit.run([0.01] * 3)  # none of them has done harm
+        axis.setFloat64([REFERENCES["command"]], [float("nan")])
+        with pytest.raises(FMICallException):
+            axis.doStep(3 / unit.rate, 1 / unit.rate)
+        assert "the command must be a finite number, got nan" in unit.lines[-1]
+        for options, line in [({"token": "{0}"}, "instantiationToken"), ({"eventModeUsed": True}, "no event mode")]:
+            with pytest.raises(Exception, match="Failed to instantiate"):
+                unit.instantiated(**options)
+            unit.instances.pop()
+            assert line.replace("no event", "neither an event") in unit.lines[-1]
+
+
+def test_the_same_model_gives_the_same_bytes_and_another_another_token():
+    model = draw_axis("backlash", 1)
+    one, two = (cogging.export.to(model, "fmi").content for _ in range(2))
+    assert one == two
+    other = cogging.export.to(model, "fmi", sample_rate=1234.5).content
+    assert other != one
+
+
+def test_the_description_says_what_the_model_says():
+    units = cogging.Units(command="A", position="rad")
+    model = draw_axis("flexible_mode", 5).replace(units=units)
+    with Unit(model) as unit:
+        told = {v.name: v for v in unit.description.modelVariables}
+        (capabilities,) = ET.parse(unit.folder / "unit" / "modelDescription.xml").iterfind("CoSimulation")
+        assert capabilities.attrib == {
+            "modelIdentifier": "axis",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canGetAndSetFMUState": "true",
+        }
+        assert float(unit.description.defaultExperiment.stepSize) == 1 / model.controller.sample_rate
+        assert (unit.folder / "unit" / "binaries" / platform_tuple()).is_dir()
+        assert {told[name].unit for name in ("reading", "initial_position")} == {"rad"}
+        assert told["command"].unit == "A"
+        assert told["axis.mass"].unit == "A/(rad/s^2)"
+        assert float(told["axis.mass"].start) == model.axis.mass
+        assert float(told["flexible_mode.frequency"].start) == model.effects[0].frequency
+        parameters = [v for v in told.values() if v.valueReference >= FIRST_PARAMETER]
+        assert len(parameters) > 8
+        references = [v.valueReference for v in parameters]
+        assert unit.first.getFloat64(references) == [float(v.start) for v in parameters]
+        assert (
+            "Permission is hereby granted"
+            in (unit.folder / "unit" / "documentation" / "licenses" / "license.txt").read_text()
+        )
+
+
+@linux
+def test_the_library_needs_no_python_and_shows_the_interface_alone(library):
+    needed = subprocess.run(["ldd", library], capture_output=True, text=True, check=True).stdout
+    assert "libc.so" in needed
+    assert "python" not in needed
+    if shutil.which("nm") is None:
+        pytest.skip("no nm")
+    shown = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
+    text = (OFFICIAL / "fmi3Functions.h").read_text()
+    official = set(re.findall(r"^FMI3_Export \w+\s+(fmi3\w+);", text, re.MULTILINE))
+    assert len(official) > 70
+    assert {line.split()[-1] for line in shown.splitlines()} == official
+
+
+@pytest.mark.parametrize("file", ["co_simulation", "not_supported"])
+def test_the_functions_are_those_of_the_official_headers(file):
+    """The Modelica Association's declarations and these definitions, in one translation unit."""
+    compiler = shutil.which("g++") or pytest.skip("no g++")
+    options = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-DCOGGING_OFFICIAL_FMI3"]
+    command = [compiler, *options, f"-I{OFFICIAL}", f"-I{SOURCES}", str(SOURCES / "fmi" / f"{file}.cpp")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
+def test_the_command_and_what_it_refuses(tmp_path, capsys):
+    path, out = tmp_path / "model.toml", tmp_path / "axis.fmu"
+    path.write_text(MODEL)
+    export = ["export", str(path), "--to", "fmi", "--out", str(out)]
+    assert main([*export, "--name", "x_axis"]) == 0
+    assert "x_axis: the axis as a unit of FMI 3.0" in capsys.readouterr().out
+    assert validate_fmu(str(out)) == []
+    assert fmpy.read_model_description(str(out)).coSimulation.modelIdentifier == "x_axis"
+    out.unlink()
+    path.write_text(MODEL.partition("[controller]")[0])
+    for words, line in [
+        ([], "controller: or an option sample_rate must be there"),
+        (["--sample-rate", "0"], "sample_rate: must be finite and above 0, got 0.0"),
+        (["--sample-rate", "1000", "--name", "a b"], "name: must be a name in C++"),
+    ]:
+        assert main([*export, *words]) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert line in said
+        assert not out.exists()
+    assert main([*export, "--sample-rate", "1000"]) == 0
+
+
+def test_an_effect_of_the_user_s_own_stays_out():
+    own = cogging.effects.Custom("breeze", force=lambda velocity: 0.1)
+    model = draw_axis("cable_spring", 0).replace(effects=[own])
+    with pytest.raises(ValueError, match=r"effects: must be of the core's list to run without Python, got breeze"):
+        cogging.export.to(model, "fmi")
