@@ -1,0 +1,153 @@
+"""The pages of the Python face: every public name once, by the room that it comes from."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+import re
+from pathlib import Path
+from typing import Any
+
+import cogging
+from cogging import datasets
+from cogging._core import controllers, references
+
+#: Headings by the room that a name comes from; a room that is not here is headed by its name.
+ROOMS = {
+    "simulation": "Simulate",
+    "plant": "Plant and cogging map",
+    "controllers": "Controllers",
+    "references": "Motions",
+    "model": "Models",
+    "logs": "Logs",
+    "log_check": "Check a log",
+    "mapping": "Map a motor",
+    "friction": "Friction",
+    "identification": "Identify",
+    "diagnosis": "Diagnose, and plan the next experiment",
+    "design": "Design and tune",
+    "papers": "Papers",
+    "effects": "Effects",
+    "files": "Files and errors",
+    "cpp_library": "The core from C++",
+}
+ALSO_FILES = {"file_schema", "core_values"}
+#: Public names of the core by the folder of the core that they are of.
+CORE = {
+    "closed_loop": "simulation",
+    "performance": "simulation",
+    "Performance": "simulation",
+    "replay_controller": "log_check",
+    "project": "controllers",
+    "CompiledController": "controllers",
+    "Reference": "references",
+    "ControllerError": "files",
+    "DivergedError": "files",
+    "CONTROLLERS": "controllers",
+    "REFERENCES": "references",
+    "EFFECTS": "effects",
+    "desired_compensation_condition": "design",
+    "desired_compensation_matrix": "design",
+}
+
+
+def room_of(name: str) -> str:
+    """The room of a public name."""
+    if name in CORE:
+        return CORE[name]
+    if name in controllers.__all__:
+        return "controllers"
+    if name in references.__all__:
+        return "references"
+    value = getattr(cogging, name)
+    module = value.__name__ if inspect.ismodule(value) else value.__module__
+    if module.startswith("cogging._core"):
+        return "plant"
+    room = module.split(".")[1]
+    return "files" if room in ALSO_FILES else room
+
+
+def rooms() -> dict[str, list[str]]:
+    """Public names by room, in the order of the headings."""
+    found: dict[str, list[str]] = {room: [] for room in ROOMS}
+    for name in sorted(cogging.__all__, key=lambda name: (not name[0].islower(), name.lower())):
+        found.setdefault(room_of(name), []).append(name)
+    return {room: names for room, names in found.items() if names}
+
+
+def write_api(folder: Path) -> None:
+    """One page a room, and the data sets."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for room, names in rooms().items():
+        _put(folder / f"{room}.md", page(room, names))
+    _put(folder / "datasets.md", "# Data sets\n\n```{eval-rst}\n.. automodule:: cogging.datasets\n```\n" + _loaders())
+
+
+def _put(path: Path, text: str) -> None:
+    """Write what has changed: what has not need not be read again."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def page(room: str, names: list[str]) -> str:
+    """The page of a room."""
+    parts = [f"# {ROOMS.get(room, room.replace('_', ' ').capitalize())}"]
+    parts += [entry(name) for name in names]
+    return "\n\n".join(parts) + "\n"
+
+
+def entry(name: str) -> str:
+    """One name: heading and what its docstring says."""
+    value = getattr(cogging, name)
+    if isinstance(value, dict):
+        listed = "\n".join(f"- `{key}`: `{kind.__name__}`" for key, kind in value.items())
+        return f"## `{name}`\n\nEvery name of a model or reference file, and its class:\n\n{listed}"
+    if inspect.ismodule(value):
+        own = [word for word in ("Custom", "Parameter", "Effect") if hasattr(value, word)]
+        classes = "\n".join(f".. autoclass:: {value.__name__}.{word}\n   :members:\n" for word in own)
+        return f"## `{value.__name__}`\n\n```{{eval-rst}}\n.. automodule:: {value.__name__}\n\n{classes}```"
+    kind = "autofunction" if not inspect.isclass(value) else "autoexception" if _raised(value) else "autoclass"
+    members = "\n   :members:\n   :inherited-members: object" + _told_by(value) if kind == "autoclass" else ""
+    return f"## `{name}`\n\n```{{eval-rst}}\n.. {kind}:: cogging.{name}{members}\n```"
+
+
+def _told_by(*classes: Any) -> str:
+    """The option that leaves out what the docstrings of classes tell: their fields."""
+    fields = {
+        name
+        for one in classes
+        for name in (*getattr(one, "__dataclass_fields__", ()), *getattr(one, "_fields", ()))
+        if re.search(rf"^ *[\w, ]*\b{name}\b[\w, ]*:", inspect.getdoc(one) or "", re.MULTILINE)
+    }
+    return f"\n   :exclude-members: {', '.join(sorted(fields))}" if fields else ""
+
+
+def _raised(value: Any) -> bool:
+    return issubclass(value, BaseException)
+
+
+def _loaders() -> str:
+    """The modules of the data sets, each with its loader."""
+    made = []
+    for name in (one.name for one in pkgutil.iter_modules(datasets.__path__) if one.name != "source"):
+        module = importlib.import_module(f"cogging.datasets.{name}")
+        own = [one for one in vars(module).values() if inspect.isclass(one) and one.__module__ == module.__name__]
+        made.append(
+            f"\n## `{name}`\n\n```{{eval-rst}}\n.. automodule:: {module.__name__}\n   :members:{_told_by(*own)}\n```\n"
+        )
+    return "".join(made)
+
+
+def escaped(app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
+    """Let a docstring's formulas stand: what they are made of is mark-up elsewhere."""
+    inside = False
+    for number, line in enumerate(lines):
+        inside = inside or line.strip().startswith(">>>")
+        if inside:
+            inside = bool(line.strip())
+            continue
+        lines[number] = "".join(
+            part if part.startswith("`") else re.sub(r"([|*\\])", r"\\\1", re.sub(r"(\w)_(?!\w)", r"\1\\_", part))
+            for part in re.split(r"(``[^`]*``|`[^`]*`)", line)
+        )

@@ -1,0 +1,73 @@
+"""The notebooks as pages of the site, with or without their outputs, and the cards of the gallery."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+WIDTH = 640  # pixels of a thumbnail
+
+
+def write(notebooks: Path, folder: Path) -> None:
+    """Copy the notebooks to where the site is built from, and write the cards that lead to them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    wanted = {path.name: path for path in sorted(notebooks.glob("*.ipynb"))}
+    for old in folder.glob("*.ipynb"):
+        if old.name not in wanted:
+            old.unlink()
+    cards = ["``````{grid} 1 2 2 3\n:gutter: 3"]
+    for path in wanted.values():
+        text = path.read_text(encoding="utf-8")
+        copy = folder / path.name
+        if not copy.exists() or copy.read_text(encoding="utf-8") != text:
+            copy.write_text(text, encoding="utf-8")
+        cards.append(_card(path.stem, json.loads(text), folder))
+    (folder / "cards.md").write_text("\n\n".join([*cards, "``````"]) + "\n", encoding="utf-8")
+
+
+def _card(stem: str, notebook: dict[str, Any], folder: Path) -> str:
+    """Title, picture and first sentence of a notebook."""
+    title, told = opening(notebook)
+    picture = first_picture(notebook)
+    shown = ""
+    if picture is not None:
+        (folder / f"{stem}.png").write_bytes(_small(picture))
+        shown = (
+            f"```{{image}} _generated/notebooks/{stem}.png\n:class: thumbnail\n:alt: First figure of the notebook: {title}\n"
+            "```\n\n"
+        )
+    return (
+        f"`````{{grid-item-card}} {title}\n:link: _generated/notebooks/{stem}\n:link-type: doc\n\n{shown}{told}\n`````"
+    )
+
+
+def opening(notebook: dict[str, Any]) -> tuple[str, str]:
+    """The heading of a notebook and the first sentence below it."""
+    first = "".join(notebook["cells"][0]["source"])
+    heading, _, rest = first.partition("\n")
+    sentence, stop, _ = " ".join(rest.split()).partition(". ")
+    return heading.lstrip("# ").strip(), sentence + stop.strip()
+
+
+def first_picture(notebook: dict[str, Any]) -> bytes | None:
+    """The first PNG among the outputs; None of a notebook without outputs."""
+    for cell in notebook["cells"]:
+        for output in cell.get("outputs", []):
+            data = output.get("data", {}).get("image/png")
+            if data is not None:
+                return base64.b64decode("".join(data))
+    return None
+
+
+def _small(picture: bytes) -> bytes:
+    """A picture no wider than WIDTH."""
+    from PIL import Image
+
+    with Image.open(io.BytesIO(picture)) as image:
+        image.thumbnail((WIDTH, WIDTH))
+        made = io.BytesIO()
+        image.convert("RGB").save(made, "PNG", optimize=True)
+    return made.getvalue()
