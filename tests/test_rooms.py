@@ -21,8 +21,10 @@ BASE |= {"outputs", "progress", "shown", "threads", "values"}
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries", "report"]
+DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
 DIAGNOSIS += [
+    "next_step",
+    "report",
     "location",
     "locate",
     "result",
