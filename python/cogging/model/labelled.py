@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from cogging.model.units import Units
 
@@ -15,19 +15,24 @@ UNIT_FIELDS = ("unit",)
 NAME_FIELDS = ("name", "names", "alternative", "alternatives", "candidates", "parameter", "path", "verdict", "type")
 
 
-def labelled(result: Result, units: Units, keep: Iterable[str] = ()) -> Result:
+def labelled(result: Result, units: Units, keep: Iterable[str] = (), *, apart: Iterable[str] = ()) -> Result:
     """A result, freshly made in V and m, with its units and sentences in the labels of a model.
 
     What it is made of is gone through: dataclasses, tuples, lists and mappings; a field `unit` is a unit, a field
     `units` is what the result writes its own numbers with, every other text is a sentence, and a name stays. Models,
-    logs, arrays and numbers stay as they are. To be done once: a label may itself be made of m.
+    arrays and numbers stay as they are. To be done once: a label may itself be made of m.
 
     Args:
         result: of dataclasses, as every result of this package.
         units: those of the model; V and m give the result back as it is.
         keep: names of a user's in its sentences, such as those of logs.
+        apart: fields of the result that stay as they are.
     """
-    return result if units == Units() else _labelled(result, units, tuple(keep))
+    if units == Units():
+        return result
+    held, names, told = set(apart), tuple(keep), _of(result)
+    now = {key: _field(key, told[key], units, names) for key in told if key not in held}
+    return cast(Result, _with(result, told, now))
 
 
 def _labelled(value: Any, units: Units, keep: tuple[str, ...]) -> Any:
@@ -37,13 +42,20 @@ def _labelled(value: Any, units: Units, keep: tuple[str, ...]) -> Any:
         return {key: _field(key, entry, units, keep) for key, entry in value.items()}
     if type(value) in (tuple, list):
         return type(value)(_labelled(entry, units, keep) for entry in value)
-    # What holds a model, a log or a schema of fields of its own has no sentences of ours.
+    # What can replace its own fields, as a model can, holds what a user said.
     if dataclasses.is_dataclass(value) and not isinstance(value, type) and not hasattr(value, "replace"):
-        named = {field.name: getattr(value, field.name) for field in dataclasses.fields(value) if field.init}
-        told = {name: _field(name, entry, units, keep) for name, entry in named.items()}
-        changed = {name: entry for name, entry in told.items() if entry is not named[name]}
-        return dataclasses.replace(value, **changed) if changed else value
+        told = _of(value)
+        return _with(value, told, {key: _field(key, entry, units, keep) for key, entry in told.items()})
     return value
+
+
+def _of(value: Any) -> dict[str, Any]:
+    return {field.name: getattr(value, field.name) for field in dataclasses.fields(value) if field.init}
+
+
+def _with(value: Any, was: Mapping[str, Any], now: Mapping[str, Any]) -> Any:
+    changed = {key: entry for key, entry in now.items() if entry is not was[key]}
+    return dataclasses.replace(value, **changed) if changed else value
 
 
 def _field(name: Any, value: Any, units: Units, keep: tuple[str, ...]) -> Any:
