@@ -21,8 +21,10 @@ BASE |= {"outputs", "progress", "shown", "threads", "values"}
 ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries", "report"]
+DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
 DIAGNOSIS += [
+    "next_step",
+    "report",
     "location",
     "locate",
     "result",
@@ -129,7 +131,7 @@ def test_the_order_within_diagnosis():
 def test_a_report_only_renders():
     """A result, its location and their pages rest on nothing that fits, predicts or tests."""
     shown = {name for name in GRAPH if name.startswith("cogging.diagnosis.report.")}
-    shown |= {f"cogging.diagnosis.{name}" for name in ("result", "location", "entries")}
+    shown |= {f"cogging.diagnosis.{name}" for name in ("result", "location", "entries", "next_step")}
     assert len(shown) > 6
     todo, seen = set(shown), set()
     while todo:

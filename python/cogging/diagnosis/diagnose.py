@@ -16,6 +16,7 @@ from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
 from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
+from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
 from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
 from cogging.diagnosis.limits import unmeasured
@@ -26,6 +27,7 @@ from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
+from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
@@ -82,6 +84,22 @@ def diagnose(
     expected = read_plan(planned)
     model, vocabulary = _with_vocabulary(model, also)
     ready = prepared(logs, model, confirm, names, confirm_names)
+    told = _diagnosed(ready, model, vocabulary, expected, empirical=empirical, progress=progress)
+    # Where the gap sits is written in its model's units by itself.
+    apart = ("location", "series", "vocabulary")
+    return labelled(told, model.units, [*ready.names, *ready.confirm_names], apart=apart)
+
+
+def _diagnosed(
+    ready: Prepared,
+    model: Model,
+    vocabulary: Mapping[str, Effect],
+    expected: Sequence[Expectation],
+    *,
+    empirical: bool,
+    progress: Progress,
+) -> Diagnosis:
+    """The result in V and m."""
     if (misread := misreading([*ready.given, *ready.confirm], model, [*ready.names, *ready.confirm_names])) is not None:
         return replace(_unmeasured("data_mismatch", model, ready.notes, vocabulary), mismatch=misread.to_dict())
     running = running_controller(ready.given, model)

@@ -74,7 +74,7 @@ class Location(ByValue):
     def _brief(self) -> str:
         first = max(self.significant, key=lambda shape: shape.share, default=None)
         told = "no coordinate stands out" if first is None else f"{100 * first.share:.0f} % by {first.coordinate}"
-        return f"gap {self.residual:.4g} V rms, {told}"
+        return f"gap {self.residual:.4g} {self.model.units.command} rms, {told}"
 
     @property
     def significant(self) -> tuple[Shape, ...]:
@@ -82,35 +82,37 @@ class Location(ByValue):
         return tuple(shape for shape in self.shapes if shape.log_p_value < LOCATION.told)
 
     def lines(self) -> list[str]:
-        """Coordinates by the share of the gap that each explains, then periods and frequencies; in words."""
-        ranked = sorted(self.significant, key=lambda shape: -shape.share)
-        return [shape_text(shape) for shape in ranked] + [wave.text() for wave in self.waves]
+        """Coordinates, periods and frequencies in words, by the share of the gap that each explains."""
+        told = [(shape.share, shape_text(shape)) for shape in self.significant]
+        told += [(wave.share, wave.text()) for wave in self.waves]
+        return [self.model.units.in_words(line) for _, line in sorted(told, key=lambda one: -one[0])]
 
     def text(self) -> str:
         """For the screen."""
-        lines = self.lines()
+        lines, gap = self.lines(), f"gap {self.residual:.4g} {self.model.units.command} rms"
         if not lines:
-            return f"gap {self.residual:.4g} V rms: no coordinate explains more of it than noise would"
-        return "\n".join([f"gap {self.residual:.4g} V rms; shares overlap, since coordinates go together", *lines])
+            return f"{gap}: no coordinate explains more of it than noise would"
+        return "\n".join([f"{gap}; shares overlap, since coordinates go together", *lines])
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers for JSON; what is not finite is None."""
+        units = self.model.units
         told = {
             "residual": self.residual,
             "coordinates": [
                 {
                     "coordinate": shape.coordinate,
-                    "unit": shape.unit,
+                    "unit": units.of(shape.unit),
                     "share": shape.share,
                     "log_chance": shape.log_p_value,
-                    "where": ranges(shape),
+                    "where": units.in_words(ranges(shape)),
                     "places": shape.places.tolist(),
                     "force": shape.force.tolist(),
                     "deviation": shape.deviation.tolist(),
                 }
                 for shape in self.shapes
             ],
-            "waves": [wave.to_dict() for wave in self.waves],
+            "waves": [wave.to_dict() | {"unit": units.of(wave.unit)} for wave in self.waves],
         }
         return {name: finite(value) for name, value in told.items()}
 
@@ -118,4 +120,4 @@ class Location(ByValue):
         """The gap against position, speed, acceleration, command and time with 95 % bands, and its spectrum."""
         from cogging.diagnosis.report.figures import coordinates_figure
 
-        return coordinates_figure({"as re-tuned": self.series})
+        return coordinates_figure({"as re-tuned": self.series}, self.model.units)

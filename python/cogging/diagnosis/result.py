@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
-from cogging.diagnosis.report.page import html, overview
+from cogging.diagnosis.next_step import GivenFiles
+from cogging.diagnosis.report.page import html
+from cogging.diagnosis.report.pictures import overview
+from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
@@ -104,7 +107,7 @@ class Diagnosis(ByValue):
                 "value": float(getattr(self.nominal.axis, name)),
                 "stated": float(getattr(stated.axis, name)),
                 "uncertainty": stated.uncertainty.get(name),
-                "unit": type(stated.axis).FIELDS[name][0],
+                "unit": self.model.units.of(type(stated.axis).FIELDS[name][0]),
             }
             for name in ("mass", "viscous", "coulomb")
         }
@@ -113,13 +116,17 @@ class Diagnosis(ByValue):
         """What re-tuning made of mass and friction, in words; empty where nothing was measured."""
         return "; ".join(_parameter_text(path, told) for path, told in self._retuned_parameters().items())
 
-    def html(self, *, title: str = "") -> str:
+    def html(self, *, title: str = "", files: GivenFiles | None = None) -> str:
         """The report as a text: one HTML page with its figures inside.
+
+        Args:
+            title: name of what was diagnosed, such as those of the logs.
+            files: what logs and model are called in the command of the next step; placeholders by default.
 
         Raises:
             ValueError: Jinja2, of the extra `report`, is not installed.
         """
-        return html(self, title=title)
+        return html(self, title=title, files=files)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "") -> None:
         """Write one HTML file that opens offline: what disagrees, where, why, what else it could be, what to do next.
@@ -145,11 +152,12 @@ class Diagnosis(ByValue):
     def text(self) -> str:
         """The result for the screen."""
         retuned = self.retuned_text()
-        lines = [f"verdict: {self.verdict}", *([f"re-tuned: {retuned}"] if retuned else [])]
+        lines = [f"verdict: {self.verdict}", *([headline(self)] if self.effects else [])]
+        lines += [f"re-tuned: {retuned}"] if retuned else []
         if self.mismatch is not None:
             lines.append(f"  {self.mismatch['text']}")
         for effect in self.effects:
-            lines += _effect_lines(effect)
+            lines += self._effect_lines(effect)
         if self.unlisted is not None:
             lines.append(f"  unlisted: {self.unlisted['shape']}")
             if "added" in self.unlisted:
@@ -178,15 +186,18 @@ class Diagnosis(ByValue):
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
-
-def _effect_lines(effect: NamedEffect) -> list[str]:
-    others = f" or {', '.join(effect.alternatives)}" if effect.alternatives else ""
-    lines = [f"  {effect.name}{others}: confidence {effect.confidence:.2f}"]
-    if effect.shape_term is not None:
-        lines.append(f"    {other_shape_text(effect.shape_term)}")
-    for name, p in effect.parameters.items():
-        lines.append(f"    {name} = {_number(p.value)} {p.unit}, 95 % {_number(p.ci95[0])} to {_number(p.ci95[1])}")
-    return lines
+    def _effect_lines(self, effect: NamedEffect) -> list[str]:
+        name, others = effect.name, effect.alternatives
+        lines = [f"  {name}: confidence {effect.confidence:.2f}"]
+        if others:
+            shared = f"{percent(effect.confidence)} that it is {name}; {shared_text(effect, self.vocabulary)}"
+            lines = [f"  {name} or {', '.join(others)}: confidence {effect.confidence:.2f}", f"    {shared}"]
+        if effect.shape_term is not None:
+            lines.append(f"    {other_shape_text(effect.shape_term)}")
+        for quantity, p in effect.parameters.items():
+            low, high = map(_number, p.ci95)
+            lines.append(f"    {quantity} = {_number(p.value)} {p.unit}, 95 % {low} to {high}")
+        return lines
 
 
 def _parameter_text(path: str, told: Mapping[str, Any]) -> str:

@@ -478,6 +478,12 @@ class ReportThresholds:
     folded_milli: float = 0.1  # m: shorter periods are drawn in mm [drawn]
     shapes_drawn: int = 6  # 1: coordinates on a page, at most [drawn]
     periods_drawn: int = 3  # 1: folded periods on a page, at most [drawn]
+    names_in_headline: int = 2  # 1: effects that a headline names, at most [drawn]
+    name_longest: int = 60  # 1: characters of a name in a headline; the middle of a longer one is left out [drawn]
+    probable: float = 0.5  # 1: a name of this confidence is probable, of less it is perhaps [assumed]
+    percent_least: float = 0.01  # 1: of shares that are told in whole percent [exact]
+    all_of_it: float = 1.0  # 1: a share that leaves nothing [exact]
+    share_hardly: float = 0.05  # 1: a smaller share of the gap is hardly any [assumed]
     chance_percent: float = 2.0  # decades: a likelier chance is told in logs of 100 [drawn]
     chance_never: float = 6.0  # decades: a rarer one is told as practically never [drawn]
 

@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import importlib.metadata
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from cogging.diagnosis.report.figures import (
-    coordinates_figure,
-    folded_figure,
-    shape_term_figure,
-    shapes_figure,
-    time_figure,
-)
+from cogging.diagnosis.next_step import GivenFiles, next_step
+from cogging.diagnosis.report.pictures import pictures_of, term_picture
+from cogging.diagnosis.report.sentences import capital, certainty_text, explained_text, headline, meaning, standing_text
 from cogging.diagnosis.report.words import (
-    HEADLINES,
-    MEANINGS,
-    chance_text,
     law,
     numbers,
     other_shape_text,
@@ -31,27 +20,26 @@ from cogging.diagnosis.report.words import (
     unlisted_advice,
     where_words,
 )
-from cogging.diagnosis.residual.shape import MOMENTS
-from cogging.diagnosis.thresholds import REPORT
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
+from cogging.model.units import Units
 from cogging.outputs import to_toml
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cogging.diagnosis.entries import NamedEffect, Value
     from cogging.diagnosis.result import Diagnosis
 
 TEMPLATE = Path(__file__).with_name("page.html.j2")
+STYLE = Path(__file__).with_name("page.css")
 
 
-def html(result: Diagnosis, *, title: str = "") -> str:
+def html(result: Diagnosis, *, title: str = "", files: GivenFiles | None = None) -> str:
     """The report as a text.
 
     Args:
         result: result that is shown.
         title: name of what was diagnosed, such as those of the logs.
+        files: what its logs and model are called, for the next command; placeholders where nothing is said.
 
     Raises:
         ValueError: Jinja2, of the extra `report`, is not installed.
@@ -61,43 +49,65 @@ def html(result: Diagnosis, *, title: str = "") -> str:
     except ImportError as error:
         raise ValueError(f"a report needs {error.name}: pip install 'cogging[report]'") from None
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    page: str = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(**_content(result, title))
+    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
+    page: str = template.render(style=STYLE.read_text(encoding="utf-8"), **_content(result, title, files))
     return page
 
 
-def _content(result: Diagnosis, title: str) -> dict[str, Any]:
-    names = " and ".join(_headline_name(effect) for effect in result.effects) or "something"
+def _content(result: Diagnosis, title: str, files: GivenFiles | None) -> dict[str, Any]:
+    units = result.model.units
     return {
         "title": title,
         "version": importlib.metadata.version("cogging"),
         "verdict": result.verdict,
-        "headline": HEADLINES[result.verdict].format(names=names),
-        "meaning": MEANINGS[result.verdict],
+        "headline": headline(result),
+        "meaning": meaning(result),
+        "step": next_step(result, files),
         "gap": result.gap,
-        "closed": result.gap.closed,
+        "bars": _bars(result),
+        "micro": units.of("µm"),
+        "command_unit": units.command,
+        "default_units": units == Units(),
+        "explained": explained_text(result.gap) if result.effects else "",
         "confirmed": result.gap.confirmed,
         "effects": [_effect(result, effect) for effect in result.effects],
         "mismatch": result.mismatch,
         "unlisted": result.unlisted,
         "near_rest": _near_rest(result),
         "term": _term(result),
-        "at_moments": result.unlisted is not None and result.unlisted["coordinate"] in MOMENTS,
+        "unlisted_text": "" if result.unlisted is None else f"{capital(str(result.unlisted['shape']))}.",
         "where": result.location.lines() if result.location is not None else list(result.where_text),
-        "next": _next(result),
+        "further": _further(result),
         "ledger": result.ledger,
         "placebo": result.placebo,
         "limits": _limits(result),
         "retuned": result.retuned_text(),
         "notes": result.notes,
+        "planned": [outcome.text() for outcome in result.planned],
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
-        "figures": {"time": "", "coordinates": "", "shapes": "", "folded": "", **_figures(result)},
+        "pictures": pictures_of(result),
         "measured": "gap_before" in result.series,
     }
 
 
-def _headline_name(effect: NamedEffect) -> str:
-    return plain(effect.name) if effect.shape_term is None else f"{plain(effect.name)} of a shape of its own"
+def _bars(result: Diagnosis) -> list[dict[str, Any]]:
+    """The sizes of the gap: what each is of, its share of the largest, and its colour."""
+    gap = result.gap
+    told = [
+        ("as given", gap.given, "before"),
+        ("re-tuned", gap.before, "before"),
+        ("with what was found", gap.after if result.effects else None, "after"),
+        ("noise floor", gap.floor, "floor"),
+        ("other motion, re-tuned", gap.confirm_before, "before"),
+        ("other motion, with what was found", gap.confirm_after if result.effects else None, "after"),
+    ]
+    largest = max([size for _, size, _ in told if size is not None and size > 0.0], default=1.0)
+    return [
+        {"label": label, "size": f"{size:.3g} {gap.unit}", "share": f"{100.0 * size / largest:.1f}", "kind": kind}
+        for label, size, kind in told
+        if size is not None
+    ]
 
 
 def _near_rest(result: Diagnosis) -> dict[str, str] | None:
@@ -105,9 +115,8 @@ def _near_rest(result: Diagnosis) -> dict[str, str] | None:
     told = result.near_rest
     if told is None:
         return None
-    sentence = told.text()
     return {
-        "sentence": sentence[0].upper() + sentence[1:],
+        "sentence": capital(told.text()),
         "candidates": " or ".join(plain(name) for name in told.candidates),
     }
 
@@ -137,136 +146,111 @@ def _limits(result: Diagnosis) -> dict[str, list[dict[str, Any]]]:
 
 
 def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
-    reasons = [step.reason for step in result.ledger if step.accepted and step.name == effect.name]
+    names = [effect.name, *effect.alternatives]
     return {
-        "name": effect.name,
-        "words": plain(effect.name),
+        "words": " or ".join(map(plain, names)),
         "law": law(result.vocabulary, effect.name),
-        "confidence": effect.confidence,
-        "deviations": float(np.sqrt(max(effect.statistic, 0.0))),
-        "statistic": effect.statistic,
-        "chance": chance_text(effect.log_p_value),
-        "reasons": reasons,
-        "where": where_words(effect.where),
+        "name": plain(effect.name),
+        "standing": standing_text(effect),
+        "certainty": certainty_text(effect, result.vocabulary),
+        "reasons": list(dict.fromkeys(s.reason for s in result.ledger if s.accepted and s.name == effect.name)),
+        "where": where_words(effect.where, result.model.units),
         "shape": "" if effect.shape_term is None else other_shape_text(effect.shape_term),
-        "shape_figure": "" if effect.shape_term is None else picture(shape_term_figure(effect.shape_term)),
-        "alternatives": [
-            {"name": name, "words": plain(name), "law": law(result.vocabulary, name)} for name in effect.alternatives
-        ],
-        "parameters": _fields(result, effect.name, [effect.parameters, *effect.further]),
+        "picture": term_picture(effect),
+        "alternatives": [{"words": plain(name), "law": law(result.vocabulary, name)} for name in effect.alternatives],
+        "fields": _fields(result, effect.name, [effect.parameters, *effect.further]),
+        "tables": _tables(result, effect.name, [effect.parameters, *effect.further]),
     }
 
 
+def _meanings(result: Diagnosis, name: str) -> Mapping[str, tuple[str, str]]:
+    return result.vocabulary[name].FIELDS if name in result.vocabulary else {"change": ("1", "new over old, less 1")}
+
+
 def _fields(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
-    meanings = result.vocabulary[name].FIELDS if name in result.vocabulary else {}
-    rows = []
+    """A row a single quantity; several terms of one name are numbered."""
+    meanings = _meanings(result, name)
+    return [
+        {
+            "field": field if len(terms) == 1 else f"{field} ({i + 1})",
+            "meaning": meanings[field][1] if field in meanings else "",
+            "value": numbers(value.value),
+            "unit": "" if value.unit == "1" else value.unit,
+            "interval": _interval(*value.ci95),
+        }
+        for i, term in enumerate(terms)
+        for field, value in term.items()
+        if not isinstance(value.value, list)
+    ]
+
+
+def _tables(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
+    """Quantities that are lists, as tables of their own: a row an entry, lists of one length beside each other."""
+    meanings = _meanings(result, name)
+    tables = []
     for i, term in enumerate(terms):
-        for field, value in term.items():
-            rows.append(
+        lists = {field: value for field, value in term.items() if isinstance(value.value, list)}
+        for length in dict.fromkeys(len(list_of(value)) for value in lists.values()):
+            mine = {field: value for field, value in lists.items() if len(list_of(value)) == length}
+            number = "" if len(terms) == 1 else f" ({i + 1})"
+            heads = [
+                f"{field}{number}{f', {value.unit}' if value.unit != '1' else ''}" for field, value in mine.items()
+            ]
+            columns = [_entries(value, length) for value in mine.values()]
+            shown = [any(interval != "–" for _, interval in column) for column in columns]
+            tables.append(
                 {
-                    "field": field if len(terms) == 1 else f"{field} ({i + 1})",
-                    "meaning": meanings[field][1] if field in meanings else "",
-                    "value": numbers(value.value),
-                    "unit": "" if value.unit == "1" else value.unit,
-                    "low": numbers(value.ci95[0]),
-                    "high": numbers(value.ci95[1]),
+                    "heads": list(zip(heads, shown, strict=True)),
+                    "rows": [[column[k] for column in columns] for k in range(length)],
+                    "meanings": [f"{field}: {meanings[field][1]}" for field in mine if field in meanings],
                 }
             )
-    return rows
+    return tables
 
 
-def _next(result: Diagnosis) -> list[str]:
+def list_of(value: Value) -> list[float]:
+    """The entries of a quantity that is a list."""
+    return value.value if isinstance(value.value, list) else [value.value]
+
+
+def _entries(value: Value, length: int) -> list[tuple[str, str]]:
+    low, high = (list(end) if isinstance(end, Sequence) else [end] * length for end in value.ci95)
+    return [(numbers(one), _interval(low[k], high[k])) for k, one in enumerate(list_of(value))]
+
+
+def _interval(low: float | None, high: float | None) -> str:
+    return "–" if low is None and high is None else f"{numbers(low)} … {numbers(high)}"
+
+
+def _further(result: Diagnosis) -> list[str]:
+    """What else to measure, beside the next step."""
     advice = []
     if result.separating_experiment:
         advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
     if result.near_rest is not None:
         advice.append(f"To tell the friction near rest: {result.near_rest.experiment}.")
-    if result.mismatch is not None:
-        advice.append(result.mismatch["advice"])
-    elif result.verdict == "controller_mismatch":
-        advice.append(
-            "State the controller that was running, its gains and its sample rate; or none, to be judged without."
-        )
-    elif result.verdict == "insufficient_excitation":
-        advice.append("Move the axis over its travel, in both directions, at several speeds, for ten seconds or more.")
-    elif result.gap.confirm_before is None:
-        advice.append(
-            "Record a second log with other motion (other speeds, other strokes) and give it as a confirm log."
-        )
-    if result.unlisted is not None and result.verdict != "controller_mismatch":
+    if result.unlisted is not None:
         advice.append(unlisted_advice(result.unlisted["coordinate"]))
+    if "gap_before" in result.series and result.gap.confirm_before is None and result.verdict != "named":
+        advice.append("Record a second log with other motion (other speeds, other strokes) and give it with --confirm.")
     return advice
 
 
 def _parameters(result: Diagnosis) -> list[dict[str, Any]]:
     """One row a parameter: as given, re-tuned without and with what was found, with the interval of the last."""
     given: Model | None = result.series.get("given")
+    units = result.model.units
     before = {path: p.value for path, p in parameters_of(given).items()} if given is not None else {}
     nominal = {path: p.value for path, p in parameters_of(result.nominal).items()}
-    rows = []
-    for path, parameter in parameters_of(result.model).items():
-        low, high = result.model.intervals.get(path, (None, None))
-        rows.append(
-            {
-                "path": path,
-                "unit": parameter.unit,
-                "given": numbers(before.get(path)),
-                "nominal": numbers(nominal.get(path)),
-                "final": numbers(parameter.value),
-                "low": numbers(low),
-                "high": numbers(high),
-                "new": path.startswith("effects.") and path not in nominal,
-            }
-        )
-    return rows
-
-
-# Figures --------------------------------------------------------------------------------------------------------------
-
-
-def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
-    """Rows of the logs by name, with the gap before and after; empty where nothing was measured."""
-    series = result.series
-    if "gap_before" not in series:
-        return {}
-    shared = {name: series[name] for name in ("time", "position", "velocity", "acceleration", "command", "mask")}
-    labels = {"before: re-tuned model": "gap_before"}
-    if result.effects:
-        labels["after: with what was found"] = "gap_after"
-    return {label: {**shared, "gap": series[name]} for label, name in labels.items()}
-
-
-def overview(result: Diagnosis) -> Figure:
-    """What `Diagnosis.plot` shows: the gap before and after against every coordinate.
-
-    Raises:
-        ValueError: nothing was measured.
-    """
-    gaps = gaps_of(result)
-    if not gaps:
-        raise ValueError(f"plot: needs a gap that was measured, got the verdict {result.verdict}")
-    return coordinates_figure(gaps)
-
-
-def _figures(result: Diagnosis) -> dict[str, str]:
-    gaps = gaps_of(result)
-    if not gaps:
-        return {}
-    figures = {"time": time_figure(gaps), "coordinates": coordinates_figure(gaps)}
-    if result.location is not None:
-        told = result.location.significant[: REPORT.shapes_drawn]
-        if told:
-            figures["shapes"] = shapes_figure(told)
-        periods = [wave.value for wave in result.location.waves if wave.coordinate == "spatial period"][
-            : REPORT.periods_drawn
-        ]
-        if periods:
-            figures["folded"] = folded_figure(gaps, periods)
-    return {name: picture(figure) for name, figure in figures.items()}
-
-
-def picture(figure: Figure) -> str:
-    """A figure as a data address of a PNG."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=140)
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+    return [
+        {
+            "path": path,
+            "unit": "" if parameter.unit == "1" else units.of(parameter.unit),
+            "given": numbers(before.get(path)),
+            "nominal": numbers(nominal.get(path)),
+            "final": numbers(parameter.value),
+            "interval": _interval(*result.model.intervals.get(path, (None, None))),
+            "new": path.startswith("effects.") and path not in nominal,
+        }
+        for path, parameter in parameters_of(result.model).items()
+    ]

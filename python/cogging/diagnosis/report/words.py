@@ -10,48 +10,18 @@ import numpy as np
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
 from cogging.diagnosis.thresholds import REPORT
 from cogging.effects.effect import Effect
+from cogging.model.units import Units
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import Limit, ShapeTerm, Step
 
-
-HEADLINES = {
-    "no_gap": "Nothing is missing: the model explains these logs",
-    "named": "The model lacks {names}",
-    "ambiguous": "The model lacks something; the likeliest is {names}",
-    "unlisted": "The model and the machine disagree in a way that no known effect explains",
-    "data_mismatch": "A column of these logs is not what it was read as",
-    "controller_mismatch": "The stated controller did not make this log",
-    "insufficient_excitation": "These logs move too little to tell",
-}
-MEANINGS = {
-    "no_gap": (
-        "Whatever is left after re-tuning looks like noise in every coordinate. This does not prove that the model is "
-        "right everywhere: only that this motion shows nothing wrong with it."
-    ),
-    "named": (
-        "What was found stands out of the noise, fits better than every other effect that was tried, and nothing "
-        "significant is left once it is in the model."
-    ),
-    "ambiguous": (
-        "Something is missing beyond doubt, but this motion cannot tell with nine chances in ten which effect it is. "
-        "The motion that would decide is described below."
-    ),
-    "unlisted": (
-        "Something significant remains that none of the known effects explains. Effects named beside it stand; "
-        "what remains is described by where it sits."
-    ),
-    "data_mismatch": (
-        "As it was read, a log contradicts the model or itself; with one column read otherwise it does not. Until that "
-        "is settled, nothing can be said of the machine."
-    ),
-    "controller_mismatch": (
-        "The command that the stated controller would have given differs from the logged one. Until its law, gains or "
-        "timing are right, no model of the machine can be judged."
-    ),
-    "insufficient_excitation": (
-        "At rest, friction takes up any force and nothing can be seen. Give a log in which the axis moves."
-    ),
+COORDINATE_UNITS = {
+    "position": "m",
+    "velocity": "m/s",
+    "acceleration": "m/s^2",
+    "time": "s",
+    "command": "V",
+    "frequency": "Hz",
 }
 
 
@@ -142,15 +112,15 @@ def numbers(value: Any) -> str:
     return ", ".join(numbers(one) for one in value)
 
 
-def where_words(where: Mapping[str, Any]) -> str:
+def where_words(where: Mapping[str, Any], units: Units) -> str:
     """Coordinate and range as words."""
-    span = where.get("range")
-    unit = {"position": "m", "velocity": "m/s", "time": "s", "command": "V", "frequency": "Hz"}.get(
-        where.get("coordinate", ""), ""
-    )
+    span, coordinate = where.get("range"), where.get("coordinate", "")
+    if not coordinate:
+        return "everywhere"
     if not span:
-        return f"over {where.get('coordinate', 'all')}"
-    return f"in {where['coordinate']}, from {span[0]:.3g} to {span[1]:.3g} {unit}"
+        return f"along the {coordinate}"
+    unit = units.of(COORDINATE_UNITS.get(coordinate, ""))
+    return f"along the {coordinate}, from {span[0]:.3g} to {span[1]:.3g} {unit}".rstrip()
 
 
 def unlisted_advice(coordinate: str) -> str:
