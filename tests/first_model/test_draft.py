@@ -92,16 +92,17 @@ def test_the_motion_is_known(drafts):
 
 
 def test_a_wave_over_position_is_that_of_the_cogging(drafts):
-    seen = 0
+    right = seen = 0
     for drawn, draft in drafts:
         if draft.wave is None:
             continue
         seen += 1
+        assert drawn.model.cogging.sine[0, 0] > 0.0
         unit = draft.scale.get("position", 1.0) / drawn.factors["position"]
-        assert draft.wave.period == pytest.approx(unit * drawn.model.cogging.basis.pitch, rel=0.03)
-    assert seen >= 3
-    strong = [d for d in drafts if d[0].model.cogging.sine[0, 0] > 0.7 * d[0].model.axis.coulomb]
-    assert sum(draft.wave is not None for _, draft in strong) >= 0.5 * len(strong) > 0
+        right += abs(draft.wave.period / (unit * drawn.model.cogging.basis.pitch) - 1.0) < 0.03
+    assert right >= 0.8 * seen > 0
+    strong = [draft for drawn, draft in drafts if drawn.model.cogging.sine[0, 0] > 0.3 * drawn.model.axis.coulomb]
+    assert sum(draft.wave is not None for draft in strong) >= 0.6 * len(strong) > 0
 
 
 def test_the_files_are_read_back_and_run(drafts, tmp_path):
@@ -121,22 +122,16 @@ def test_the_files_are_read_back_and_run(drafts, tmp_path):
         assert duration == 0.0 or duration == pytest.approx(times[-1])
 
 
-def test_commented_sections_are_sections_of_a_model(drafts, tmp_path):
-    """With the # before [controller] and [cogging] taken away the file is read as well."""
-    for k, (_, draft) in enumerate(drafts[:6]):
-        lines = draft.model_text().splitlines()
-        first = next(i for i, line in enumerate(lines) if line.startswith("# [cogging]"))
-        keys = ("# [", "# type", "# sample_rate")
-        opened = [
-            line[2:] if line.startswith(keys) or (line.startswith("# ") and " = " in line) else line
-            for line in lines[first:]
-        ]
+def test_all_proposals_taken_are_a_model(drafts, tmp_path):
+    """With the single # taken away everywhere, [controller] and [cogging] included, the file is read as well."""
+    for k, (_, draft) in enumerate(drafts):
         path = tmp_path / f"{k}.toml"
-        path.write_text("\n".join([*lines[:first], *opened]))
+        path.write_text("\n".join(line.removeprefix("# ") for line in draft.model_text().splitlines()))
         model = cogging.Model.read(path)
-        assert model.cogging is not None
-        assert model.controller is not None
+        assert model.axis == draft.model.axis
         assert model.controller.kp > 0.0
+        pitch = model.cogging.basis.pitch
+        assert pitch == pytest.approx(draft.wave.period, rel=1e-3) if draft.wave else pitch > 0.0
 
 
 @pytest.mark.parametrize("seed", [107, 111, 116])

@@ -309,6 +309,7 @@ def _drafted(
     labels = {"command": "V", "position": "m"}
     if guesses is not None:
         labels = {name: guesses.used[name].unit.label for name in labels}
+    waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
     draft = ModelDraft(
         source=source,
         log=log,
@@ -317,7 +318,7 @@ def _drafted(
         motion=motion,
         seen_in=source_of_motion,
         sizes=sizes,
-        wave=strongest_wave(sizes.position, sizes.residual, found.command_rms),
+        wave=next(filter(None, waves), None),
         controller=recover_controller(log),
         units=Units(**labels),
         scale=dict(scale),

@@ -39,9 +39,10 @@ def model_lines(
         wave: that stands out over position, if one does.
     """
     lines = [
-        f"# A first model of the axis that made {name}, by `cogging init`.",
-        "# found: from the log. assumed: by nobody's measurement, replace it where you know better.",
-        "# Check each line, then fit it: cogging identify. (A fitted model is written without these comments.)",
+        f"## A first model of the axis that made {name}, by `cogging init`.",
+        "## found: from the log. assumed: by nobody's measurement, replace it where you know better.",
+        "## A line behind a single # is a proposal: take the # away to have it.",
+        "## Check each line, then fit it: cogging identify. (A fitted model is written without these comments.)",
         "",
         *_axis(units, sizes, travel, audit),
         "",
@@ -53,7 +54,7 @@ def model_lines(
         _line("position", json.dumps(units.position), told_units[1]),
     ]
     if units.command == "%":
-        lines.append("# % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
+        lines.append("## % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
     return [*lines, "", *_cogging(units, wave, travel), "", *_controller(units, sizes, audit, controller)]
 
 
@@ -91,11 +92,11 @@ def _encoder(units: Units, audit: Audit) -> list[str]:
 
 
 def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> list[str]:
-    lines = ["# [cogging]                 # opposes the command; take the # away to use it"]
+    lines = ["# [cogging]                 # opposes the command"]
     if wave is None:
         span = 0.1 * (travel[1] - travel[0])
         lines += [
-            "# no period over position stands out of this log: fill in the magnets' pitch",
+            "## no period over position stands out of this log: fill in the magnets' pitch",
             f"# pitch = {number(span, 2):<18} # {units.of('m')}; to be filled in",
             "# harmonics = [1, 2]",
         ]
@@ -112,7 +113,7 @@ def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> li
     return [
         *lines,
         f"# pitch = {number(wave.period):<18} # {units.of('m')}; found: the strongest wave over position, {share};",
-        "#                            a harmonic of the magnets' pitch as well may be: compare with the data sheet",
+        "##                           a harmonic of the magnets' pitch as well may be: compare with the data sheet",
         "# harmonics = [1]",
         f"# sine = [[{number(wave.sine)}]]          # {units.of('V')}; found",
         f"# cosine = [[{number(wave.cosine)}]]        # {units.of('V')}; found",
@@ -120,17 +121,17 @@ def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> li
 
 
 def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredController | None) -> list[str]:
-    lines = ["# [controller]              # simulate and predict need it; take the # away where it is yours"]
+    lines = ["# [controller]              # simulate and predict need it"]
     if found is not None:
         fields = {"type": found.type, **found.parameters.to_dict()}
         told = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
-        return [*lines, f"# {told}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
+        return [*lines, f"## {told}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
     rate, mass = rounded_rate(audit.rate), sizes.sizes["mass"].value
     pole = 2.0 * math.pi * CROSSOVER * rate
     gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
     lines += [
-        "# this log does not tell it: fill in yours. The gains below are a proposal for trying, from the mass alone:",
-        f"# three poles at {CROSSOVER:g} of the sample rate.",
+        "## this log does not tell it: fill in yours. The gains below are a proposal for trying, from the mass alone:",
+        f"## three poles at {CROSSOVER:g} of the sample rate.",
         '# type = "pid"',
         f"# sample_rate = {rate:g}",
     ]

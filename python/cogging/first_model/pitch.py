@@ -10,13 +10,13 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.mapping.spectrum import HarmonicSpectrum
 
-FALSE_ALARM = 1e-3  # of a scan of noise alone
 ROWS = 3000  # independent enough, and enough for a spectrum
 FEWEST_PERIODS = 3  # in the travel: a longer wave may be a slope
 MOST_PERIODS = 400
 A_PERIOD = 8  # rows, at least, in the shortest period that is sought
-SHARE = 0.05  # of what is left, that the wave must explain to be worth a line
+SHARE = 0.1  # of what is left, that the wave must explain to be worth a line
 LEAST = 0.03  # of the rms command, that its amplitude must be
+ALIKE = 0.4  # of its amplitude, by which the wave of one half of the rows may differ from the other's
 STEPS = 201  # of the search between two lines of the spectrum
 
 
@@ -37,7 +37,7 @@ class Wave:
 
 
 def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) -> Wave | None:
-    """The strongest wave of a force over position that noise would not leave; None where there is none.
+    """The strongest wave of a force over position that both halves of the rows show alike; None where there is none.
 
     Args:
         position: m, (n,).
@@ -48,21 +48,25 @@ def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) 
     if len(position) < 200 or travel == 0.0:
         return None
     taken = np.linspace(0, len(position) - 1, min(len(position), ROWS)).astype(int)
-    x, f = position[taken], force[taken] - float(np.mean(force[taken]))
-    highest = min(MOST_PERIODS, len(x) // A_PERIOD)
-    spectrum = HarmonicSpectrum(x, travel, highest)
+    x, f = position[taken], force[taken]
     nuisance = np.column_stack([np.ones(len(x)), (x - x.mean()) / travel])
     rest = f - nuisance @ np.linalg.lstsq(nuisance, f, rcond=None)[0]
+    spectrum = HarmonicSpectrum(x, 2.0 * travel, 2 * min(MOST_PERIODS, len(x) // A_PERIOD))  # lines half as far apart
     power = spectrum.power(rest)
-    level, degrees = spectrum.level(power, ~spectrum.present, float(np.mean(rest**2)))
-    power[:FEWEST_PERIODS] = 0.0
-    ratio = power / np.maximum(level, 1e-300)
-    strongest = np.unravel_index(int(np.argmax(power)), power.shape)
-    if spectrum.false_alarm(float(ratio[strongest]), degrees) > FALSE_ALARM:
-        return None
-    wave = _refined(x, rest, float(spectrum.frequency[strongest]), 1.0 / travel)
+    power[: 2 * FEWEST_PERIODS] = 0.0
+    frequency = float(spectrum.frequency.ravel()[int(np.argmax(power))])
+    wave = _refined(x, rest, frequency, 0.5 / travel)
     worth = wave.share > SHARE and math.hypot(wave.sine, wave.cosine) > LEAST * command_rms
-    return wave if worth else None
+    return wave if worth and _stays(x, rest, wave) else None
+
+
+def _stays(x: FloatArray, rest: FloatArray, wave: Wave) -> bool:
+    """Whether the first half of the rows shows the same wave as the second: what is bound to the place does."""
+    phase = 2.0 * np.pi * x / wave.period
+    columns = np.column_stack([np.sin(phase), np.cos(phase)])
+    half = len(x) // 2
+    weights = [np.linalg.lstsq(columns[rows], rest[rows], rcond=None)[0] for rows in (slice(half), slice(half, None))]
+    return bool(np.linalg.norm(weights[0] - weights[1]) < ALIKE * math.hypot(wave.sine, wave.cosine))
 
 
 def _refined(x: FloatArray, rest: FloatArray, frequency: float, width: float) -> Wave:

@@ -11,7 +11,7 @@ import numpy as np
 from cogging._core import AxisParameters
 from cogging.arrays import FloatArray
 from cogging.estimation.jackknife import shares_of_blocks, spread_of
-from cogging.identification.misreading.balance import AXIS, Balance, thinned
+from cogging.identification.misreading.balance import AXIS, CUTOFFS, HIGHEST, Balance, thinned
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
@@ -52,8 +52,8 @@ class Sizes:
         explained: share of the command's power in motion that they explain; None: nothing moves.
         reversed: whether the command pushes the other way than the position goes.
         speed: top speed, m/s.
-        residual: command less what they explain, V, with `position` (m), in motion, (m,); empty where nothing moves.
-        position: m, (m,).
+        residuals: command less what they explain, V, (m,), with the position, m, (m,), in motion: below a high cut-off,
+            where short waves stand and noise as well, and below that of the balance; none where nothing moves.
     """
 
     sizes: Mapping[str, Size]
@@ -61,8 +61,7 @@ class Sizes:
     explained: float | None
     reversed: bool
     speed: float
-    residual: FloatArray
-    position: FloatArray
+    residuals: tuple[tuple[FloatArray, FloatArray], ...]
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def sizes_of(log: Log) -> Sizes:
     if balance is None:
         told = "cannot tell: the log hardly moves"
         sizes = dict.fromkeys(AXIS, Size(0.0, None, told)) | {"mass": Size(1.0, None, told)}
-        return Sizes(sizes, 0.0, None, False, 0.0, np.empty(0), np.empty(0))
+        return Sizes(sizes, 0.0, None, False, 0.0, ())
     command = balance.command[balance.taken]
     needs = np.array([balance.needs[name] for name in AXIS])
     plain = _fit(np.vstack([needs, np.ones(len(command))]), command, balance.block)
@@ -112,17 +111,27 @@ def sizes_of(log: Log) -> Sizes:
         explained=plain.explained,
         reversed=back,
         speed=float(np.quantile(np.abs(balance.speed), 0.99)),
-        residual=sign * plain.residual,
-        position=balance.position,
+        residuals=(*_wide(log, sign, plain), (balance.position, sign * plain.residual)),
     )
 
 
-def _balance(log: Log) -> Balance | None:
+def _wide(log: Log, sign: float, plain: _Fit) -> list[tuple[FloatArray, FloatArray]]:
+    """Position and what the sizes leave of the command below the highest cut-off."""
+    step = float(np.median(np.diff(log.time)))
+    balance = _balance(log, min(CUTOFFS[0], HIGHEST * step))
+    if balance is None:
+        return []
+    needs = np.array([*(balance.needs[name] for name in AXIS), np.ones(len(balance.taken))])
+    return [(balance.position, sign * (balance.command[balance.taken] - plain.values @ needs))]
+
+
+def _balance(log: Log, share: float | None = None) -> Balance | None:
     """The force balance of a log under no model at all."""
     if len(log) < 100 or np.ptp(log.position) == 0.0:
         return None
     try:
-        return Balance.of(thinned(log), Model(AxisParameters(mass=1.0, viscous=0.0, coulomb=0.0, coulomb_width=0.0)))
+        none = Model(AxisParameters(mass=1.0, viscous=0.0, coulomb=0.0, coulomb_width=0.0))
+        return Balance.of(log if share is not None else thinned(log), none, share)
     except ValueError:
         return None
 

@@ -122,9 +122,12 @@ class Balance:
     one_wave: float
 
     @classmethod
-    def of(cls, log: Log, model: Model) -> Balance | None:
-        """The balance of a log, filtered where noise is small; None of one that hardly moves."""
-        share = cutoff_share(log)
+    def of(cls, log: Log, model: Model, share: float | None = None) -> Balance | None:
+        """The balance of a log; None of one that hardly moves.
+
+        It is filtered where noise is small, or at a `share` of the row rate.
+        """
+        share = cutoff_share(log) if share is None else share
         dynamics = InverseDynamics(log, cutoff=share / float(np.median(np.diff(log.time))))
         free = model.replace(axis=model.axis.replace(viscous=0.0, coulomb=0.0))
         speed, acceleration = dynamics.motion.middle_velocity, dynamics.motion.acceleration
