@@ -12,7 +12,7 @@ from cogging.cli.parser import EXAMPLES, Parser
 from cogging.cli.reproduce import PAPERS
 from cogging.papers.result import Reproduction
 from tests.fixtures import command_files
-from tests.fixtures.commands import examples_of, of, words_of
+from tests.fixtures.commands import diagnose_once, examples_of, of, words_of
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +28,7 @@ def folder(written, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path / "work")
     monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
     monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
+    diagnose_once(monkeypatch)
     return tmp_path / "work"
 
 
