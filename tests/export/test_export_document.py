@@ -31,7 +31,7 @@ def code():
 
 def row(form, text):
     """A line of the table of the same map: what it takes, the share removed, what is left and why."""
-    took = re.search(r": (.*?)(?:, largest|; its zero)", text)[1]
+    took = re.search(r": (\d.*?)(?:, largest|; its zero)", text)[1]
     share, left = re.search(r"removes (\S+) % of the cogging's rms, \S+ A to (\S+) A", text).groups()
     cannot = re.findall(r"cannot hold (.*)", text)
     return f"| `{form}` | {took} | {share} % | {1e3 * float(left):.3g} mA | {'; '.join(cannot)} |"
