@@ -241,9 +241,11 @@ def test_a_period_that_does_not_close_on_a_turn(form, tmp_path, capsys):
         ("moteus", {}, "turn: must be given"),
         ("ax8000", {}, "turn: must be given.*0x32D3"),
         ("novanta", {}, "entries: must be given: as many as register 0x2307"),
-        ("novanta", {"entries": 1}, "entries: must be from 2"),
-        ("akd", {"entries": 8193}, "entries: must be from 2 to 8192, got 8193"),
+        ("novanta", {"entries": 1}, "entries: must be a whole number from 2"),
+        ("akd", {"entries": 8193}, "entries: must be a whole number from 2 to 8192, got 8193"),
         ("akd", {"quantum": 0.0}, "quantum: must be finite and above 0"),
+        ("csv", {"entries": 2.5}, "entries: must be a whole number"),
+        ("sinamics", {"scale": 1e39}, "scale: must keep entries within 32-bit numbers"),
         ("csv", {"sign": 2}, "sign: must be 1 or -1, got 2"),
         ("csv", {"scale": -1.0}, "scale: must be finite and above 0"),
         ("csv", {"zero": float("nan")}, "zero: must be finite"),
@@ -252,7 +254,7 @@ def test_a_period_that_does_not_close_on_a_turn(form, tmp_path, capsys):
         ("csv", {"over": "mile"}, "over: must be one of travel, turn, period"),
         ("csv", {"wave": "sine"}, "wave: must be an option of the form csv"),
         ("sinamics", {"pole_pair_width": 0.0}, "pole_pair_width: must be finite and above 0"),
-        ("novanta", {"entries": 64, "turn": 0.2}, "pole_pairs: must be at least 1"),
+        ("novanta", {"entries": 64, "turn": 0.2}, "pole_pairs: must be a whole number of at least 1"),
         ("odrive", {"turn": 0.2, "quantity": "volt"}, "quantity: must be one of torque, current"),
         ("ax8000", {"turn": 0.2, "channel": "C"}, "channel: must be one of A, B"),
     ],
@@ -281,6 +283,29 @@ def test_a_unit_that_is_not_the_drives_needs_a_scale(form):
     ):
         made(form, machine)
     assert made(form, machine, scale=0.2).content
+
+
+def test_a_wave_that_the_drive_does_not_have():
+    cog = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[7, 240]), [[1.0], [0.5]], [[0.0], [0.0]])
+    model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)
+    text = cogging.export.to(model, "ax8000", turn=1.0).text
+    assert "cannot hold waves of more than 200 a turn: 240" in text
+    assert float(re.search(r"removes (\S+) %", text)[1]) == pytest.approx(100 * (1 - 0.5 / np.sqrt(1.25)), rel=1e-3)
+
+
+def test_a_long_motion_of_many_periods():
+    machine = drawn("novanta", "linear", 2)
+    axis = cogging.AxisParameters(mass=1.0, travel=[0.0, 1e6])
+    exported = cogging.export.to(machine.model.replace(axis=axis), "novanta", entries=64)
+    assert float(re.search(r"removes (\S+) %", exported.text)[1]) > 90.0
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_map_of_nothing(form):
+    cog = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[3]), [[0.0]], [[0.0]])
+    model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)
+    with pytest.raises(ValueError, match="cogging: must have an amplitude other than 0"):
+        cogging.export.to(model, form, turn=1.0, **{"entries": 9} if form == "novanta" else {})
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -6,7 +6,6 @@ The forms and their options stand in cogging.export.forms, which says how one is
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from cogging.calls import did_you_mean
@@ -52,9 +51,7 @@ def run(arguments: argparse.Namespace) -> None:
     read = [options[option.name] for option in form.options if option.reads and option.name in options]
     check_outputs({"--out": arguments.out}, [arguments.model, *read])
     made = to(arguments.model, arguments.to, **options)
-    files = {arguments.out: [made.content]}
-    for suffix, content in made.beside.items():
-        files[str(Path(arguments.out)) + suffix] = [content]
+    files = made.files(arguments.out)
     check_outputs({name: name for name in files}, [arguments.model, *read])
     write_files(files)
     say(made.text)

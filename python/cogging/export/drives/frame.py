@@ -106,6 +106,8 @@ def frame_of(
     """
     if model.cogging is None:
         raise ValueError("cogging: must be given to export a map, got a model without [cogging]")
+    if not np.any(model.cogging.coefficients):
+        raise ValueError("cogging: must have an amplitude other than 0, got a map without any: nothing to compensate")
     if sign not in (1, -1):
         raise ValueError(f"sign: must be 1 or -1, got {quoted(sign)}")
     if not math.isfinite(zero):

@@ -74,8 +74,10 @@ def _electrical_period(frame: Frame, pole_pairs: int | None, width: float | None
         ValueError: it is not given, or is none.
     """
     if frame.turn > 0.0:
-        if pole_pairs is None or pole_pairs < 1:
-            raise ValueError(f"pole_pairs: must be at least 1 on a rotary axis, got {pole_pairs or 'nothing'}")
+        if not isinstance(pole_pairs, int) or pole_pairs < 1:
+            raise ValueError(
+                f"pole_pairs: must be a whole number of at least 1 on a rotary axis, got {pole_pairs or 'nothing'}"
+            )
         return frame.turn / pole_pairs
     if width is None:
         width = frame.cogging.basis.pitch
