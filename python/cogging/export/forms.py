@@ -93,20 +93,50 @@ class Form:
         return made
 
 
-NAME = Option(
-    "name", str, "name in code: the header's namespace, the unit's model identifier; axis where not given", "NAME"
+_SCALE = Option(
+    "scale", float, "units of the drive per command unit of the model, as A per N; default: they are the same"
 )
+_SIGN = Option("sign", int, "-1: the drive subtracts its table, or the map is the motor's push; default 1", "S")
+_ZERO = Option("zero", float, "position of the model at which the drive is at 0; default 0")
+_REVERSE = Option("reverse", bool, "the drive counts and pushes the other way")
+_TURN = Option(
+    "turn", float, "one mechanical revolution, in the model's unit of position; default 2 pi where that is rad"
+)
+_BETWEEN = Option("between", str, "between entries: straight lines, or each held", choices=("linear", "hold"))
+_ENTRIES = Option("entries", int, "entries of the table", "N")
+_WIDTH = Option("pole_pair_width", float, "magnetic period of a linear motor, m; default: the pitch of the map")
+_FRAME = (_SCALE, _SIGN, _ZERO, _REVERSE, _TURN)
+_OVER = Option("over", str, "what the table covers", choices=("travel", "turn", "period"))
+_QUANTUM = Option("quantum", float, "step of an entry, A; default 0.001")
+_PAIRS = Option("pole_pairs", int, "electrical periods a revolution", "N")
+_QUANTITY = Option("quantity", str, "what the firmware's map is of", choices=("torque", "current"))
+_WAVE = Option("wave", str, "which wave has the phase phi", choices=("cosine", "sine"))
+_CHANNEL = Option("channel", str, "of a two-channel drive", choices=("A", "B"))
 
-SAMPLE_RATE = Option(
-    "sample_rate", float, "Hz, at which noise is drawn and steps are proposed; the controller's where not given", "HZ"
-)
+_NAME = Option("name", str, "name in code: of the namespace, of the unit; default axis", "NAME")
+_RATE = Option("sample_rate", float, "Hz, at which a unit draws noise; default the controller's", "HZ")
+
+
+def _drive(name: str, writes: str, module: str, *options: Option) -> Form:
+    """A form of a map; all have the frame's options."""
+    return Form(name, writes, f"cogging.export.drives.{module}:make", (*_FRAME, *options), of_map=True)
+
 
 #: Forms by name, in the order of the help.
-_ALL: tuple[Form, ...] = (
-    Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (NAME,)),
-    Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (NAME, SAMPLE_RATE)),
-)
-FORMS: dict[str, Form] = {form.name: form for form in _ALL}
+FORMS: dict[str, Form] = {
+    form.name: form
+    for form in (
+        _drive("csv", "a map by position: position, force", "by_position", _ENTRIES, _OVER, _BETWEEN),
+        _drive("akd", "a map as Kollmorgen AKD's compensation table (csv)", "akd", _ENTRIES, _BETWEEN, _QUANTUM),
+        _drive("sinamics", "a map as Siemens SINAMICS' p5260[0..4095]", "sinamics", _BETWEEN, _WIDTH),
+        _drive("ax8000", "a map as Beckhoff AX8000's coefficients (0x32CB)", "ax8000", _WAVE, _CHANNEL),
+        _drive("novanta", "a map as Novanta's 0x2306 to 0x2308", "novanta", _ENTRIES, _PAIRS, _WIDTH, _BETWEEN),
+        _drive("odrive", "a map as the anticogging map of ODrive 0.5", "odrive", _QUANTITY),
+        _drive("moteus", "a map as moteus' motor.cogging_dq_comp", "moteus"),
+        Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (_NAME,)),
+        Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (_NAME, _RATE)),
+    )
+}
 
 
 def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Exported:

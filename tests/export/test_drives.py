@@ -1,0 +1,332 @@
+"""What leaves for a drive, read back by a small model of that drive: it removes what the drive's resolution allows."""
+
+import dataclasses
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.cli.main import main
+from tests.fixtures.drives import READERS
+
+#: Where each form may go, and how it reads: linear between entries, or held.
+BOTH, ROTARY = ("rotary", "linear"), ("rotary",)
+FORMS = {
+    "csv": (BOTH, "linear"),
+    "akd": (BOTH, "linear"),
+    "sinamics": (BOTH, "hold"),
+    "ax8000": (ROTARY, "waves"),
+    "novanta": (BOTH, "linear"),
+    "odrive": (ROTARY, "hold"),
+    "moteus": (ROTARY, "linear"),
+}
+CASES = [(form, kind, seed) for form, (kinds, _) in FORMS.items() for kind in kinds for seed in range(4)]
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+@dataclass
+class Machine:
+    """A drawn motor, and how the drive sits on it."""
+
+    model: cogging.Model
+    turn: float
+    pairs: int
+    pitch: float
+    options: dict = field(default_factory=dict)
+
+    @property
+    def direction(self):
+        return -1 if self.options["reverse"] else 1
+
+    def place(self, position):
+        """The drive's own position."""
+        return self.direction * (position - self.options["zero"])
+
+    def drive_travel(self):
+        ends = [self.place(end) for end in self.model.axis.travel]
+        return min(ends), max(ends)
+
+    def electrical_period(self):
+        return self.turn / self.pairs if self.turn else self.pitch
+
+    def feedforward(self, drive, position):
+        """The command that the drive adds, as the axis feels it: it counts, pushes and has units of its own."""
+        added = drive.adds(self.place(np.asarray(position)))
+        return self.direction * self.options["sign"] * added / self.options["scale"]
+
+    def positions(self, count=60_000):
+        low, high = (0.0, self.turn) if self.turn else self.model.axis.travel
+        return np.random.default_rng(5).uniform(low, high, count)
+
+
+def drawn(form, kind, seed, waves=None):
+    """A motor: pitches, harmonics, amplitudes, travel, units, zero, direction and sign."""
+    rng = np.random.default_rng([seed, sorted(FORMS).index(form), kind == "rotary"])
+    pairs = int(rng.integers(2, 12))
+    count = waves or int(rng.integers(1, 5))
+    if kind == "rotary":
+        turn = float(rng.choice([1.0, 2 * np.pi, 360.0, 8192.0]))
+        pitch, travel = turn, [-np.inf, np.inf]
+        step = pairs if form == "novanta" else 1
+        times = step * rng.choice(np.arange(1, 100 // step), count, replace=False)
+    else:
+        turn, pitch = 0.0, float(rng.uniform(0.01, 0.08))
+        low = float(rng.uniform(-0.5, 0.5))
+        travel = [low, low + pitch * float(rng.uniform(2.0, 12.0))]
+        times = rng.choice(np.arange(1, 7), count, replace=False)
+    size = 10 ** rng.uniform(-1.5, 1.5)
+    sine, cosine = size * rng.normal(size=(2, count, 1))
+    basis = cogging.SplineHarmonics(pitch=pitch, harmonics=sorted(times.tolist()))
+    axis = cogging.AxisParameters(mass=1e-3 * size, travel=travel)
+    model = cogging.Model(axis, cogging=cogging.CoggingModel(basis, sine, cosine))
+    options = {
+        "scale": float(rng.uniform(0.3, 1.5) / size),  # a current of the order of 1 A
+        "sign": int(rng.choice([-1, 1])),
+        "zero": float(rng.uniform(-1.0, 1.0) * (turn or 0.3)),
+        "reverse": bool(rng.integers(2)),
+    }
+    return Machine(model, turn, pairs, pitch, options)
+
+
+def made(form, machine, **changes):
+    options = {**machine.options, **changes}
+    if machine.turn:
+        options["turn"] = machine.turn
+    if form == "novanta":
+        options["entries"] = 256
+        if machine.turn:
+            options["pole_pairs"] = machine.pairs
+    return cogging.export.to(machine.model, form, **options)
+
+
+def allowed(form, machine, drive, x):
+    """What entries and quantum leave of a smooth map: step h of a held entry h^2 F'^2 / 12, of a line h^4 F''^2 / 120.
+
+    A quantum q leaves q^2/12 in an entry, two thirds of that between two.
+    """
+    cog, how = machine.model.cogging, FORMS[form][1]
+    h = drive.span / (len(drive.values) - (not drive.wraps))
+    quantum = {"akd": 1e-3, "moteus": np.abs(drive.values).max() / 127}.get(form, 0.0) / machine.options["scale"]
+    if how == "hold":
+        return np.sqrt(h**2 / 12 * np.mean(cog.slope(x) ** 2) + quantum**2 / 12)
+    d = 1e-4 * h
+    curvature = (cog.slope(x + d) - cog.slope(x - d)) / (2 * d)
+    return np.sqrt(h**4 / 120 * np.mean(curvature**2) + 2 / 3 * quantum**2 / 12)
+
+
+@pytest.mark.parametrize(("form", "kind", "seed"), CASES)
+def test_the_drive_removes_what_its_resolution_allows(form, kind, seed):
+    machine = drawn(form, kind, seed)
+    exported = made(form, machine)
+    drive = READERS[form](exported, machine)
+    x = machine.positions()
+    force = machine.model.cogging.force(x)
+    left = rms(force - machine.feedforward(drive, x))
+    if form == "ax8000":
+        assert left < 3e-6 * rms(force)
+    else:
+        bound = allowed(form, machine, drive, x)
+        assert 0.9 * bound < left < 1.1 * bound + 2e-7 * rms(force)
+        assert left < 0.15 * rms(force)
+    told = float(re.search(r"removes (\S+) % of the cogging's rms", exported.text)[1])
+    assert told == pytest.approx(100 * (1 - left / rms(force)), abs=0.05 * 100 * left / rms(force) + 1e-3)
+
+
+@pytest.mark.parametrize(("form", "kind", "seed"), CASES[1::4])
+def test_a_wrong_sign_doubles_the_cogging(form, kind, seed):
+    machine = drawn(form, kind, seed)
+    drive = READERS[form](made(form, machine, sign=-machine.options["sign"]), machine)
+    x = machine.positions()
+    force = machine.model.cogging.force(x)
+    assert rms(force - machine.feedforward(drive, x)) == pytest.approx(2 * rms(force), rel=0.05)
+
+
+SHIFTED = [case for case in CASES[2::4] if case[1] == "rotary" or case[0] not in ("csv", "akd")]  # of one range
+
+
+@pytest.mark.parametrize(("form", "kind", "seed"), SHIFTED)
+def test_a_zero_that_is_off_is_seen(form, kind, seed):
+    """Off by d, the drive leaves F(x) - F(x + d)."""
+    machine = drawn(form, kind, seed)
+    off = 0.11 * 2 * np.pi / max(machine.model.cogging.basis.wavenumbers)
+    drive = READERS[form](made(form, machine, zero=machine.options["zero"] + off), machine)
+    x = machine.positions()
+    low, high = machine.model.axis.travel
+    x = x[(x > low + off) & (x < high - off)]
+    force = machine.model.cogging.force
+    expected = rms(force(x) - force(x + off))
+    assert rms(force(x) - machine.feedforward(drive, x)) == pytest.approx(expected, rel=0.1)
+    assert expected > 0.05 * rms(force(x))
+
+
+def modulated(seed):
+    """A linear motor whose cogging changes along the travel."""
+    machine = drawn("novanta", "linear", seed)
+    rng = np.random.default_rng(seed)
+    low, _ = machine.model.axis.travel
+    old = machine.model.cogging
+    basis = cogging.SplineHarmonics(
+        pitch=machine.pitch, harmonics=old.basis.harmonics, order=3, origin=low, control_points=7
+    )
+    grown = rng.uniform(0.4, 1.6, (old.basis.terms, 7))
+    machine.model = machine.model.replace(cogging=cogging.CoggingModel(basis, old.sine * grown, old.cosine * grown))
+    return machine
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("form", ["csv", "akd", "sinamics"])
+def test_a_table_over_the_travel_holds_what_changes_along_it(form, seed):
+    machine = modulated(seed)
+    exported = made(form, machine)
+    drive = READERS[form](exported, machine)
+    x = machine.positions()
+    force = machine.model.cogging.force(x)
+    assert rms(force - machine.feedforward(drive, x)) < 0.02 * rms(force)
+    assert "cannot hold" not in exported.text
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_table_of_one_period_cannot_and_says_how_much(seed):
+    machine = modulated(seed)
+    exported = made("novanta", machine)
+    drive = READERS["novanta"](exported, machine)
+    x = machine.positions()
+    left = rms(machine.model.cogging.force(x) - machine.feedforward(drive, x))
+    (said,) = re.findall(r"cannot hold (\S+) V rms: amplitudes that change along the travel", exported.text)
+    assert float(said) == pytest.approx(left, rel=0.03)
+    # The mean over the periods is the best that one period can hold.
+    other = dataclasses.replace(machine, options={**machine.options, "scale": 1.1 * machine.options["scale"]})
+    assert left < rms(machine.model.cogging.force(x) - other.feedforward(drive, x))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_ten_coefficients_hold_the_ten_largest_waves(seed):
+    machine = drawn("ax8000", "rotary", seed, waves=14)
+    drive = READERS["ax8000"](made("ax8000", machine), machine)
+    cog = machine.model.cogging
+    sizes = np.sort(np.hypot(cog.sine, cog.cosine).ravel())
+    x = machine.positions(200_000)
+    left = rms(cog.force(x) - machine.feedforward(drive, x))
+    assert left == pytest.approx(np.sqrt(0.5 * np.sum(sizes[:4] ** 2)), rel=0.02)
+    sine = dataclasses.replace(machine)
+    waves = READERS["ax8000"](made("ax8000", machine, wave="sine"), sine)
+    waves.waves = [(n, phi - 90.0, r) for n, phi, r in waves.waves]
+    np.testing.assert_allclose(waves.adds(machine.place(x)), drive.adds(machine.place(x)), atol=1e-5)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_period_that_does_not_close_on_a_turn(form, tmp_path, capsys):
+    basis = cogging.SplineHarmonics(pitch=0.9, harmonics=[1, 2])
+    cog = cogging.CoggingModel(basis, [[1.0], [0.0]], [[0.0], [1.0]])
+    path = tmp_path / "model.toml"
+    cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog).write(path)
+    out = tmp_path / "out"
+    more = ["--entries", "64", "--pole-pairs", "7"] if form == "novanta" else []
+    assert main(["export", str(path), "--to", form, "--out", str(out), "--turn", "6.2831853", *more]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "model.toml: turn: must be a whole number of times each period of the map, here 0.9" in said
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("form", "options", "rule"),
+    [
+        ("odrive", {}, "turn: must be given"),
+        ("moteus", {}, "turn: must be given"),
+        ("ax8000", {}, "turn: must be given.*0x32D3"),
+        ("novanta", {}, "entries: must be given: as many as register 0x2307"),
+        ("novanta", {"entries": 1}, "entries: must be from 2"),
+        ("akd", {"entries": 8193}, "entries: must be from 2 to 8192, got 8193"),
+        ("akd", {"quantum": 0.0}, "quantum: must be finite and above 0"),
+        ("csv", {"sign": 2}, "sign: must be 1 or -1, got 2"),
+        ("csv", {"scale": -1.0}, "scale: must be finite and above 0"),
+        ("csv", {"zero": float("nan")}, "zero: must be finite"),
+        ("csv", {"turn": -1.0}, "turn: must be finite"),
+        ("csv", {"between": "cubic"}, "between: must be one of linear, hold"),
+        ("csv", {"over": "mile"}, "over: must be one of travel, turn, period"),
+        ("csv", {"wave": "sine"}, "wave: must be an option of the form csv"),
+        ("sinamics", {"pole_pair_width": 0.0}, "pole_pair_width: must be finite and above 0"),
+        ("novanta", {"entries": 64, "turn": 0.2}, "pole_pairs: must be at least 1"),
+        ("odrive", {"turn": 0.2, "quantity": "volt"}, "quantity: must be one of torque, current"),
+        ("ax8000", {"turn": 0.2, "channel": "C"}, "channel: must be one of A, B"),
+    ],
+)
+def test_what_cannot_be_exported(form, options, rule):
+    machine = drawn("csv", "linear", 0)
+    model = machine.model.replace(
+        cogging=cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.05, harmonics=[1]), [[1.0]], [[0.0]])
+    )
+    with pytest.raises(ValueError, match=rule):
+        cogging.export.to(model, form, **options)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_unit_that_is_not_the_drives_needs_a_scale(form):
+    kinds, _ = FORMS[form]
+    machine = drawn(form, kinds[0], 0)
+    model = machine.model.replace(units=cogging.Units(command="N"))
+    options = {key: value for key, value in machine.options.items() if key != "scale"}
+    machine.model, machine.options = model, options
+    if form == "csv":  # in whatever unit the model has
+        assert made(form, machine).content == made(form, machine, scale=1.0).content
+        return
+    with pytest.raises(
+        ValueError, match=r"scale: must be given, (A|Nm) per N: the drive takes (A|Nm), got a model in N"
+    ):
+        made(form, machine)
+    assert made(form, machine, scale=0.2).content
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_model_without_a_map(form):
+    with pytest.raises(ValueError, match=r"cogging: must be given to export a map"):
+        cogging.export.to(
+            cogging.Model(cogging.AxisParameters(mass=1.0)), form, **{"entries": 9} if form == "novanta" else {}
+        )
+
+
+def test_travel_must_be_known_where_a_table_covers_it():
+    machine = drawn("csv", "linear", 1)
+    model = machine.model.replace(axis=cogging.AxisParameters(mass=1.0))
+    for form in ("akd", "sinamics"):
+        with pytest.raises(ValueError, match=r"axis\.travel: must have two finite ends"):
+            cogging.export.to(model, form)
+    period = cogging.export.to(model, "csv")
+    rows = np.loadtxt(period.content.decode().splitlines(), delimiter=",", skiprows=1)
+    assert rows[0, 0] == 0.0
+    assert rows[-1, 0] == pytest.approx(machine.pitch * 999 / 1000)
+
+
+def test_the_command_takes_what_map_wrote(tmp_path, monkeypatch, capsys):
+    """A scan becomes a map, and the map a table: no `[axis]` between."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(3)
+    x = np.linspace(0.0, 360.0, 1500, endpoint=False)
+    force = 0.3 * np.sin(np.deg2rad(12 * x) + 0.4) + 0.1 * np.cos(np.deg2rad(28 * x)) + 0.003 * rng.normal(size=x.size)
+    np.savetxt("scan.csv", np.column_stack([x, force]), delimiter=",", header="position,force", comments="")
+    assert main(["map", "scan.csv", "--pitch", "360", "--out", "map.toml"]) == 0
+    assert main(["export", "map.toml", "--to", "moteus", "--out", "table.cfg", "--turn", "360", "--scale", "2.5"]) == 0
+    said = capsys.readouterr().out
+    assert "table.cfg, table.cfg.txt written" in said
+    assert re.search(r"removes 9\d\.\d+ % of the cogging's rms", said)
+    exported = cogging.export.to("map.toml", "moteus", turn=360.0, scale=2.5)
+    assert (tmp_path / "table.cfg").read_bytes() == exported.content
+    assert (tmp_path / "table.cfg.txt").read_bytes() == exported.beside[".txt"]
+    machine = Machine(None, 360.0, 7, 360.0, {"zero": 0.0, "reverse": False, "sign": 1, "scale": 2.5})
+    left = force - machine.feedforward(READERS["moteus"](exported, machine), x)
+    assert 0.003 < rms(left) < 0.005
+
+
+def test_the_sheet_stands_beside_the_file():
+    for form in FORMS:
+        kinds, _ = FORMS[form]
+        text = made(form, drawn(form, kinds[0], 0)).beside[".txt"].decode()
+        for title in ("takes:", "entries:", "sign:", "zero and direction:", "loaded by:", "source:"):
+            assert title in text, (form, title)
+        assert "removes " in text
