@@ -117,12 +117,8 @@ _PAIRS = Option("pole_pairs", int, "electrical periods a revolution", "N")
 _QUANTITY = Option("quantity", str, "what the firmware's map is of", choices=("torque", "current"))
 _WAVE = Option("wave", str, "which wave has the phase phi", choices=("cosine", "sine"))
 _CHANNEL = Option("channel", str, "of a two-channel drive", choices=("A", "B"))
-_NAME = Option(
-    "name", str, "name in code: the header's namespace, the unit's model identifier; axis where not given", "NAME"
-)
-_SAMPLE_RATE = Option(
-    "sample_rate", float, "Hz, at which noise is drawn and steps are proposed; the controller's where not given", "HZ"
-)
+_NAME = Option("name", str, "name in code: of the namespace, of the unit; default axis", "NAME")
+_RATE = Option("sample_rate", float, "Hz, at which a unit draws noise; default the controller's", "HZ")
 
 
 def _drive(name: str, writes: str, module: str, *options: Option) -> Form:
@@ -142,7 +138,7 @@ FORMS: dict[str, Form] = {
         _drive("odrive", "a map as the anticogging map of ODrive 0.5", "odrive", _QUANTITY),
         _drive("moteus", "a map as moteus' motor.cogging_dq_comp", "moteus"),
         Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (_NAME,)),
-        Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (_NAME, _SAMPLE_RATE)),
+        Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (_NAME, _RATE)),
     )
 }
 
