@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from cogging.calls import did_you_mean
-from cogging.shown import quoted
+from cogging.shown import nearest_name, quoted
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -183,3 +183,15 @@ def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str
     for key in given:
         if key not in known:
             raise FieldError(section, key, f"is not known here; {did_you_mean(key, known)}")
+
+
+def refuse_mistyped(given: Iterable[str], key: str, section: str, occurrence: int = 0) -> None:
+    """Raise if a key that must be given is not there, and one that is nearly it is.
+
+    Raises:
+        FieldError: names what stands there, and the key.
+    """
+    given = list(given)
+    near = None if key in given else nearest_name(key, given)
+    if near is not None:
+        raise FieldError(section, near, f"is not known here; did you mean {key}?", occurrence)

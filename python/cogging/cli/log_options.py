@@ -14,7 +14,7 @@ from typing import Any
 from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.logs.log import Log, read_log
-from cogging.shown import quoted
+from cogging.shown import nearest, quoted
 
 ONE_FILE = "for one of several files, put its name before: %s"
 OPTIONS = ("columns", "scale", "zero", "rows")
@@ -69,7 +69,9 @@ def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], p
     """
     for name in zero:
         if name not in columns:
-            raise InputError(f"--zero: {quoted(name)}: must be a column of {path}, {', '.join(columns)}")
+            raise InputError(
+                f"--zero: {quoted(name)}: must be a column of {path}, {', '.join(columns)}{nearest(name, columns)}"
+            )
     return {name: column - zero[name] if name in zero else column for name, column in columns.items()}
 
 
@@ -82,7 +84,9 @@ def require_known(arguments: argparse.Namespace, paths: Sequence[str]) -> None:
     for option in OPTIONS:
         for file in getattr(arguments, option):
             if file and not any(_means(file, path) for path in paths):
-                raise InputError(f"--{option}: {quoted(file)}: must be a file of this call, {', '.join(paths)}")
+                raise InputError(
+                    f"--{option}: {quoted(file)}: must be a file of this call, {', '.join(paths)}{nearest(file, paths)}"
+                )
 
 
 def _means(file: str, path: str) -> bool:

@@ -21,6 +21,7 @@ from cogging.files import InputError
 from cogging.logs.columns import read_columns
 from cogging.logs.log import Log, read_log
 from cogging.model.model import Model
+from cogging.shown import nearest
 
 SOURCE = Source("emps", "nonlinearbenchmark.org", "no licence stated: cite Janot, Gautier and Brunot 2019")
 FILES = ("DATA_EMPS", "DATA_EMPS_PULSES")  # the second has another motion, and pulses added to the command
@@ -73,7 +74,7 @@ def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) 
         InputError: the file is not there, or is no such log.
     """
     if name not in FILES:
-        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}")
+        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
     return read_log(_find(name, folder), columns=COLUMNS, scale={"command": FORCE_CONSTANT})
 
 

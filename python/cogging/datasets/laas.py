@@ -19,6 +19,7 @@ from cogging.arrays import FloatArray
 from cogging.datasets.source import Source
 from cogging.logs.columns import read_columns
 from cogging.logs.log import Log
+from cogging.shown import nearest
 
 SOURCE = Source(
     "laas",
@@ -103,7 +104,7 @@ def read(name: str, folder: str | os.PathLike[str] | None = None, *, compensated
         InputError: the file is not there, or is no such log.
     """
     if name not in FILES:
-        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}")
+        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
     names = {"time": "Time", "position": "Position", "velocity": "Velocity", "current": "Iq"}
     if name == "speed_test1":
         names["compensation"] = "Function Activated"

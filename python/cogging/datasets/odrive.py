@@ -20,7 +20,7 @@ from cogging.arrays import FloatArray
 from cogging.datasets.source import Source
 from cogging.files import InputError
 from cogging.logs.log import Log
-from cogging.shown import one_line
+from cogging.shown import nearest, one_line
 
 SOURCE = Source(
     "odrive",
@@ -102,7 +102,7 @@ def read(
         InputError: the file is not there, or is no such run.
     """
     if name not in FILES:
-        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}")
+        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
     path = _find(name, folder)
     table = _array(path)
     if table.ndim != 2 or table.shape[0] != 3 or table.shape[1] < 3:
@@ -133,7 +133,7 @@ def scan(name: str, folder: str | os.PathLike[str] | None = None) -> Scan:
         InputError: the file is not there, or is no such scan.
     """
     if name not in SCANS:
-        raise ValueError(f"name: must be one of {', '.join(SCANS)}, got {name!r}")
+        raise ValueError(f"name: must be one of {', '.join(SCANS)}, got {name!r}{nearest(name, SCANS)}")
     path = _find(name, folder)
     held = _array(path)
     if held.shape != (COUNTS,):

@@ -20,6 +20,7 @@ from cogging.design.observer import design_observer
 from cogging.model.controller import AnyController, ListedController
 from cogging.model.intervals import Interval
 from cogging.model.model import Model
+from cogging.shown import nearest
 
 #: The controllers that are designed from the bounds of a model.
 DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")
@@ -80,7 +81,9 @@ def _wanted(controllers: Sequence[str] | None) -> list[str]:
         raise ValueError(f"controllers: must be a list of different names, got {controllers!r}")
     for name in wanted:
         if name not in (OWN, *DESIGNED):
-            raise ValueError(f"controllers: each must be one of {', '.join((OWN, *DESIGNED))}, got {name!r}")
+            known = (OWN, *DESIGNED)
+            rule = f"each must be one of {', '.join(known)}"
+            raise ValueError(f"controllers: {rule}, got {name!r}{nearest(str(name), known)}")
     return wanted
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray
+from cogging.calls import did_you_mean
 from cogging.model.intervals import Interval
 from cogging.simulation.frames import to_pandas
 from cogging.values import ByValue
@@ -92,7 +93,8 @@ class ErrorPrediction(ByValue):
         for controller in self.controllers:
             if controller.name == name:
                 return controller
-        raise KeyError(name)
+        known = [controller.name for controller in self.controllers]
+        raise KeyError(f"{name}: is no controller of it; {did_you_mean(name, known)}")
 
     def table(self) -> dict[str, Any]:
         """One row a controller and machine: its names and places, what was drawn, and the indexes (m).

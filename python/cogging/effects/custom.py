@@ -17,6 +17,7 @@ import numpy.typing as npt
 from cogging._core import EFFECTS, AxisParameters, CoggingModel
 from cogging._core.effects import CompiledLaw, OwnLaws, PythonLaw
 from cogging.effects.parameter import Parameter, role_of_parameter, valid_value
+from cogging.shown import nearest
 
 Value = float | list[float]
 
@@ -193,7 +194,7 @@ class Custom(OwnLaws):
         parameters = self._definition.parameters
         for key in changes:
             if key not in parameters:
-                raise ValueError(f"{self.NAME}.{key}: must be one of {', '.join(parameters)}")
+                raise ValueError(f"{self.NAME}.{key}: must be one of {', '.join(parameters)}{nearest(key, parameters)}")
         new = {key: valid_value(self.NAME, key, parameters[key], value) for key, value in changes.items()}
         return _made(self._definition, {**self._values, **new})
 

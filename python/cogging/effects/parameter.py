@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from cogging.shown import nearest
+
 #: What an amplitude without bounds is measured against, by its unit, and up to how many times that.
 BY_UNIT = {
     "V": ("force", 1.0),
@@ -54,7 +56,8 @@ class Parameter:
         if self.role not in ("amplitude", "shape", "setting"):
             raise ValueError(f"role: must be amplitude, shape or setting, got {self.role!r}")
         if self.quantity is not None and self.quantity not in QUANTITIES:
-            raise ValueError(f"quantity: must be one of {', '.join(QUANTITIES)}, got {self.quantity!r}")
+            got = f"{self.quantity!r}{nearest(self.quantity, QUANTITIES)}"
+            raise ValueError(f"quantity: must be one of {', '.join(QUANTITIES)}, got {got}")
         if (self.low is None) != (self.high is None):
             raise ValueError(f"low, high: both or neither must be given, got {self.low} and {self.high}")
         if self.low is not None and self.high is not None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
-from cogging.calls import takes
+from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.values import ByValue
 
@@ -97,7 +97,10 @@ class FrictionCurve(ByValue):
         Raises:
             KeyError: it was not fitted.
         """
-        return {model.name: model for model in self.models}[name]
+        known = {model.name: model for model in self.models}
+        if name not in known:
+            raise KeyError(f"{name}: is no model of it; {did_you_mean(name, known)}")
+        return known[name]
 
     def text(self) -> str:
         """The fits in a few lines for the screen."""

@@ -21,6 +21,7 @@ from cogging.logs.repeated_rows import counted_once
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, parameters_of, role_of
 from cogging.progress import Progress
+from cogging.shown import nearest
 from cogging.simulation.arguments import LOGS, MODEL
 
 FEWEST_ROWS = 200
@@ -173,7 +174,7 @@ def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:
 
 def _require_free(path: str, model: Model, known: Mapping[str, Parameter]) -> None:
     if path not in known:
-        raise ValueError(f"free: {path}: must be one of {', '.join(known)}")
+        raise ValueError(f"free: {path}: must be one of {', '.join(known)}{nearest(path, known)}")
     if role_of(model, path) == "setting":
         raise ValueError(f"free: {path}: must be a parameter that a fit may move, got a setting")
     if not np.isfinite(known[path].value):

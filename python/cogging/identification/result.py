@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.calls import did_you_mean
 from cogging.log_check.audit import Audit
 from cogging.model.model import Model
 from cogging.values import ByValue
@@ -173,7 +174,8 @@ class Identification(ByValue):
         for parameter in self.parameters:
             if parameter.path == path:
                 return parameter
-        raise KeyError(path)
+        known = [parameter.path for parameter in self.parameters]
+        raise KeyError(f"{path}: is no free parameter of it; {did_you_mean(path, known)}")
 
     def text(self) -> str:
         """The fit for the screen: warnings, audit of each log, what they can determine, parameters, what is left."""

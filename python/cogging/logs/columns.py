@@ -13,6 +13,7 @@ from cogging.files import InputError, require_file
 from cogging.logs.readers import text_table
 from cogging.logs.readers.apart import FORMATS, read_apart
 from cogging.logs.readers.request import Request
+from cogging.shown import nearest
 
 SUFFIXES = {".mat": "matlab", ".mf4": "mdf", ".mdf": "mdf", ".parquet": "parquet"}
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -106,7 +107,8 @@ def _request(
     for option, mapping in (("columns", columns), ("scale", scale)):
         for name in mapping:
             if name not in (*names, *optional):
-                raise InputError(f"{option}: {name}: must be one of {', '.join((*names, *optional))}")
+                known = (*names, *optional)
+                raise InputError(f"{option}: {name}: must be one of {', '.join(known)}{nearest(name, known)}")
     for name, factor in scale.items():
         if not np.isfinite(factor) or factor == 0.0:
             raise InputError(f"scale: {name}: must be a finite number and not 0, got {factor!r}")

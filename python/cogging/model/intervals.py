@@ -8,6 +8,7 @@ import numpy as np
 
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
+from cogging.shown import nearest
 
 Interval = tuple[float, float]
 
@@ -55,7 +56,8 @@ class Intervals:
         self._default = dict(default or {})
         for path in model.intervals:
             if path not in self._parameters:
-                raise ValueError(f"bounds.{path}: must be a parameter of the model; known: {', '.join(self.paths)}")
+                known = f"{', '.join(self.paths)}{nearest(path, self.paths)}"
+                raise ValueError(f"bounds.{path}: must be a parameter of the model; known: {known}")
         for key, interval in self._default.items():
             if len(interval) != 2 or not np.all(np.isfinite(interval)) or interval[0] > interval[1]:
                 raise ValueError(f"default[{key!r}]: must be (lower, upper), finite and in order, got {interval!r}")

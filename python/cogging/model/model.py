@@ -24,11 +24,11 @@ from cogging._core import (
 from cogging.calls import told_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
-from cogging.shown import quoted
+from cogging.shown import nearest, quoted
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -94,7 +94,8 @@ class Model(ByValue):
         if (self.controller is None) != (self.controller_type is None):
             raise ValueError("controller, controller_type: both or neither must be given")
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
-            raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {self.controller_type!r}")
+            got = f"{self.controller_type!r}{nearest(self.controller_type, CONTROLLERS)}"
+            raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {got}")
         if not isinstance(self.units, Units):
             raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
         if self.controller is not None and not isinstance(self.controller, PARAMETERS):
@@ -245,6 +246,7 @@ class Model(ByValue):
             raise FieldError("", "axis", "must be given, got no such section")
         axis_section = dict(_table(document, "axis"))
         uncertainty = axis_section.pop("uncertainty", {})
+        refuse_unknown_keys(axis_section, AxisParameters.FIELDS, "axis")
         if "mass" not in axis_section:
             raise FieldError("axis", "mass", "must be given, got nothing")
         axis = parameters_from(AxisParameters, axis_section, "axis")
@@ -396,6 +398,7 @@ def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]
     made = []
     for occurrence, entry in enumerate(effects):
         fields = dict(entry)
+        refuse_mistyped(fields, "name", "effects", occurrence)
         name = fields.pop("name", None)
         if isinstance(name, str) and name in own:
             made.append(_own_effect_from(own[name], fields, occurrence))
@@ -403,7 +406,8 @@ def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]
         if not isinstance(name, str) or name not in _core.EFFECTS:
             known = ", ".join((*_core.EFFECTS, *own))
             rule = f"must be one of {known} (one of your own is read with Model.read(path, effects=[it]))"
-            raise FieldError("effects", "name", f"{rule}, got {quoted(name)}", occurrence)
+            near = nearest(str(name), (*_core.EFFECTS, *own))
+            raise FieldError("effects", "name", f"{rule}, got {quoted(name)}{near}", occurrence)
         made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
     return tuple(made)
 
@@ -427,9 +431,11 @@ def _controller_from(
     if "controller" not in document:
         return None, None
     section = dict(_table(document, "controller"))
+    refuse_mistyped(section, "type", "controller")
     kind = section.pop("type", None)
     if not isinstance(kind, str) or kind not in CONTROLLERS:
-        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}")
+        near = nearest(str(kind), CONTROLLERS)
+        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}{near}")
     struct = CONTROLLERS[kind][0]
     if "coulomb_width" in struct.FIELDS:
         # Truth and belief part here: the controller's width is the axis' as first read, and its own from then on.

@@ -8,6 +8,7 @@ import os
 from cogging.calls import takes
 from cogging.papers.result import Reproduction
 from cogging.progress import Progress, steps
+from cogging.shown import nearest
 
 #: The papers that can be reproduced; each is a package beside this file.
 PAPERS = ("lu2008", "malaize2009", "xu2001")
@@ -32,10 +33,10 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
         >>> cogging.reproduce("lu2009")
         Traceback (most recent call last):
             ...
-        ValueError: paper: must be one of lu2008, malaize2009, xu2001, got 'lu2009'
+        ValueError: paper: must be one of lu2008, malaize2009, xu2001, got 'lu2009' (did you mean 'lu2008'?)
     """
     if paper not in PAPERS:
-        raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}")
+        raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}{nearest(paper, PAPERS)}")
     return _run(f"cogging.papers.{paper}.reproduce", "reproduce", paper, out, progress)
 
 

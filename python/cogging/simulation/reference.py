@@ -13,10 +13,10 @@ import numpy as np
 from cogging import _core
 from cogging._core import Reference, Sampled
 from cogging.calls import PATHS, takes
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
-from cogging.shown import quoted
+from cogging.shown import nearest, quoted
 
 TYPES = tuple(_core.REFERENCES)
 #: Motions by the name that a reference file gives them, parameter struct and class, but for the sampled one.
@@ -70,9 +70,11 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
         FieldError: a ValueError that names field, rule and value.
     """
     fields = dict(document)
+    refuse_mistyped(fields, "type", "")
     kind = fields.pop("type", None)
     if kind not in TYPES:
-        raise FieldError("", "type", f"must be one of {', '.join(TYPES)}, got {quoted(kind)}")
+        got = f"{quoted(kind)}{nearest(str(kind), TYPES)}"
+        raise FieldError("", "type", f"must be one of {', '.join(TYPES)}, got {got}")
     duration = fields.pop("duration", 0.0)
     if not is_number(duration) or not 0 <= duration < 1e9:
         raise FieldError("", "duration", f"must be a number of seconds from 0 to 1e9, got {quoted(duration)}")

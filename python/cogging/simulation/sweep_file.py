@@ -10,7 +10,7 @@ from typing import Any
 
 from cogging.files import FieldError, read_text, read_toml
 from cogging.outputs import AnyPath
-from cogging.shown import quoted
+from cogging.shown import nearest, quoted
 from cogging.simulation.job_file import files_of_job, require_keys, run_job
 from cogging.simulation.reductions import names_of, reduction
 from cogging.simulation.sweep import SweepRuns, sweep
@@ -73,7 +73,8 @@ def _require(document: Mapping[str, Any]) -> None:
     """
     require_keys(document, KEYS, NEEDED)
     if document.get("method", "grid") not in METHODS:
-        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(document['method'])}")
+        got = f"{quoted(document['method'])}{nearest(str(document['method']), METHODS)}"
+        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {got}")
     window = (document.get("start", -math.inf), document.get("stop", math.inf), document.get("final_window", 2.0))
     require_numbers(document.get("seed", 0), document.get("runs", 1), document.get("duration", 0.0), window)
     for name in document.get("reductions", ()):

@@ -13,7 +13,7 @@ from cogging.arrays import FloatArray
 from cogging.files import LARGEST, FieldError, refuse_unknown_keys
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.model import Model, is_number
-from cogging.shown import quoted
+from cogging.shown import nearest, quoted
 from cogging.simulation.varied import SEED
 
 METHODS = ("grid", "random", "latin_hypercube", "sobol")
@@ -158,7 +158,8 @@ def points_of(variations: list[Variation], method: str, runs: int, seed: int) ->
         places = np.unravel_index(np.arange(total), [len(axis) for axis in axes])
         return np.stack([axis[place] for axis, place in zip(axes, places, strict=True)], axis=1)
     if method not in METHODS:
-        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}")
+        near = nearest(str(method), METHODS)
+        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}{near}")
     _require_runs(runs)
     shares = _shares(method, runs, len(variations), seed)
     return np.stack([variation.of_shares(shares[:, i]) for i, variation in enumerate(variations)], axis=1)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cogging.calls import PATHS, takes
+from cogging.calls import PATHS, takes, told_constructor
 from cogging.diagnosis.thresholds import MOTION
 from cogging.file_schema import LIMITS, LIMITS_NEEDED
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
@@ -17,6 +17,7 @@ from cogging.shown import quoted
 from cogging.values import ByValue
 
 
+@told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits(ByValue):
     """What a machine may do in an experiment.

@@ -31,6 +31,7 @@ from cogging.estimation.residuals import quiet
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
+from cogging.shown import nearest
 from cogging.simulation.arguments import MODEL
 
 LIMITS = Kind((MotionLimits, *PATH), "a MotionLimits or the path of a limits file")
@@ -149,7 +150,7 @@ def _goal(goal: str | None, found: Sequence[Found]) -> str:
     if goal is None:
         return "separate" if ambiguous else "detect"
     if goal not in GOALS:
-        raise ValueError(f"goal: must be one of {', '.join(GOALS)}, got {goal!r}")
+        raise ValueError(f"goal: must be one of {', '.join(GOALS)}, got {goal!r}{nearest(goal, GOALS)}")
     if goal == "separate" and not ambiguous:
         raise ValueError("goal: separate needs a result with alternatives, got none; detect and fit need none")
     return goal

@@ -13,7 +13,7 @@ from cogging.diagnosis.thresholds import EXPERIMENT
 from cogging.effects.effect import Effect, SplineKnots, Travel, kind_of
 from cogging.files import FieldError
 from cogging.model.model import Model, is_number
-from cogging.shown import quoted
+from cogging.shown import nearest, quoted
 
 #: Changes of the axis that are named like effects, with the field of the axis.
 CHANGES = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
@@ -74,7 +74,9 @@ def _found(
     place = f"effects[{number}]"
     name, others = entry.get("name"), entry.get("alternatives", [])
     if name not in known:
-        raise FieldError(place, "name", f"must be an effect of the vocabulary, got {quoted(name)}")
+        raise FieldError(
+            place, "name", f"must be an effect of the vocabulary, got {quoted(name)}{nearest(str(name), known)}"
+        )
     if not isinstance(others, list) or not all(other in known for other in others):
         raise FieldError(place, "alternatives", f"must be names of the vocabulary, got {quoted(others)}")
     tables = [entry.get("parameters", {}), *entry.get("further", [])]
@@ -107,7 +109,7 @@ def _effect(law: Effect, table: Any, model: Model, place: str) -> Effect:
     fields: dict[str, Any] = dict(_values(table, place))
     for name in fields:
         if name not in law.FIELDS:
-            raise FieldError(f"{place}.parameters", name, f"is no field of {law.NAME}")
+            raise FieldError(f"{place}.parameters", name, f"is no field of {law.NAME}{nearest(name, law.FIELDS)}")
     low, high = (float(end) for end in model.axis.travel)
     knots, ends = kind_of(law, SplineKnots), kind_of(law, Travel)
     if knots is not None and np.isfinite([low, high]).all() and knots.pitch not in fields:

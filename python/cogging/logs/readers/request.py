@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cogging.files import InputError
+from cogging.shown import nearest
 
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
 SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
@@ -89,7 +90,8 @@ class Request:
             places = whole or [i for i, (bare, _) in enumerate(parts) if bare == there]
             if not places:
                 if name in self.names or name in self.columns:
-                    raise self.refuse(f"column {there}: must be in the {place}, which has {listed(present)}")
+                    near = nearest(there, [bare.strip() for bare, _ in parts])
+                    raise self.refuse(f"column {there}: must be in the {place}, which has {listed(present)}{near}")
                 continue
             if len(whole) > 1:
                 raise self.refuse(f"column {there}: must stand once in the {place}, got {len(whole)} of that name")
