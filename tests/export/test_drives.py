@@ -285,6 +285,17 @@ def test_a_unit_that_is_not_the_drives_needs_a_scale(form):
     assert made(form, machine, scale=0.2).content
 
 
+@pytest.mark.parametrize(("form", "unit"), [("akd", "A"), ("sinamics", "N"), ("novanta", "A"), ("csv", None)])
+def test_a_unit_that_nobody_has_told_is_an_assumption(form, unit):
+    machine = drawn(form, "linear", 3)
+    del machine.options["scale"]
+    said = f"assumed: 1 V of the model is 1 {unit} (--scale, or [units] of the model)"
+    assert (said in made(form, machine).text) == (unit is not None)
+    assert "of the model is" not in made(form, machine, scale=1.0).text
+    machine.model = machine.model.replace(units=cogging.Units(command=unit or "N"))
+    assert "of the model is" not in made(form, machine).text
+
+
 def test_a_wave_that_the_drive_does_not_have():
     cog = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[7, 240]), [[1.0], [0.5]], [[0.0], [0.0]])
     model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)

@@ -33,6 +33,7 @@ class Frame:
         zero: x at the drive's position 0.
         low, high: ends of the motion, x; infinite where they are not known.
         turn: x of one mechanical revolution; 0 = a linear axis.
+        scale_said: whether somebody said the scale, by number or by the model's units.
     """
 
     cogging: CoggingModel
@@ -43,6 +44,7 @@ class Frame:
     low: float
     high: float
     turn: float
+    scale_said: bool
 
     @property
     def bounded(self) -> bool:
@@ -117,7 +119,9 @@ def frame_of(
     if turn < 0.0 or not math.isfinite(turn):
         raise ValueError(f"turn: must be finite and at least 0, got {quoted(turn)}")
     low, high = model.axis.travel
-    frame = Frame(model.cogging, -1 if reverse else 1, sign, _scale(model, unit, scale), zero, low, high, turn)
+    said = scale is not None or model.units.command == unit
+    factor = _scale(model, unit, scale)
+    frame = Frame(model.cogging, -1 if reverse else 1, sign, factor, zero, low, high, turn, said)
     require_closed(frame)
     return frame
 

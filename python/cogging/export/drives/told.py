@@ -30,9 +30,15 @@ def told(sheet: Sheet, table: Table, units: Units, unit: str, assumed: tuple[str
         f"{'repeated' if law.wraps else 'nothing outside'}; {frame_line(frame, units, unit)}",
         *rest_lines(table.rest, units.command),
         *cannot(frame, law.span, table.rest, units, wraps=law.wraps),
-        *(f"assumed: {one}" for one in assumed),
+        *assumed_lines(frame, units, unit, assumed),
     ]
     return "\n".join(lines)
+
+
+def assumed_lines(frame: Frame, units: Units, unit: str, assumed: tuple[str, ...]) -> list[str]:
+    """What nobody has told: of the drive, and of the model's unit."""
+    own = [] if frame.scale_said else [f"1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)"]
+    return [f"assumed: {one}" for one in (*own, *assumed)]
 
 
 def rest_lines(rest: Rest, unit: str) -> list[str]:
