@@ -30,9 +30,15 @@ def told(sheet: Sheet, table: Table, units: Units, unit: str, assumed: tuple[str
         f"{'repeated' if law.wraps else 'nothing outside'}; {frame_line(frame, units, unit)}",
         *rest_lines(table.rest, units.command),
         *cannot(frame, law.span, table.rest, units, wraps=law.wraps),
+        *left_out_lines(frame),
         *assumed_lines(frame, units, unit, assumed),
     ]
     return "\n".join(lines)
+
+
+def left_out_lines(frame: Frame) -> list[str]:
+    """Effects of the model that are in no table of cogging."""
+    return [f"not in it, as no cogging: {', '.join(frame.left_out)}"] if frame.left_out else []
 
 
 def assumed_lines(frame: Frame, units: Units, unit: str, assumed: tuple[str, ...]) -> list[str]:
