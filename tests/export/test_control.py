@@ -36,7 +36,8 @@ def machine(rng, kind, rigid=False):
         added.append({"name": "actuator_lag", "time_constant": float(rng.uniform(0.3, 1.0) / rate)})
     if not rigid:
         document["axis"] |= {"coulomb": float(rng.uniform(0.0, 0.4) * mass), "coulomb_width": 0.02}
-        added.append({"name": "cable_spring", "stiffness": float(rng.uniform(-1.0, 1.0) * mass * 20.0)})
+        if kind != "speed":  # which lets it go slowly
+            added.append({"name": "cable_spring", "stiffness": float(rng.uniform(-1.0, 1.0) * mass * 20.0)})
         added.append({"name": "stribeck_friction", "static_excess": 0.1 * mass, "velocity": 0.05})
         if rng.random() < 0.6:
             share, place = float(rng.uniform(0.05, 0.2)), float(rng.uniform(0.03, 0.15) * rate)
@@ -90,8 +91,8 @@ def test_the_simulator_answers_a_small_sine_as_the_linear_loop_does(kind, seed):
     assert loop.left_out == ()
     for multiple in (12, 60, 300):
         measured, linear = response_at(model, multiple), linear_at(loop, multiple)
-        assert abs(measured[0] / linear[0] - 1) < 2e-3, multiple
-        assert abs(measured[1] / linear[1] - 1) < 2e-3, multiple
+        assert abs(measured[0] / linear[0] - 1) < 1e-5, multiple
+        assert abs(measured[1] / linear[1] - 1) < 1e-5, multiple
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -112,8 +113,8 @@ def test_friction_is_taken_at_the_speed(seed):
     )
     loop, resting = (model.to_control(speed=one) for one in (speed, 0.0))
     measured, linear = response_at(model, 4, speed=speed), linear_at(loop, 4)
-    assert abs(measured[0] / linear[0] - 1) < 3e-3
-    assert abs(measured[1] / linear[1] - 1) < 3e-3
+    assert abs(measured[0] / linear[0] - 1) < 2e-4
+    assert abs(measured[1] / linear[1] - 1) < 2e-4
     other = linear_at(resting, 4)
     assert max(abs(one / right - 1) for one, right in zip(other, linear, strict=True)) > 0.03
 
@@ -130,7 +131,7 @@ def test_cogging_is_a_spring_at_the_place():
     model = model.replace(effects=[*model.effects, ripple, wrong])
     loop = model.to_control(position=0.0)
     measured, linear = response_at(model, 4), linear_at(loop, 4)
-    assert abs(measured[0] / linear[0] - 1) < 3e-3
+    assert abs(measured[0] / linear[0] - 1) < 2e-4
     without = model.to_control()
     assert without.left_out == ("cogging (no position given)", "force_constant_ripple", "encoder_periodic_error")
     assert abs(linear_at(without, 4)[0] / linear[0] - 1) > 0.05

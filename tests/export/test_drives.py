@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging import effects
 from cogging.cli.main import main
 from tests.fixtures.drives import READERS
 
@@ -283,6 +284,41 @@ def test_a_unit_that_is_not_the_drives_needs_a_scale(form):
     ):
         made(form, machine)
     assert made(form, machine, scale=0.2).content
+
+
+@pytest.mark.parametrize(("form", "unit"), [("akd", "A"), ("sinamics", "N"), ("novanta", "A"), ("csv", None)])
+def test_a_unit_that_nobody_has_told_is_an_assumption(form, unit):
+    machine = drawn(form, "linear", 3)
+    del machine.options["scale"]
+    said = f"assumed: 1 V of the model is 1 {unit} (--scale, or [units] of the model)"
+    assert (said in made(form, machine).text) == (unit is not None)
+    assert "of the model is" not in made(form, machine, scale=1.0).text
+    machine.model = machine.model.replace(units=cogging.Units(command=unit or "N"))
+    assert "of the model is" not in made(form, machine).text
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_effects_that_are_cogging_go_with_the_map(form):
+    """A map whose terms stand in effects, as a diagnosis adds them, is the same map; what else pushes is named."""
+    kinds, _ = FORMS[form]
+    machine = drawn(form, kinds[0], 2, waves=3)
+    cog = machine.model.cogging
+    waves = [
+        effects.CoggingHarmonic(period=2 * np.pi / k, sine=a[0], cosine=b[0])
+        for k, a, b in zip(cog.basis.wavenumbers, cog.sine, cog.cosine, strict=True)
+    ]
+    whole = made(form, machine)
+    first = cogging.SplineHarmonics(pitch=machine.pitch, harmonics=cog.basis.harmonics[:1])
+    part = cogging.CoggingModel(first, cog.sine[:1], cog.cosine[:1])
+    machine.model = machine.model.replace(cogging=part, effects=[*waves[1:], effects.CableSpring(stiffness=0.1)])
+    split = made(form, machine)
+    x = machine.positions(5000)
+    one, other = (machine.feedforward(READERS[form](each, machine), x) for each in (whole, split))
+    np.testing.assert_allclose(one, other, atol=2e-2 * rms(one) if form == "akd" else 1e-5 * rms(one))
+    assert "not in it, as no cogging: cable_spring" in split.text
+    machine.model = machine.model.replace(cogging=None, effects=waves)
+    alone = machine.feedforward(READERS[form](made(form, machine), machine), x)
+    np.testing.assert_allclose(one, alone, atol=2e-2 * rms(one) if form == "akd" else 1e-5 * rms(one))
 
 
 def test_a_wave_that_the_drive_does_not_have():

@@ -30,13 +30,14 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
     command.add_argument("--to", required=True, metavar="FORM", help="one of the forms below")
     command.add_argument("--out", required=True, metavar="FILE", help="where it is written")
+    maps = [form.name for form in FORMS.values() if form.of_map]
     for option, forms in _options():
-        taken = f"{option.help} ({', '.join(forms)})"
+        taken = f"{option.help} ({'all maps' if forms == maps else ', '.join(forms)})"
         if option.kind is bool:
             command.add_argument(option_of(option.name), action="store_true", default=None, help=taken)
         else:
-            how: dict[str, Any] = {"type": option.kind, "metavar": option.metavar}
-            command.add_argument(option_of(option.name), help=taken, choices=option.choices or None, **how)
+            how: dict[str, Any] = {"choices": option.choices} if option.choices else {"metavar": option.metavar}
+            command.add_argument(option_of(option.name), help=taken, type=option.kind, **how)
     command.set_defaults(run=run)
 
 

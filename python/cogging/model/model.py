@@ -141,7 +141,7 @@ class Model(ByValue):
         """Write the model, or its map, in a form that another machine takes, as `cogging export` does.
 
         Args:
-            form: "csv", "akd", "sinamics", "ax8000", "novanta", "odrive", "moteus"; see cogging.export.FORMS.
+            form: "csv", "akd", "moteus" or another key of cogging.export.FORMS.
             path: of the file; what stands beside it has its name and one more suffix.
             **options: of that form.
 

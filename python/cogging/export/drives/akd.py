@@ -71,7 +71,9 @@ def make(
     else:
         low, high = travel_of(frame)
         law = Law(entries, low, high - low, False, between)
-        unit = model.units.position
-        notes.append(f"set COGCOMP.RANGELOW to {low:.9g} {unit} and COGCOMP.RANGEHIGH to {high:.9g} {unit}")
+        ends = " and ".join(
+            f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in (("LOW", low), ("HIGH", high))
+        )
+        notes.append(f"set {ends}, in the drive's own unit")
     table = table_of(frame, law, quantum=require_positive("quantum", quantum))
     return exported(model, SHEET, table, "A", [f"{value:.{DIGITS}g}" for value in table.values.tolist()], notes)

@@ -11,7 +11,7 @@ from cogging.export.drives.form import require_turn, single
 from cogging.export.drives.frame import Frame, frame_of, looked_at
 from cogging.export.drives.sheet import Sheet
 from cogging.export.drives.table import Rest
-from cogging.export.drives.told import SHOWN, frame_line, rest_lines
+from cogging.export.drives.told import SHOWN, assumed_lines, frame_line, left_out_lines, rest_lines
 from cogging.export.forms import Exported
 from cogging.model.model import Model
 from cogging.shown import quoted
@@ -145,4 +145,4 @@ def _told(model: Model, frame: Frame, found: list[Wave], wave: str) -> str:
     mean = float(wanted.mean()) / gain
     if abs(mean) > 1e-3 * rest.cogging:
         lines.append(f"cannot hold the mean, {mean:.3g} {unit}")
-    return "\n".join([*lines, *(f"assumed: {one}" for one in SHEET.assumed)])
+    return "\n".join([*lines, *left_out_lines(frame), *assumed_lines(frame, model.units, "Nm", SHEET.assumed)])

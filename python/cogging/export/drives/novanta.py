@@ -80,7 +80,7 @@ def _electrical_period(frame: Frame, pole_pairs: int | None, width: float | None
             )
         return frame.turn / pole_pairs
     if width is None:
-        width = frame.cogging.basis.pitch
+        width = frame.pitch
         if width == 0.0:
             raise ValueError("pole_pair_width: must be given for a map of periods without a pitch, got nothing")
     return require_positive("pole_pair_width", width)

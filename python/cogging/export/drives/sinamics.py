@@ -63,7 +63,7 @@ def make(
         law, factor = Law(ENTRIES, 0.0, frame.turn, True, between), 1.0
     else:
         low, high = travel_of(frame)
-        width = pole_pair_width if pole_pair_width is not None else frame.cogging.basis.pitch or high - low
+        width = pole_pair_width if pole_pair_width is not None else frame.pitch or high - low
         # The table repeats, and its index 0 need not be where the travel begins: two entries beside the travel keep its
         # ends apart.
         span = (high - low) * ENTRIES / (ENTRIES - 2)

@@ -11,7 +11,7 @@ from cogging.export.drives.frame import Frame, ends, looked_at
 from cogging.shown import quoted
 
 BETWEEN = ("linear", "hold")
-MOST_SPANS = 400  # that a mean is taken over: of a longer motion so many, evenly spread
+MOST_SPANS = 100  # that a mean is taken over: of a longer motion so many, evenly spread
 ALONE = 1e-12  # of the map's rms: below it a rest is none
 
 
