@@ -42,6 +42,7 @@ html_title = "cogging"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
+html_domain_indices = False  # the pages of the Python face list the same
 html_copy_source = False
 html_theme_options = {"sidebar_hide_name": False, "navigation_with_keys": False}
 templates_path: list[str] = []

@@ -177,7 +177,7 @@ def test_the_tests_mirror_the_rooms():
     folders = {path.name for path in TESTS.iterdir() if path.is_dir() and any(path.glob("test_*.py"))}
     core = {"basis", "reference", "plant", "control", "simulation", "estimation"}
     assert {name for name in ROOMS if (PACKAGE / name).is_dir()} | core <= folders
-    assert folders - set(ROOMS) - core <= {"golden", "benchmarks", "bindings", "blind", "cpp"}
+    assert folders - set(ROOMS) - core <= {"golden", "benchmarks", "bindings", "blind", "cpp", "site"}
     assert not list((TESTS / "fixtures").glob("test_*.py"))
 
 

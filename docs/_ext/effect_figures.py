@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from effect_signatures import BINS, PLACES, SEPARATES, Signature, folded
+from coordinates import BINS, PLACES, folded
+from effect_signatures import SEPARATES, Signature
 
 from cogging.arrays import FloatArray
 

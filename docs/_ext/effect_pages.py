@@ -9,8 +9,9 @@ from typing import Any
 
 import tomli_w
 from effect_figures import profile, save
-from effect_signatures import MOTIONS, SEPARATES, Signature, signature
+from effect_signatures import SEPARATES, Signature, signature
 from law_formula import formula
+from small_machine import MOTIONS
 
 import cogging
 from cogging.diagnosis.candidates.sizes import is_sought
@@ -73,7 +74,8 @@ def _made_from() -> str:
     """A digest of all that decides what stands on the pages."""
     package = Path(cogging.__file__).parent
     rooms = [package / "diagnosis", package / "estimation", package / "identification", package / "simulation"]
-    files = [Path(str(cogging._core.__file__)), *sorted(Path(__file__).parent.glob("*.py"))]
+    own = ("coordinates", "effect_figures", "effect_pages", "effect_signatures", "law_formula", "small_machine")
+    files = [Path(str(cogging._core.__file__)), *(Path(__file__).parent / f"{name}.py" for name in own)]
     files += [file for room in rooms for file in sorted(room.rglob("*.py"))]
     digest = hashlib.sha256()
     for file in files:
@@ -114,9 +116,8 @@ def _fields(effect: Effect) -> str:
             if neutral == float("inf")
             else f"{neutral:g}"
         )
-        lines.append(
-            f"| `{name}` | {unit if unit != '1' else ''} | {meaning.replace('|', chr(92) + '|')} | {at} | {_range(role)} |"
-        )
+        told = meaning.replace("|", "\\|")
+        lines.append(f"| `{name}` | {'' if unit == '1' else unit} | {told} | {at} | {_range(role)} |")
     return "\n".join(lines)
 
 
@@ -179,9 +180,7 @@ def _confusions(found: Signature) -> str:
     asked = (
         ""
         if is_sought(found.effect)
-        else (
-            "\n\nA search never takes another effect for this one: its amplitudes stand at places of the user's own choice."
-        )
+        else ("\n\nA search never looks for this one: its amplitudes stand at places of the user's own choice.")
     )
     return (
         "Of what it leaves, re-tuning the axis and the map takes a share away; of the rest, another effect at its best "

@@ -5,10 +5,14 @@ from __future__ import annotations
 import base64
 import io
 import json
+import re
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+
 WIDTH = 640  # pixels of a thumbnail
+ENOUGH = 80  # characters of a card's text
 
 
 def write(notebooks: Path, folder: Path) -> None:
@@ -35,21 +39,22 @@ def _card(stem: str, notebook: dict[str, Any], folder: Path) -> str:
     shown = ""
     if picture is not None:
         (folder / f"{stem}.png").write_bytes(_small(picture))
-        shown = (
-            f"```{{image}} _generated/notebooks/{stem}.png\n:class: thumbnail\n:alt: First figure of the notebook: {title}\n"
-            "```\n\n"
-        )
+        told_picture = f":class: thumbnail\n:alt: First figure of the notebook: {title}"
+        shown = f"```{{image}} _generated/notebooks/{stem}.png\n{told_picture}\n```\n\n"
     return (
         f"`````{{grid-item-card}} {title}\n:link: _generated/notebooks/{stem}\n:link-type: doc\n\n{shown}{told}\n`````"
     )
 
 
 def opening(notebook: dict[str, Any]) -> tuple[str, str]:
-    """The heading of a notebook and the first sentence below it."""
+    """The heading of a notebook, and so many sentences below it as tell something."""
     first = "".join(notebook["cells"][0]["source"])
     heading, _, rest = first.partition("\n")
-    sentence, stop, _ = " ".join(rest.split()).partition(". ")
-    return heading.lstrip("# ").strip(), sentence + stop.strip()
+    sentences = re.split(r"(?<=[.?])(?<!al\.) (?=[A-Z])", " ".join(rest.strip().split("\n\n")[0].split()))
+    told = sentences.pop(0)
+    while sentences and len(told) < ENOUGH:
+        told += " " + sentences.pop(0)
+    return heading.lstrip("# ").strip(), told
 
 
 def first_picture(notebook: dict[str, Any]) -> bytes | None:
@@ -71,3 +76,13 @@ def _small(picture: bytes) -> bytes:
         made = io.BytesIO()
         image.convert("RGB").save(made, "PNG", optimize=True)
     return made.getvalue()
+
+
+def name_pictures(doctree: Any) -> None:
+    """Say of each picture that a cell gave where it stands, for who cannot see it: the notebook says no more."""
+    for picture in doctree.findall(nodes.image):
+        if not picture.get("alt"):
+            section = picture
+            while section.parent is not None and not isinstance(section, nodes.section):
+                section = section.parent
+            picture["alt"] = f"Figure under the heading: {section.next_node(nodes.title).astext()}"

@@ -31,6 +31,7 @@ def setup(app: Any) -> dict[str, Any]:
     app.connect("builder-inited", generate)
     app.connect("source-read", repair_links)
     app.connect("autodoc-process-docstring", escaped, priority=400)  # before napoleon makes mark-up
+    app.connect("doctree-resolved", name_pictures)
     app.connect("build-finished", copy_mathjax)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
@@ -84,11 +85,18 @@ def _relative(target: Path, page: Path) -> str:
     return Path(os.path.relpath(target, page.parent)).as_posix()
 
 
+def name_pictures(app: Any, doctree: Any, document: str) -> None:
+    """Give the pictures of notebooks their alternative texts."""
+    if document.startswith("_generated/notebooks/"):
+        notebook_pages.name_pictures(doctree)
+
+
 def copy_mathjax(app: Any, error: Exception | None) -> None:
     """Put the one script that sets formulas into the site."""
     if error is None and app.builder.format == "html":
         package = importlib.util.find_spec("sphinx-mathjax-offline")
-        assert package is not None and package.origin is not None, "extra docs"
+        assert package is not None, "extra docs"
+        assert package.origin is not None, "extra docs"
         script = Path(package.origin).parent / "static" / "mathjax" / "tex-svg.js"
         place = Path(app.outdir) / "_static" / "mathjax"
         place.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,105 @@
+"""Every link and picture of the built site leads to something that it holds; nothing is fetched from elsewhere."""
+
+import re
+from html.parser import HTMLParser
+from urllib.parse import unquote, urldefrag
+
+import pytest
+
+
+class Page(HTMLParser):
+    """What a page refers to, and what can be referred to in it."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.loaded, self.places, self.headings, self.unnamed = [], [], set(), 0, []
+        self.title = re.search(r"<title>(.*?)</title>", text, re.DOTALL)
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        known = dict(attributes)
+        self.places |= {known[name] for name in ("id", "name") if known.get(name)}
+        self.headings += tag == "h1"
+        if tag == "a" and known.get("href"):
+            self.links.append(known["href"])
+        if tag in ("img", "script", "source") and known.get("src"):
+            self.loaded.append(known["src"])
+        told = (known.get("alt") or "").strip()
+        if tag == "img" and (len(told) < 10 or told.endswith((".png", ".svg"))):
+            self.unnamed.append(known.get("src"))
+        if tag == "link" and known.get("rel") in ("stylesheet", "icon", "preload"):
+            self.loaded.append(known["href"])
+
+
+@pytest.fixture(scope="module")
+def pages(site):
+    """Every page by its path."""
+    found = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
+    assert len(found) > 50
+    return {path: page for path, page in found.items() if path.name not in ("search.html", "genindex.html")}
+
+
+def target_of(path, link):
+    """The file and the place in it that a link of a page leads to; None of one that leads out of the site."""
+    if re.match(r"[a-z]+:", link):
+        return None
+    address, place = urldefrag(link)
+    file = (path.parent / unquote(address.partition("?")[0])).resolve() if address else path
+    return (file / "index.html" if file.is_dir() else file), unquote(place)
+
+
+def test_links_lead_somewhere(pages, site):
+    broken = []
+    for path, page in pages.items():
+        for link in page.links:
+            target = target_of(path, link)
+            if target is None:
+                continue
+            file, place = target
+            known = pages.get(file)
+            if not file.is_relative_to(site) or not file.exists() or (place and known and place not in known.places):
+                broken.append((str(path.relative_to(site)), link))
+    assert not broken
+
+
+def test_what_a_page_loads_is_in_the_site(pages, site):
+    """Pictures, scripts and style: none is missing, none comes from another host."""
+    for path, page in pages.items():
+        for link in page.loaded:
+            if link.startswith("data:"):
+                continue
+            target = target_of(path, link)
+            assert target is not None, (path, link)
+            assert target[0].is_file(), (path, link)
+    for style in site.rglob("*.css"):
+        assert not re.search(r"url\(\s*['\"]?(https?:)?//", style.read_text(encoding="utf-8")), style
+
+
+def test_each_page_has_a_title_and_one_heading(pages):
+    for path, page in pages.items():
+        assert page.headings == 1, path
+        assert page.title is not None, path
+        assert len(page.title[1].strip()) > 5, path
+
+
+def test_each_picture_says_what_it_shows(pages):
+    for path, page in pages.items():
+        assert not page.unnamed, path
+
+
+def test_the_pages_of_each_room_and_effect_are_there(pages, site):
+    from cogging.effects.effect import VOCABULARY
+
+    names = {str(path.relative_to(site)) for path in pages}
+    assert {f"_generated/effects/{name}.html" for name in VOCABULARY} <= names
+    assert {"index.html", "start.html", "how_to.html", "explanation.html", "effects.html", "gallery.html"} <= names
+    assert {"api.html", "evidence.html", "glossary.html"} <= names
+
+
+def test_every_public_name_is_told_once(pages, site):
+    import cogging
+
+    told = [place for path, page in pages.items() if "_generated/api" in path.as_posix() for place in page.places]
+    called = {name for name in cogging.__all__ if callable(getattr(cogging, name))}
+    assert {f"cogging.{name}" for name in called} <= set(told)
+    assert len(told) == len(set(told)) or not {name for name in called if told.count(f"cogging.{name}") > 1}
