@@ -37,4 +37,5 @@ def run(arguments: argparse.Namespace) -> None:
     with naming_files(arguments):
         log = simulate(arguments.model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
     log.write(arguments.out)
-    say(f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m")
+    worst = f"{abs(log.error).max():.3g} {log.units.position}"
+    say(f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {worst}")
