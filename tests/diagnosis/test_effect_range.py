@@ -1,27 +1,14 @@
 """Where a found effect acts: along what its law is a function of, and nowhere else."""
 
-import re
-
 import numpy as np
 import pytest
 
 import cogging
 from cogging.diagnosis.naming.effect_range import COORDINATES, depends_on, where_of
 from cogging.effects.effect import VOCABULARY
+from tests.fixtures.laws_by_symbol import SHAPED, of_the_law
 from tests.fixtures.own_laws import drag, ripple, spring
 from tests.golden.logs import EFFECTS
-
-SYMBOLS = {"x": "position", "v": "velocity", "t": "time"}
-SHAPED = ("force", "friction_level", "command_gain", "shape_command", "reading")
-
-
-def of_the_law(effect):
-    """Coordinates of the formula as it is printed, without the S(v) that every friction level has."""
-    formula = effect.LAW.replace("S(v)", "")
-    told = {SYMBOLS[symbol] for symbol in re.findall(r"\b[xvt]\b", formula)}
-    if effect.NAME in ("cogging_modulation", "empirical_force"):
-        told |= {SYMBOLS[symbol] for symbol in re.findall(r"\((x|v|t)\)", effect.LAW)}
-    return told or ({"command"} if "shape_command" in effect.HOOKS else {"position"})
 
 
 @pytest.mark.parametrize("name", [name for name in VOCABULARY if set(VOCABULARY[name].HOOKS) & set(SHAPED)])

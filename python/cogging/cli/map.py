@@ -10,8 +10,9 @@ from cogging.cli.log_options import add_log_options, options_of, require_known, 
 from cogging.cli.next_command import after_a_map
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.working import working
-from cogging.files import InputError
+from cogging.files import FieldError, InputError
 from cogging.logs.columns import read_columns
+from cogging.model.units import Units
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 
@@ -35,6 +36,12 @@ def add_parser(commands: Commands) -> None:
     command.add_argument(
         "--force-sign", type=int, default=1, metavar="S", help="-1: the sensor reads the motor's push (default: 1)"
     )
+    command.add_argument(
+        "--units",
+        type=_units,
+        metavar="command=N,...",
+        help="labels of the units of force and position",
+    )
     add_log_options(command)
     group = command.add_argument_group(COMES_OUT)
     group.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
@@ -54,7 +61,8 @@ def run(arguments: argparse.Namespace) -> None:
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
     with working(arguments, "map"):
         try:
-            fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, force_sign=arguments.force_sign)
+            signed = {"force_sign": arguments.force_sign, "units": arguments.units}
+            fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, **signed)
         except ValueError as error:
             raise InputError(f"{arguments.scan}: {error}") from None
         if arguments.out:
@@ -64,3 +72,12 @@ def run(arguments: argparse.Namespace) -> None:
         text += f"\nput [cogging] of {printable(arguments.out)} into a model, in place of what stands there"
     written = [arguments.out, str(figure)] if arguments.out else []
     give(arguments, text, document=fit.to_dict(), written=written, next_command=after_a_map(arguments))
+
+
+def _units(text: str) -> Units:
+    """Labels as `command=N,position=rad`."""
+    pairs = dict(entry.partition("=")[::2] for entry in text.split(","))
+    try:
+        return Units.from_dict(pairs)
+    except FieldError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None

@@ -58,7 +58,8 @@ def run(arguments: argparse.Namespace) -> None:
         log.write(arguments.out)
     told = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}
     indexes = performance(log.time, log.error, log.command)
-    text = f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {abs(log.error).max():.3g} m"
+    worst = f"{abs(log.error).max():.3g} {log.units.position}"
+    text = f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {worst}"
     following = command_line("audit", files([arguments.out]), option("--model", arguments.model))
     document = {**told, **{name: getattr(indexes, name) for name in INDEXES}}
     give(arguments, text, document=document, next_command=following)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.model.intervals import Interval
+from cogging.model.units import Units
 from cogging.simulation.frames import to_pandas
 from cogging.values import ByValue
 
@@ -65,6 +66,7 @@ class ErrorPrediction(ByValue):
         notes: which parameters had no interval, which controllers were left out and why.
         machines: what was drawn, by path, and `seed` of the noise: arrays (samples,) in the order drawn, as the
             `values` of each index.
+        units: labels of the model's units.
 
     Example:
         >>> prediction = cogging.predict_error(model, move, ["own"], samples=4)
@@ -79,9 +81,10 @@ class ErrorPrediction(ByValue):
     coverage: float
     notes: tuple[str, ...] = ()
     machines: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
-        told = [f"{one.name} {1e6 * one.rms.median:.3g} um rms" for one in self.controllers]
+        told = [f"{one.name} {1e6 * one.rms.median:.3g} {self.units.of('um')} rms" for one in self.controllers]
         return f"{', '.join(told)}; {self.samples} machines"
 
     def __getitem__(self, name: str) -> ControllerPrediction:
@@ -119,9 +122,9 @@ class ErrorPrediction(ByValue):
     def text(self) -> str:
         """The table for the screen, um."""
         width = max(10, *(len(controller.name) for controller in self.controllers))
-        titles = ("rms", "max", "max of the whole run")
+        titles, unit = ("rms", "max", "max of the whole run"), self.units.of("um")
         lines = [
-            f"Predicted tracking error, um: median and {100 * self.coverage:.0f} % interval over {self.samples} "
+            f"Predicted tracking error, {unit}: median and {100 * self.coverage:.0f} % interval over {self.samples} "
             f"machines; rms and max from {self.window[0]:g} to {self.window[1]:g} s",
             f"    {'controller':<{width}}" + "".join(f"{title:>30}" for title in titles) + f"{'diverged':>10}",
         ]
@@ -138,7 +141,7 @@ class ErrorPrediction(ByValue):
             for name in INDEXES:
                 index: PredictedIndex = getattr(controller, name)
                 numbers = [_finite(value) for value in (index.median, *index.interval)]
-                entry[name] = {"unit": "m", "median": numbers[0], "interval": numbers[1:]}
+                entry[name] = {"unit": self.units.of("m"), "median": numbers[0], "interval": numbers[1:]}
             controllers.append(entry)
         return {
             "controllers": controllers,

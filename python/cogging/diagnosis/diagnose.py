@@ -29,8 +29,12 @@ from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
 from cogging.model.labelled import labelled
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
+
+#: Parts of a result that write in their model's or their plan's units by themselves, or have no words.
+IN_THEIR_OWN_UNITS = ("location", "series", "vocabulary", "planned")
 
 
 @takes(logs=LOGS, model=MODEL, confirm=LOGS, planned=PLANNED)
@@ -85,9 +89,7 @@ def diagnose(
     model, vocabulary = _with_vocabulary(model, also)
     ready = prepared(logs, model, confirm, names, confirm_names)
     told = _diagnosed(ready, model, vocabulary, expected, empirical=empirical, progress=progress)
-    # Where the gap sits is written in its model's units by itself.
-    apart = ("location", "series", "vocabulary")
-    return labelled(told, model.units, [*ready.names, *ready.confirm_names], apart=apart)
+    return labelled(told, model.units, [*ready.names, *ready.confirm_names], apart=IN_THEIR_OWN_UNITS)
 
 
 def _diagnosed(
@@ -112,7 +114,7 @@ def _diagnosed(
     if moving < PREPARATION.motion_min:
         rest = f"the axis moves for {moving:.2g} s only: at rest, friction hides every force"
         return _unmeasured("insufficient_excitation", model, (*ready.notes, rest), vocabulary)
-    _require_commands(ready)
+    _require_commands(ready, model.units)
     with steps(progress, "diagnose") as begin:
         try:
             loops = running.replay and all(obeys(log, model) for log in ready.confirm)
@@ -141,11 +143,11 @@ def _with_vocabulary(model: Model | str | os.PathLike[str], also: Sequence[Custo
     return model, {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
 
 
-def _require_commands(logs: Prepared) -> None:
+def _require_commands(logs: Prepared, units: Units) -> None:
     """Refuse a log of an axis that moves without a command."""
     for name, log in zip(logs.names, logs.given, strict=True):
         if not np.any(log.command):
-            raise ValueError(f"{name}: command: must act on an axis that moves, got 0 V in every row")
+            raise ValueError(f"{name}: command: must act on an axis that moves, got 0 {units.command} in every row")
 
 
 def _unmeasured(verdict: str, model: Model, notes: Sequence[str], vocabulary: Mapping[str, Effect]) -> Diagnosis:

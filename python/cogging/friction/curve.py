@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,8 @@ from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
 from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
+from cogging.model.labelled import labelled
+from cogging.model.units import UNITS, Units
 from cogging.values import ByValue
 
 SPARE = 2  # points more than parameters, at least, for a model to be tried
@@ -47,7 +49,7 @@ class FrictionModel(ByValue):
         told = ", ".join(
             f"{path} {p.value:.4g}{'' if p.unit == '1' else ' ' + p.unit}" for path, p in self.parameters.items()
         )
-        return f"{self.name}: {told}; {self.held_out_rms:.3g} V rms at speeds left out"
+        return f"{self.name}: {told}; {self.held_out_rms:.3g} {self.parameters['coulomb'].unit} rms at speeds left out"
 
     def force(self, velocity: npt.ArrayLike) -> FloatArray:
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
@@ -78,6 +80,7 @@ class FrictionCurve(ByValue):
         speed: number of the speed that a point belongs to, (n,); points of one number are left out together.
         confidence: of the intervals.
         notes: what the reader has to know about this fit.
+        units: labels of force and position.
     """
 
     models: tuple[FrictionModel, ...]
@@ -87,9 +90,11 @@ class FrictionCurve(ByValue):
     speed: IntArray
     confidence: float
     notes: tuple[str, ...]
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
-        return f"{self.best.name} of {len(self.models)} laws, {self.best.held_out_rms:.3g} V rms at speeds left out"
+        left = f"{self.best.held_out_rms:.3g} {self.units.command} rms"
+        return f"{self.best.name} of {len(self.models)} laws, {left} at speeds left out"
 
     def __getitem__(self, name: str) -> FrictionModel:
         """The model of this name.
@@ -104,10 +109,11 @@ class FrictionCurve(ByValue):
 
     def text(self) -> str:
         """The fits in a few lines for the screen."""
+        v = self.units.command
         lines = [
             f"friction curve: {len(self.velocity)} points at {self.speed.max() + 1} speeds from "
-            f"{np.abs(self.velocity).min():.4g} to {np.abs(self.velocity).max():.4g} m/s",
-            "law                 parameters  residual (V)  held out (V)     +- (V)   gain",
+            f"{np.abs(self.velocity).min():.4g} to {np.abs(self.velocity).max():.4g} {self.units.of('m/s')}",
+            f"law                 parameters{f'residual ({v})':>14}{f'held out ({v})':>14}{f'+- ({v})':>11}   gain",
         ]
         for model in self.models:
             lines.append(
@@ -120,7 +126,7 @@ class FrictionCurve(ByValue):
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
 
-@takes()
+@takes(units=UNITS)
 def fit_friction_curve(
     velocity: npt.ArrayLike,
     force: npt.ArrayLike,
@@ -128,6 +134,7 @@ def fit_friction_curve(
     exponent: float | None = None,
     same_speed: float = 0.05,
     confidence: float = 0.95,
+    units: Units | None = None,
 ) -> FrictionCurve:
     """Fit friction laws to forces at steady speeds, and say which one predicts speeds that it has not seen.
 
@@ -152,6 +159,7 @@ def fit_friction_curve(
         exponent: of the Stribeck term; fitted when None.
         same_speed: |v| this close (relative to the lowest of them) are one speed.
         confidence: of the intervals.
+        units: labels of force and position that the result is told in.
 
     Returns:
         The laws that the points suffice for, and which of them is best; print it to read them.
@@ -184,7 +192,8 @@ def fit_friction_curve(
     chosen = _simplest(tried, squares, counts, int(np.argmin(rms)))
     if "coulomb_asymmetry.difference" in models[chosen].parameters:
         notes.append("at steady speeds coulomb_asymmetry is not told from a constant force of -difference/2")
-    return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes))
+    curve = FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes))
+    return labelled(curve, units or Units())
 
 
 def _check_options(exponent: float | None, same_speed: float, confidence: float) -> None:

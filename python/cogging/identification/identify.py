@@ -18,8 +18,10 @@ from cogging.log_check.hints import hints
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
+from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, parameters_of, role_of
+from cogging.model.units import Units
 from cogging.progress import Progress
 from cogging.shown import nearest
 from cogging.simulation.arguments import LOGS, MODEL
@@ -91,7 +93,7 @@ def identify(
     paths = _paths(model, free)
     read = [log if isinstance(log, Log) else read_log(log) for log in given]
     for name, log in zip(called, read, strict=True):
-        _require_motion(name, log)
+        _require_motion(name, log, model.units)
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
     _require_lengths(called, read, added)
     read, kept, notes = counted_once(read, called, FEWEST_ROWS)
@@ -105,7 +107,8 @@ def identify(
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
     notes = (*notes, *(run.repairs for run in runs if run.repairs))
     notes = (*notes, *(f"{run.name}: {hint}" for run in runs for hint in hints(run.audit, model)))
-    return replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
+    found = replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
+    return labelled(found, model.units, called, apart=("audits",))
 
 
 def _one_each(
@@ -148,11 +151,11 @@ def _paths(model: Model, free: Sequence[str] | None) -> list[str]:
     return paths
 
 
-def _require_motion(name: str, log: Log) -> None:
+def _require_motion(name: str, log: Log, units: Units) -> None:
     if len(log) < FEWEST_ROWS:
         raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
     if log.position.max() == log.position.min():
-        raise ValueError(f"{name}: position: must move, got {log.position[0]:g} m in every row")
+        raise ValueError(f"{name}: position: must move, got {log.position[0]:g} {units.position} in every row")
     try:
         running_time(log.time)
     except ValueError as error:

@@ -189,16 +189,17 @@ class Identification(ByValue):
         if pairs := self._correlated():
             lines.append(f"  correlated: {', '.join(pairs)}")
         lines += [f"  share of the command explained: {percent(self.explained)}", ""]
+        v = self.model.units.command
         for log in self.logs:
-            after = f"{log.residual_after:.4g} V after"
+            after = f"{log.residual_after:.4g} {v} after"
             if log.residual_after > 1.05 * log.residual_free:
-                after += f" ({log.residual_free:.4g} V if what is not determined moved too)"
+                after += f" ({log.residual_free:.4g} {v} if what is not determined moved too)"
             lines.append(
-                f"{log.name}: force balance {log.residual_before:.4g} V before, {after}, "
-                f"quantiser and encoder noise alone {log.floor:.2g} V ({log.rows} rows in motion)"
+                f"{log.name}: force balance {log.residual_before:.4g} {v} before, {after}, "
+                f"quantiser and encoder noise alone {log.floor:.2g} {v} ({log.rows} rows in motion)"
             )
-            noise = "" if log.noise is None else f"; all noise some {log.noise:.2g} V"
-            lines.append(f"  explains {percent(log.explained)} of a command of {log.command:.4g} V{noise}")
+            noise = "" if log.noise is None else f"; all noise some {log.noise:.2g} {v}"
+            lines.append(f"  explains {percent(log.explained)} of a command of {log.command:.4g} {v}{noise}")
             if log.replay:
                 errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
                 lines.append(f"  closed-loop replay, relative error: {errors}")

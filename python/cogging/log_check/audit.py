@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.log_check.outliers import find_outliers
 from cogging.logs.log import READ_WITH, Log, require_sizes
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.simulation.arguments import LOG, MODEL_OR_NONE
 from cogging.values import ByValue
 
@@ -53,6 +54,7 @@ class Audit(ByValue):
         outlier_rows: the first ten of them, from 0.
         read_with: what was found of the log's file that bears on its numbers: decimal commas.
         controller: the stated controller beside the log; None where the model states none or no model is given.
+        units: labels of the model's units.
 
     Example:
         >>> print(cogging.audit(log))
@@ -80,6 +82,7 @@ class Audit(ByValue):
     outlier_rows: tuple[int, ...]
     read_with: tuple[str, ...] = ()
     controller: ControllerCheck | None = None
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
         told = f"{self.rows} rows, {self.duration:.6g} s at {self.rate:.6g} Hz, {self.gaps} gaps"
@@ -88,8 +91,11 @@ class Audit(ByValue):
         return f"{told}, {self.controller!r}"
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it."""
-        return dataclasses.asdict(self)
+        """All of it as JSON can hold it; `units` where the model has labels of its own."""
+        told = dataclasses.asdict(self)
+        for part in (told, told["controller"] or {}):
+            part.pop("units", None)
+        return told if self.units == Units() else told | {"units": self.units.to_dict()}
 
     def text(self) -> str:
         """A few lines for a reader."""
@@ -107,25 +113,26 @@ class Audit(ByValue):
             f"{100 * self.saturation_share:.3g} % saturated",
         ]
         lines += [f"read with {', '.join(self.read_with)}"] * bool(self.read_with)
-        return "\n".join(lines + _controller_lines(self.controller))
+        told = [self.units.in_words(line) for line in lines]
+        return "\n".join(told + _controller_lines(self.controller, self.units.command))
 
 
-def _controller_lines(check: ControllerCheck | None) -> list[str]:
+def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
     if check is None:
         return []
     lines = []
     if check.difference_rms is not None and check.relative is not None:
         verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[check.reproduces]
         lines.append(
-            f"the stated {check.type} {verdict} the command: difference {check.difference_rms:.3g} V rms, "
+            f"the stated {check.type} {verdict} the command: difference {check.difference_rms:.3g} {unit} rms, "
             f"{100 * check.relative:.3g} % of it"
         )
     if check.best_shift:
-        lines.append(f"moved by {check.best_shift} rows: {check.best_shift_rms:.3g} V rms")
+        lines.append(f"moved by {check.best_shift} rows: {check.best_shift_rms:.3g} {unit} rms")
     if check.fitted and check.fitted_rms is not None:
         both = [(name, value, check.stated[name]) for name, value in check.fitted.items()]
         gains = ", ".join(f"{name} {fitted:.5g} ({stated:.5g} stated)" for name, fitted, stated in both)
-        lines.append(f"gains that fit: {gains}; difference {check.fitted_rms:.3g} V rms")
+        lines.append(f"gains that fit: {gains}; difference {check.fitted_rms:.3g} {unit} rms")
     return lines + [f"note: {note}" for note in check.notes]
 
 
@@ -186,6 +193,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
         outlier_rows=tuple(outliers[:SHOWN].tolist()),
         read_with=tuple(log.metadata.get(READ_WITH, ())),
         controller=check_controller(log, model) if model is not None else None,
+        units=Units() if model is None else model.units,
     )
 
 

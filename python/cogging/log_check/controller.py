@@ -13,7 +13,9 @@ from cogging.log_check.command_comparison import Compared, compared, root_mean_s
 from cogging.log_check.controller_gains import fit_gains, linear_regressors
 from cogging.log_check.controller_samples import LONG
 from cogging.logs.log import Log
+from cogging.model.labelled import labelled
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 
@@ -44,6 +46,7 @@ class ControllerCheck(ByValue):
         notes: why something could not be told, or what the figures suggest.
         unseen_readings: rows whose reading leaves and returns at once, and which the controller did not see.
         doubted_commands: rows whose command does so, and which the controller did not give.
+        units: labels of the model's units.
     """
 
     type: str
@@ -61,10 +64,16 @@ class ControllerCheck(ByValue):
     notes: tuple[str, ...] = ()
     unseen_readings: tuple[int, ...] = ()
     doubted_commands: tuple[int, ...] = ()
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
         verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[self.reproduces]
-        left = "" if self.relative is None else f": {100 * self.relative:.3g} % of {self.command_rms:.4g} V rms is left"
+        unit = self.units.command
+        left = (
+            ""
+            if self.relative is None
+            else f": {100 * self.relative:.3g} % of {self.command_rms:.4g} {unit} rms is left"
+        )
         return f"{self.type} {verdict} the command{left}"
 
 
@@ -98,17 +107,17 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     kind, command_rms = model.controller_type, float(np.sqrt(np.mean(log.command**2)))
     refusal = _why_not(log, model, command_rms)
     if refusal:
-        return ControllerCheck(kind, None, command_rms, notes=(refusal,))
+        return labelled(ControllerCheck(kind, None, command_rms, notes=(refusal,)), model.units)
     found = compared(log, model, kind)
     if found.judged.sum() < FEWEST_ROWS:
         text = (
             f"{int(found.judged.sum())} rows between gaps are too few to check the controller, "
             f"which takes {FEWEST_ROWS}"
         )
-        return ControllerCheck(kind, None, command_rms, notes=(text,))
+        return labelled(ControllerCheck(kind, None, command_rms, notes=(text,)), model.units)
     if found.doubted.any():
         command_rms = root_mean_square(found.samples.command[found.judged])
-    return _judged(found, model, kind, command_rms)
+    return labelled(_judged(found, model, kind, command_rms), model.units)
 
 
 def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> ControllerCheck:

@@ -46,9 +46,12 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
         raise InputError(f"{name}: {error}") from None
     inside = np.delete(log.position, find_outliers(log.position))
     low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.0, 0.0)
-    _check_against_travel(low, high, model.axis.travel, name)
-    if log.reference is not None:
-        _check_against_reference(high - low, float(np.ptp(log.reference)), name)
+    try:
+        _check_against_travel(low, high, model.axis.travel, name)
+        if log.reference is not None:
+            _check_against_reference(high - low, float(np.ptp(log.reference)), name)
+    except InputError as error:
+        raise InputError(model.units.in_words(str(error), keep=[name])) from None
     if model.controller is not None:
         _check_against_sample_rate(float(np.median(np.diff(log.time))), model.controller.sample_rate, name)
 

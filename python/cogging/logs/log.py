@@ -18,8 +18,9 @@ import numpy.typing as npt
 from cogging._core import format_rows
 from cogging.arrays import FloatArray
 from cogging.calls import PATHS, takes, told_constructor
-from cogging.files import LARGEST, InputError, read_toml
+from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
+from cogging.model.units import Units
 from cogging.outputs import sidecar, target_of, to_toml, write_files
 from cogging.values import ByValue
 
@@ -111,11 +112,22 @@ class Log(ByValue):
         extra = [name for name in OPTIONAL[:1] if getattr(self, name) is not None]
         extra += ["true motion"] * (self.true_position is not None) + ["estimates"] * (self.estimates is not None)
         low, high = float(self.position.min()), float(self.position.max())
-        told = f"{len(self)} rows, {span:.6g} s at {(len(self) - 1) / span:.6g} Hz, {low:.6g} to {high:.6g} m"
+        told = f"{len(self)} rows, {span:.6g} s at {(len(self) - 1) / span:.6g} Hz, "
+        told += f"{low:.6g} to {high:.6g} {self.units.position}"
         return f"{told}, with {', '.join(extra)}" if extra else told
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def units(self) -> Units:
+        """Labels of command and position: those of the model that the metadata tell; V and m where they tell none."""
+        model = self.metadata.get("model")
+        told = model.get("units") if isinstance(model, Mapping) else None
+        try:
+            return Units.from_dict(told) if isinstance(told, Mapping) else Units()
+        except FieldError:
+            return Units()  # what a sidecar says of a model is not held against its log
 
     @property
     def error(self) -> FloatArray:

@@ -17,13 +17,15 @@ from cogging.mapping.result import CrossValidation, MapFit
 from cogging.mapping.scan import Scan, read_scan
 from cogging.mapping.spectrum import HarmonicSpectrum, Line
 from cogging.mapping.spline_fit import FOLDS, SplineFit, cross_validate, fit_splines
+from cogging.model.labelled import labelled
+from cogging.model.units import UNITS, Units
 
 ORDERS = (0, 1, 2, 3, 4)  # compared where none is given; 0 = periodic
 MOST_TERMS = 32  # of SplineHarmonics
 MOST_COMPARED = 2000  # coefficients of each fit in a comparison
 
 
-@takes()
+@takes(units=UNITS)
 def fit_map(
     position: npt.ArrayLike,
     force: npt.ArrayLike,
@@ -35,6 +37,7 @@ def fit_map(
     origin: float | None = None,
     highest_harmonic: int = 200,
     false_alarm: float = 0.01,
+    units: Units | None = None,
 ) -> MapFit:
     """Fit the cogging model to a scan: the force that holds the axis there, over position.
 
@@ -64,6 +67,7 @@ def fit_map(
         origin: m, the first knot; the lowest position when None.
         highest_harmonic: the last one that is looked for, if the points tell it from others (2.5 in a period).
         false_alarm: the probability at which a scan of noise alone yields any harmonic.
+        units: labels of force and position that the result is told in.
 
     Returns:
         The cogging model with its standard errors and how it was chosen; print it to read them.
@@ -99,7 +103,7 @@ def fit_map(
         nuisance = nuisance_columns(scan, pitch, odd, trend)
         chosen, fit, scores, said = _choose(request, scan, terms, nuisance)
     fitted = FittedMap.of(spectrum, scan, terms, odd, chosen, fit)
-    return fitted.result(scores, [*notes, *said, *fitted.notes(false_alarm)], false_alarm)
+    return labelled(fitted.result(scores, [*notes, *said, *fitted.notes(false_alarm)], false_alarm), units or Units())
 
 
 def _terms(request: MapRequest, lines: list[Line], notes: list[str]) -> list[int]:

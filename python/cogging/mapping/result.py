@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from cogging._core import CoggingModel
 from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
+from cogging.model.units import Units
 from cogging.outputs import same_file, to_toml, write_files
 from cogging.values import ByValue
 
@@ -90,6 +91,7 @@ class MapFit(ByValue):
         fitted: V, (n,), the model with offset, trend and friction at these points.
         line, line_amplitude, line_threshold: the spectrum: f pitch (whole at harmonics), V, and V above which a line is
             found, each (lines,).
+        units: labels of force and position.
     """
 
     cogging: CoggingModel
@@ -118,19 +120,22 @@ class MapFit(ByValue):
     line: FloatArray
     line_amplitude: FloatArray
     line_threshold: FloatArray
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
         which = ", ".join(str(entry.harmonic) for entry in self.amplitudes) or "none"
         kind = f"splines of order {self.order}" if self.order else "periodic"
-        return f"harmonics {which} of {self.cogging.basis.pitch:g} m, {kind}; residual {self.residual_rms:.4g} V rms"
+        told = f"harmonics {which} of {self.cogging.basis.pitch:g} m, {kind}; residual {self.residual_rms:.4g} V rms"
+        return self.units.in_words(told)
 
     def text(self) -> str:
         """The fit in a few lines for the screen."""
+        v = self.units.command
         spline, pitch = self.cogging.basis.spline, self.cogging.basis.pitch
         kind = f"order {self.order}, {spline.control_points} control points" if self.order else "periodic"
         lines = [
             f"cogging map: {len(self.position)} points over {np.ptp(self.position):.4g} m, pitch {pitch:.4g} m, {kind}",
-            "harmonic  amplitude (V)   +- (V)  phase (rad)  false alarm",
+            f"harmonic  {f'amplitude ({v})':>13}{f'+- ({v})':>9}  phase (rad)  false alarm",
         ]
         lines += _table(self.amplitudes)
         values = [("offset", self.offset, self.offset_standard_error, "V")]
@@ -147,7 +152,9 @@ class MapFit(ByValue):
             lines.append(
                 f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  V rms, {name}, {c.coefficients} coefficients{mark}"
             )
-        return "\n".join(lines + [f"note: {note}" for note in self.notes])
+        told = [lines[0], lines[1], *map(self.units.in_words, lines[2:])]
+        told[0] = self.units.in_words(told[0])
+        return "\n".join(told + [f"note: {note}" for note in self.notes])
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging map --json` writes: the fit without the points of the scan and of the spectrum."""
@@ -178,6 +185,7 @@ class MapFit(ByValue):
         """Draw measured and fitted force and their difference over position (as Figs. 5, 6), and the spectrum."""
         from matplotlib.figure import Figure
 
+        v = self.units.command
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")
         force, residual, spectrum = figure.subplots(3, 1)
         residual.sharex(force)
@@ -188,14 +196,14 @@ class MapFit(ByValue):
                 force.plot(x, fitted, linewidth=0.8, color="black", label=None if force.lines[2:] else "fitted")
                 residual.plot(x, measured - fitted, linewidth=0.6, color=colour)
         force.set_title("Cogging map", loc="left")
-        force.set(ylabel="force (V)")
+        force.set(ylabel=f"force ({v})")
         force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize="small", frameon=False)
-        residual.set(xlabel="position (m)", ylabel="residual (V)")
+        residual.set(xlabel=f"position ({self.units.position})", ylabel=f"residual ({v})")
         spectrum.semilogy(self.line, self.line_amplitude, linewidth=0.7, label="measured")
         spectrum.semilogy(self.line, self.line_threshold, linewidth=0.9, label="found from here")
         for entry in self.amplitudes:
             spectrum.axvline(entry.harmonic, color="black", linewidth=0.4, linestyle=":")
-        spectrum.set(xlabel="harmonic of the pitch", ylabel="amplitude (V)")
+        spectrum.set(xlabel="harmonic of the pitch", ylabel=f"amplitude ({v})")
         largest = float(self.line_amplitude.max())
         if largest > 0.0:
             spectrum.set_ylim(max(0.03 * float(self.line_threshold.min()), 1e-6 * largest), 3.0 * largest)
@@ -205,12 +213,15 @@ class MapFit(ByValue):
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the `[cogging]` section of a model file, and the figure beside it as .png.
 
+        Labels of units other than V and m are written too, as `[units]`.
+
         Raises:
             InputError: a file cannot be written, or both are one: a model called `.png`.
         """
         picture = io.BytesIO()
         self.plot().savefig(picture, format="png", dpi=120)
-        text = to_toml({"cogging": cogging_to_dict(self.cogging)})
+        labels = {} if self.units == Units() else {"units": self.units.to_dict()}
+        text = to_toml({"cogging": cogging_to_dict(self.cogging), **labels})
         figure = os.fspath(Path(path).with_suffix(".png"))
         if same_file(path, figure):
             raise InputError(f"{path}: must not be where its figure is written, got {figure}")

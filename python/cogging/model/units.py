@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cogging.calls import told_constructor
+from cogging.calls import Kind, told_constructor
 from cogging.files import FieldError, refuse_unknown_keys
 from cogging.shown import quoted
 from cogging.values import ByValue
@@ -16,10 +16,10 @@ UNIT_KEYS = ("command", "position")
 #: A label: a letter, then letters, digits and what stands in units; or per cent.
 LABEL = r"[^\W\d_][\w^*/.()%-]{0,11}|%"
 #: V or m, alone or with a prefix, as a word of a unit.
-WORD = re.compile(r"(?<![A-Za-z])([kmunµ]?)([Vm])(?![A-Za-z])")
+WORD = re.compile(r"(?<![A-Za-z*·])([kmunµ]?)([Vm])(?![A-Za-z])")
 #: The same in a sentence, with what it is divided by: no part of a file's name, of a key or of a formula.
 IN_WORDS = re.compile(
-    r"(?<![\w./\\=-])(?:1/)?\(?[kmunµ]?[Vm](?:\^?[23²³])?"
+    r"(?<![\w./\\=*·-])(?:1/)?\(?[kmunµ]?[Vm](?:\^?[23²³])?"
     r"(?:(?:/| per )(?:\([\w/ ^²]*\)(?:\^2|²)?|√?\w+(?:/s(?:\^2|²)?)?))?(?![\w\\=]|[./-]\w)"
 )
 
@@ -98,3 +98,7 @@ class Units(ByValue):
     def to_dict(self) -> dict[str, str]:
         """The section `[units]`: what from_dict reads."""
         return {key: getattr(self, key) for key in UNIT_KEYS}
+
+
+#: What an argument of units may be.
+UNITS = Kind((Units, type(None)), "Units(command=..., position=...)")

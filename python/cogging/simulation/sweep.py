@@ -42,7 +42,7 @@ class SweepRuns(ByValue):
         table: arrays by name: `run`, the varied numbers by path, `seed` of the noise, the indexes (those of
             Performance, then the reductions; NaN where a run failed), `failed_at` (s) and `reason` where one failed.
         varied: the paths of the varied numbers.
-        units: of the varied numbers, by path.
+        units: of the varied numbers by path; of the indexes by name where the model has labels of its own.
 
     Example:
         >>> runs = cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]})
@@ -59,7 +59,8 @@ class SweepRuns(ByValue):
         told = f", {failed} failed" if failed else ""
         error = self.table["error_rms"]
         middle = float(np.nanmedian(error)) if failed < len(self) else np.nan
-        return f"{len(self)} runs over {', '.join(self.varied)}{told}, median rms error {middle:.3g} m"
+        median = f"median rms error {middle:.3g} {self.units.get('error_rms', 'm')}"
+        return f"{len(self)} runs over {', '.join(self.varied)}{told}, {median}"
 
     def __len__(self) -> int:
         return len(self.table["run"])
@@ -204,7 +205,7 @@ def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None
         if kept is not None:
             kept.remove_empty()
         raise
-    found = SweepRuns(table, common.paths, units_of(common.setup, common.paths))
+    found = SweepRuns(table, common.paths, units_of(common.setup, common.paths, table))
     if _none_began(found):
         if kept is not None:
             kept.remove()

@@ -10,6 +10,8 @@ from cogging.calls import did_you_mean
 from cogging.files import FieldError
 from cogging.model.model import CONTROLLERS, Model
 from cogging.model.parameters import parameters_of, with_values
+from cogging.model.units import Units
+from cogging.simulation.reductions import unit_of
 from cogging.simulation.reference import REFERENCES
 
 SEED = "seed"
@@ -42,8 +44,8 @@ def numbers_of(setup: Setup) -> dict[str, float | None]:
     return numbers
 
 
-def units_of(setup: Setup, paths: Iterable[str]) -> dict[str, str]:
-    """The units of numbers by path; none of the seed."""
+def units_of(setup: Setup, paths: Iterable[str], indexes: Iterable[str] = ()) -> dict[str, str]:
+    """The units of numbers by path, none of the seed; of indexes too where the model has labels of its own."""
     parameters = parameters_of(setup.model, together=True)
     structs = {name: getattr(setup.model, name) for name in SECTIONS}
     structs["reference"] = getattr(setup.reference, "parameters", None)
@@ -54,7 +56,10 @@ def units_of(setup: Setup, paths: Iterable[str]) -> dict[str, str]:
             units[path] = structs[section].FIELDS[rest.partition("[")[0]][0] or ""
         elif path != SEED:
             units[path] = parameters[path].unit
-    return units
+    labels = setup.model.units
+    if labels != Units():
+        units |= {name: unit for name in indexes if (unit := unit_of(name))}
+    return {name: labels.of(unit) for name, unit in units.items()}
 
 
 def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:

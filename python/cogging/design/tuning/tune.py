@@ -23,6 +23,7 @@ from cogging.design.tuning.tuned_result import Task, result_of
 from cogging.design.tuning.tuning import Tuning
 from cogging.files import FieldError
 from cogging.model.controller import AnyController
+from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.shown import quoted
@@ -46,6 +47,10 @@ class Asked(NamedTuple):
     seed: int
     quantile: float
     against: str | None
+
+
+#: What a tuning holds that has no words.
+OF_NUMBERS = ("present", "tuned", "model", "trials", "front")
 
 
 @takes(model=MODEL, reference=REFERENCE, gains=TABLE, controller=CONTROLLER)
@@ -134,7 +139,7 @@ def tune(
     kept = None
     if out is not None and controller is None:
         kept = KeptTrials(out, _described(setup, tuned, course, vary, limited, asked))
-    result = _run(task, asked, out, kept, progress)
+    result = labelled(_run(task, asked, out, kept, progress), model.units, apart=OF_NUMBERS)
     if out is not None and result.model is not None:
         result.model.write(out)
     if kept is not None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cogging.design.tuning.reached import INDEXES, MARGINS, Reached
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.outputs import write_bytes
 from cogging.values import ByValue
 
@@ -65,6 +66,7 @@ class Tuning(ByValue):
         quantile: of rms error over machines.
         seed: of machines, noise and trials.
         notes: what is to be said besides: limits that no trial keeps, gains at the end of their range.
+        units: labels of the model's units.
 
     Example:
         >>> few = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}
@@ -86,12 +88,13 @@ class Tuning(ByValue):
     quantile: float
     seed: int
     notes: tuple[str, ...] = ()
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
-        before = 1e6 * self.present.drawn.error_rms
+        before, unit = 1e6 * self.present.drawn.error_rms, self.units.of("um")
         if self.tuned is None:
-            return f"no gains keep the limits, present {before:.3g} um rms"
-        return f"{before:.3g} to {1e6 * self.tuned.drawn.error_rms:.3g} um rms over {self.machines} machines"
+            return f"no gains keep the limits, present {before:.3g} {unit} rms"
+        return f"{before:.3g} to {1e6 * self.tuned.drawn.error_rms:.3g} {unit} rms over {self.machines} machines"
 
     def text(self) -> str:
         """What was found, for the screen."""
@@ -114,7 +117,7 @@ class Tuning(ByValue):
             cells = [getattr(setting.drawn, row) for setting in settings]
             cells += [getattr(setting.held_out, row) for setting in settings]
             factor, unit = SHOWN[row]
-            name = row if unit == "1" else f"{row}, {unit}"
+            name = row if unit == "1" else f"{row}, {self.units.of(unit)}"
             if any(cell is not None for cell in cells):
                 shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
                 lines.append(f"    {name:<{width}}" + "".join(f"{cell:>19}" for cell in shown))
@@ -167,7 +170,8 @@ class Tuning(ByValue):
             scale, unit = SHOWN[index]
             cost, error = scale * np.asarray(self.front[index]), 1e6 * np.asarray(self.front["error_rms"])
             axes.plot(cost, error, ls=line, marker="o", markersize=4, lw=0.8, color="black", label="trade-off")
-            axes.set(xlabel=f"{index}{f' ({unit})' if unit != '1' else ''}", ylabel="rms error (um)")
+            axes.set(xlabel=f"{index}{f' ({self.units.of(unit)})' if unit != '1' else ''}")
+            axes.set(ylabel=f"rms error ({self.units.of('um')})")
             for setting, mark, name in ((self.present, "rs", "present"), (self.tuned, "g*", "tuned")):
                 if setting is not None and np.isfinite(setting.drawn.error_rms):
                     reached = setting.drawn

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from cogging._core import Sampled
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.limits import MotionLimits
 from cogging.diagnosis.experiment.motion import Element
+from cogging.model.units import Units
 from cogging.outputs import to_json, to_toml, write_files
 from cogging.values import ByValue
 
@@ -40,6 +41,7 @@ class ExperimentPlan(ByValue):
         expected: what the motion is expected to show.
         notes: sentences on what was assumed.
         seed: of the noise that was simulated.
+        units: labels of the model's units.
 
     Example:
         >>> limits = cogging.MotionLimits(velocity=0.3, acceleration=5.0, duration=3.0)
@@ -57,6 +59,7 @@ class ExperimentPlan(ByValue):
     expected: tuple[Expectation, ...]
     notes: tuple[str, ...] = ()
     seed: int = 0
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
         return f"{self.goal}, {self.motion.end:.4g} s: {', '.join(element.kind for element in self.elements)}"
@@ -117,7 +120,7 @@ class ExperimentPlan(ByValue):
         axes = figure.subplots(3, 1, sharex=True)
         for one, (name, label) in zip(axes, labels.items(), strict=True):
             one.plot(columns["time"], columns[name], linewidth=0.8)
-            one.set_ylabel(label)
+            one.set_ylabel(self.units.in_words(label))
         axes[-1].set_xlabel("time, s")
         return figure
 

@@ -118,7 +118,11 @@ class MotionLimits(ByValue):
         if not (math.isfinite(travel[0]) and math.isfinite(travel[1])):
             raise FieldError("", "travel", "must be given where the model states none, got nothing")
         if not (low <= travel[0] and travel[1] <= high):
-            raise FieldError("", "travel", f"must be inside the model's, {low:g} to {high:g} m, got {list(travel)}")
+            raise FieldError(
+                "",
+                "travel",
+                f"must be inside the model's, {low:g} to {high:g} {model.units.position}, got {list(travel)}",
+            )
         own = 0.0 if model.controller is None else model.controller.command_limit
         command = min(self.command or math.inf, own or math.inf)
         jerk = self.acceleration / MOTION.jerk_rise if self.jerk is None else self.jerk

@@ -29,6 +29,7 @@ from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet
 from cogging.model.controller import AnyController
+from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.shown import nearest
@@ -119,7 +120,8 @@ def plan_experiment(
             raise NoMotion("no motion of the dictionary keeps to them, or none lets the axis move for long enough")
         begin("what is to be expected")
         expected = [entry for question in ready for entry in question.expectations(best.run.log)]
-    return ExperimentPlan(goal, best.elements, best.motion, limits, best.run.taken, tuple(expected), tuple(notes), seed)
+    plan = ExperimentPlan(goal, best.elements, best.motion, limits, best.run.taken, tuple(expected), tuple(notes), seed)
+    return labelled(plan, model.units, apart=("elements", "motion", "limits", "taken"))
 
 
 def _surveyed(

@@ -105,7 +105,8 @@ def names_text(effects: Sequence[NamedEffect]) -> str:
     doubted = [_doubted(effect) for effect in told if not is_sure(effect)]
     rest = [f"{more} more"] if more > 0 else []
     if not doubted:
-        return joined([*sure, *rest])
+        open_ones = rest and not all(map(is_sure, ranked))
+        return joined([*sure, *(f"{one}, not all of them sure" if open_ones else one for one in rest)])
     phrases = [*doubted, *rest]
     something = f"something that is {'; '.join(phrases[:-1])}{'; and ' * (len(phrases) > 1)}{phrases[-1]}"
     return f"{joined(sure)}, and {something}" if sure else something

@@ -1,0 +1,106 @@
+"""The report in a real browser: on a phone, a tablet and a desk, light and dark, on paper, from drawn results."""
+
+import itertools
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+from tests.fixtures.browser import WIDTHS, Seen, browser  # noqa: F401 (a fixture)
+from tests.fixtures.drawn_results import drawn_result
+
+#: Verdicts and seeds, so that lists of values, names of 240 letters, other shapes and no effect at all are among them.
+CASES = [("named", 5), ("ambiguous", 1), ("unlisted", 3), ("data_mismatch", 4)]
+TITLE = "axis_of_the_third_machine_in_hall_2_measured_on_monday_before_the_rail_was_cleaned.csv, b.csv"
+
+
+@pytest.fixture(scope="module", params=CASES, ids=lambda case: f"{case[0]}-{case[1]}")
+def report(request, tmp_path_factory, browser):  # noqa: F811
+    """A drawn result and its page, open."""
+    verdict, seed = request.param
+    result = drawn_result(np.random.default_rng(seed), verdict)
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    result.report(path, title=TITLE)
+    with Seen(browser, path) as seen:
+        yield result, seen
+
+
+def test_nothing_sticks_out_and_all_can_be_read(report):
+    """At every width, in both schemes; boxes that scroll are reached by the keyboard; nothing is asked of the net."""
+    _, seen = report
+    for width in WIDTHS:
+        seen.fits(width)
+    for scheme in ("dark", "light"):
+        seen.can_be_read(scheme)
+        ground = seen.page.evaluate("getComputedStyle(document.body).backgroundColor")
+        assert (sum(map(int, re.findall(r"\d+", ground))) > 380) is (scheme == "light")
+    assert seen.complaints == []
+    assert seen.outside() == []
+
+
+def test_one_headline_and_pictures_that_say_what_they_show(report):
+    result, seen = report
+    assert seen.page.locator("h1").count() == 1
+    told = seen.page.evaluate("[...document.images].map(i => [i.alt, i.naturalWidth, i.complete])")
+    assert bool(told) is ("gap_before" in result.series)
+    assert all(alt.endswith(".") and len(alt.split()) > 3 and width > 300 and whole for alt, width, whole in told)
+    assert 2 * len({alt for alt, _, _ in told}) >= len(told)
+    levels = seen.page.evaluate("[...document.querySelectorAll('h1, h2, h3')].map(h => Number(h.tagName[1]))")
+    assert all(after - before <= 1 for before, after in itertools.pairwise(levels))
+
+
+def test_the_next_step_stands_on_the_first_screen(report):
+    _, seen = report
+    for width, height in ((1280, 900), (390, 844)):
+        seen.page.set_viewport_size({"width": width, "height": height})
+        assert seen.page.locator(".next").bounding_box()["y"] < height
+
+
+def test_panels_and_bars_stack_on_a_phone(report):
+    result, seen = report
+    for width, columns in ((1280, 2), (390, 1)):
+        seen.page.set_viewport_size({"width": width, "height": 900})
+        places = seen.page.evaluate(
+            "[...document.querySelectorAll('.panels img')].map(i => Math.round(i.getBoundingClientRect().left))"
+        )
+        assert len(set(places)) == (columns if "gap_before" in result.series else 0)
+    least = seen.page.evaluate("Math.min(...[...document.querySelectorAll('.bar')].map(b => b.clientWidth))")
+    assert least is None or least > 200  # JSON has no infinity: no bar
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="no pdftotext: apt-get install poppler-utils")
+def test_the_print_loses_no_column(report, tmp_path):
+    """The words of the last column of every table are in the PDF, whatever line ends the paper put into them."""
+    result, seen = report
+    last = seen.page.evaluate(
+        "[...document.querySelectorAll('tr')].map(r => r.lastElementChild.textContent.trim()).filter(t => t)"
+    )
+    pages, words = seen.printed(tmp_path)
+    assert pages > 0
+    letters = re.sub(r"\s", "", words)
+    assert len(last) > 3
+    assert [text for text in last if not all(word in letters for word in text.split())] == []
+    assert seen.page.locator("h1").inner_text().split()[0] in words
+    assert result.verdict.replace("_", " ") in words
+
+
+def test_a_page_that_sticks_out_pale_and_asks_the_net_is_seen(browser, tmp_path):  # noqa: F811
+    """What the tests ask for can fail."""
+    path = tmp_path / "bad.html"
+    wide = '<div style="overflow-x: auto"><p style="white-space: nowrap">' + "wide " * 99 + "</p></div>"
+    path.write_text(
+        f'<body style="background: #fff"><h1>1</h1>{wide}'
+        + '<p style="color: #aaa">pale</p>' * 6
+        + '<div id="out" style="width: 2000px">out</div><script>nothing()</script><img src="http://127.0.0.1:9/x.png">'
+    )
+    with Seen(browser, path) as seen:
+        with pytest.raises(AssertionError, match="px wide in 390"):
+            seen.fits(390)
+        with pytest.raises(AssertionError, match="pale"):
+            seen.can_be_read("light")
+        assert seen.complaints
+        assert seen.outside() == ["http://127.0.0.1:9/x.png"]
+        seen.page.evaluate("document.getElementById('out').remove()")
+        with pytest.raises(AssertionError, match="overflow-x"):
+            seen.fits(390)

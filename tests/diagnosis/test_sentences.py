@@ -1,0 +1,162 @@
+"""Sentences of a result, by rule over drawn results: no headline contradicts the shares and confidences beside it."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cogging.diagnosis.report.sentences import (
+    HARDLY,
+    along_of,
+    certainty_text,
+    doubt_text,
+    explained_text,
+    headline,
+    is_sure,
+    meaning,
+    name_text,
+    percent,
+    shared_text,
+    standing_text,
+)
+from cogging.diagnosis.report.words import plain
+from cogging.effects.effect import VOCABULARY
+from tests.fixtures.drawn_results import VERDICTS, drawn_result
+from tests.fixtures.laws_by_symbol import SHAPED, of_the_law
+
+FOUND = ("named", "ambiguous", "unlisted")
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Drawn results of every verdict, dozens of each."""
+    generator = np.random.default_rng(19)
+    return [drawn_result(generator, verdict) for verdict in VERDICTS for _ in range(30)]
+
+
+def test_a_headline_says_what_was_found_before_what_was_not(results):
+    """That nothing known explains the gap is said only where nothing was found."""
+    for result in results:
+        said = headline(result)
+        assert ("no known effect explains" in said) is (result.verdict == "unlisted" and not result.effects)
+        assert ("has no name" in said) is (result.verdict == "unlisted" and bool(result.effects))
+        assert said.startswith("The model lacks ") is bool(result.effects)
+        assert ("Nothing is missing" in said) is (result.verdict == "no_gap")
+
+
+def test_a_headline_is_as_sure_as_its_names(results):
+    """Sure names stand by themselves; the others after `something`, with all that they may be, or their chance."""
+    told = 0
+    for result in (one for one in results if one.effects):
+        said = headline(result)
+        certain, _, doubtful = said.removeprefix("The model lacks ").partition("something that is ")
+        assert (bool(doubtful) or "not all of them sure" in said) is not all(map(is_sure, result.effects))
+        for effect in result.effects:
+            name = name_text(effect)
+            if is_sure(effect):
+                assert f"perhaps {name}" not in said
+                assert f"probably {name}" not in said
+            elif not effect.alternatives and f"{name} (" in said:
+                word = "probably" if effect.confidence >= 0.5 else "perhaps"
+                assert f"{word} {name} ({percent(effect.confidence)})" in doubtful
+                told += 1
+            elif effect.alternatives and f"{name}, " + plain(effect.alternatives[0])[:20] in said:
+                assert name not in certain or any(
+                    name_text(other) == name for other in result.effects if is_sure(other)
+                )
+    assert told > 10
+
+
+def test_the_share_of_a_headline_is_that_of_the_gap(results):
+    for result in (one for one in results if one.effects and one.verdict == "unlisted"):
+        said, share = headline(result), re.search(r"explains (\d+) % of the gap", headline(result))
+        if result.gap.closed is None:
+            assert "explains" not in said
+        elif share is None:
+            assert HARDLY in said
+            assert result.gap.closed < 0.05
+            assert "most of it has no name" in said
+        else:
+            assert abs(int(share[1]) - 100.0 * result.gap.closed) <= 1.0
+            assert "most of it" not in said
+
+
+def test_that_something_is_there_is_not_what_it_is_called(results):
+    """How far it stands out and how sure its name is are told apart, and neither lends itself to the other."""
+    for result in results:
+        for effect in result.effects:
+            there, called = standing_text(effect), certainty_text(effect, result.vocabulary)
+            assert plain(effect.name) not in there
+            assert f"{np.sqrt(effect.statistic):.0f} standard deviations" in there
+            assert plain(effect.name) in called
+            assert percent(effect.confidence) in called
+            assert "never" not in called
+            assert "standard deviations" not in called
+            assert ("not enough" in called or "instead" in called) is not is_sure(effect)
+
+
+def test_ambiguous_says_which_names_which_of_them_how_sure_and_what_they_share(results):
+    """Also where the name itself has 97 %."""
+    seen = set()
+    for result in results:
+        doubted = [effect for effect in result.effects if not is_sure(effect)]
+        for effect in doubted:
+            told = doubt_text(effect, result.vocabulary)
+            for name in (effect.name, *effect.alternatives):
+                assert plain(name).casefold() in told.casefold()
+            assert percent(effect.confidence) in told
+            assert shared_text(effect, result.vocabulary) in told or not effect.alternatives
+            seen.add((bool(effect.alternatives), effect.confidence >= 0.9))
+        for effect in doubted[:2]:
+            assert doubt_text(effect, result.vocabulary) in meaning(result)
+        assert len(meaning(result)) <= 4
+        assert all(doubt_text(effect, result.vocabulary) == "" for effect in result.effects if is_sure(effect))
+    assert seen == {(True, True), (True, False), (False, False)}
+
+
+def test_what_a_pair_shares_is_true_of_both(results):
+    for result in results:
+        for effect in (one for one in result.effects if one.alternatives):
+            along = [along_of(name, result.vocabulary) for name in (effect.name, *effect.alternatives)]
+            said = shared_text(effect, result.vocabulary)
+            assert said.startswith(("both ", "all ")) is (len(set(along)) == 1)
+            assert all(one in said for one in along)
+
+
+@pytest.mark.parametrize("name", [name for name in VOCABULARY if set(VOCABULARY[name].HOOKS) & set(SHAPED)])
+def test_an_effect_is_said_to_act_along_what_stands_in_its_formula(name):
+    """By its parameters' roles alone, which a custom effect has too; a constant acts everywhere."""
+    along = along_of(name, VOCABULARY)
+    law = VOCABULARY[name]
+    free = not re.search(r"\b[xvt]\b", law.LAW.replace("S(v)", "")) and "force" in law.HOOKS
+    assert (along == "") if free or name == "empirical_force" else along in of_the_law(law)
+
+
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [
+        (0.0, "0 %"),
+        (0.004, "under 1 %"),
+        (0.36, "36 %"),
+        (0.899, "89 %"),
+        (0.9, "90 %"),
+        (0.996, "99 %"),
+        (1.0, "100 %"),
+    ],
+)
+def test_a_percentage_never_crosses_what_it_stands_for(share, told):
+    assert percent(share) == told
+
+
+def test_screen_and_page_say_the_same(found):
+    """Of a true result, and of one whose name is doubted."""
+    assert headline(found) == "The model lacks viscous asymmetry"
+    doubted = replace(found.effects[0], confidence=0.36, alternatives=("quadratic_drag",))
+    told = replace(found, verdict="ambiguous", effects=(doubted,))
+    for said in (found.text(), told.text()):
+        assert said.splitlines()[1].startswith("The model lacks ")
+    assert headline(told) == "The model lacks something that is viscous asymmetry or quadratic drag"
+    assert "viscous_asymmetry or quadratic_drag: confidence 0.36" in told.text()
+    assert "36 % that it is viscous_asymmetry; both act along the velocity" in told.text()
+    assert explained_text(found.gap).endswith("of the gap")

@@ -1,0 +1,169 @@
+"""`[units]` in all that is said of a model: no volt and no metre where it states newton and radian."""
+
+import re
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.cli.main import main
+from cogging.diagnosis.diagnose import IN_THEIR_OWN_UNITS
+from cogging.model.labelled import labelled
+from tests.fixtures.drawn_results import VERDICTS, drawn_result
+from tests.fixtures.files import REFERENCE
+from tests.fixtures.pid_axis import MODEL, run
+
+UNITS = cogging.Units(command="N", position="rad")
+ROTARY = MODEL.replace(units=UNITS)
+#: A unit of V and m, alone or with a prefix or a power, that stands as a word.
+VOLT_OR_METRE = re.compile(r"(?<![\w.])(?:[kmunµ]?[Vm])(?![\w.=]|'')")
+PICTURE = re.compile(r"<style>.*?</style>|data:image/png;base64,[^\"]*", re.DOTALL)
+
+
+def left_in(text):
+    """What of V and m a text still has, with what stands around it."""
+    return [text[max(0, found.start() - 30) : found.end() + 10] for found in VOLT_OR_METRE.finditer(text)]
+
+
+def texts(value):
+    """Every text in a JSON value."""
+    if isinstance(value, str):
+        yield value
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ():
+        yield from texts(inner)
+
+
+def said_of(result):
+    """Text, one line, JSON and labels of axes of a result."""
+    yield str(result)
+    yield repr(result)
+    if hasattr(result, "to_dict"):
+        yield from texts(result.to_dict())
+    if hasattr(result, "plot") and not getattr(result, "verdict", "").endswith(("mismatch", "excitation")):
+        for axes in result.plot().axes:
+            yield from (axes.get_xlabel(), axes.get_ylabel(), axes.get_title())
+
+
+@pytest.fixture(scope="module")
+def log():
+    return run(cogging.effects.CableSpring(stiffness=3.0, center=0.2), duration=1.0)
+
+
+def friction():
+    speeds = np.concatenate([-np.linspace(0.05, 1.0, 12), np.linspace(0.05, 1.0, 12)])
+    return cogging.fit_friction_curve(speeds, 0.15 * np.sign(speeds) + 0.2 * speeds, units=UNITS)
+
+
+def scan():
+    x = np.linspace(0.0, 0.4, 2001)
+    force = 0.1 * np.sin(2 * np.pi * x / 0.05) + 0.3 * x + 0.01 * np.random.default_rng(1).normal(size=x.size)
+    return cogging.fit_map(x, force, pitch=0.05, units=UNITS)
+
+
+MOVE = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.05, frequency=2.0))
+LIMITS = cogging.MotionLimits(velocity=0.3, acceleration=5.0, duration=3.0)
+BOUNDED = ROTARY.replace(intervals={"axis.mass": (0.11, 0.13)})
+GAINS = {"controller.kp": {"from": 5e3, "to": 2e4}}
+FEW = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}
+RESULTS = {
+    "audit": lambda log: cogging.audit(log, ROTARY),
+    "controller": lambda log: cogging.check_controller(log, ROTARY),
+    "identify": lambda log: cogging.identify(log, ROTARY, free=["axis.mass", "axis.viscous", "axis.coulomb"]),
+    "locate": lambda log: cogging.locate_gap(log, ROTARY),
+    "diagnose a sign": lambda log: cogging.diagnose(cogging.Log(log.time, log.position, -log.command), ROTARY),
+    "diagnose a rest": lambda log: cogging.diagnose(
+        cogging.Log(log.time[:600], log.position[:600], log.command[:600]), ROTARY
+    ),
+    "predict": lambda log: cogging.predict_error(BOUNDED, MOVE, ["own"], samples=4, duration=0.2),
+    "tune": lambda log: cogging.tune(BOUNDED, MOVE, GAINS, limits={"command_max": 9.0, "error_max": 1e-3}, **FEW),
+    "experiment": lambda log: cogging.plan_experiment(ROTARY, LIMITS, goal="fit"),
+    "sweep": lambda log: cogging.sweep(ROTARY, MOVE, {"axis.mass": [0.11, 0.12]}, duration=0.1),
+    "simulate": lambda log: cogging.simulate(ROTARY, MOVE, duration=0.1),
+    "friction": lambda log: friction(),
+    "map": lambda log: scan(),
+}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_result_is_told_in_the_units_of_its_model(name, log):
+    result = RESULTS[name](log)
+    said = list(said_of(result))
+    assert sum(len(text) for text in said) > 30
+    assert [left for text in said for left in left_in(text)] == []
+    if name not in ("diagnose a sign", "diagnose a rest"):
+        assert any(re.search(r"\b[kmun]?(N|rad)\b", text) for text in said), said
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_screen_json_and_page_of_a_diagnosis_have_no_volt_and_no_metre(verdict):
+    """Of drawn results of every verdict; names of logs keep their letters."""
+    generator = np.random.default_rng(7)
+    for _ in range(3):
+        drawn = drawn_result(generator, verdict, model=ROTARY)
+        result = labelled(drawn, UNITS, ["readings.csv"], apart=IN_THEIR_OWN_UNITS)
+        said = [result.text(), repr(result), *texts(result.to_dict())]
+        assert [left for text in said for left in left_in(text)] == []
+        assert left_in(drawn.text()) or verdict in ("controller_mismatch", "insufficient_excitation", "data_mismatch")
+        numbers = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?")
+        assert numbers.findall(result.text()) == numbers.findall(drawn.text())  # numbers stay as they are
+    if verdict not in ("ambiguous", "data_mismatch"):
+        return  # one page with pictures and one without
+    page = PICTURE.sub("", result.html(title="run 5 V at 3 m.csv")).replace("run 5 V at 3 m.csv", "")
+    assert left_in(page) == []
+    assert "N" in page
+    if result.series:
+        assert [left for text in said_of(result) for left in left_in(text)] == []
+
+
+def test_with_volt_and_metre_a_result_is_given_back_as_it_is():
+    result = drawn_result(np.random.default_rng(0), "named")
+    assert labelled(result, cogging.Units()) is result
+    audit = cogging.audit(run(duration=0.2), MODEL)
+    assert "units" not in audit.to_dict()
+    assert "units" not in audit.to_dict()["controller"]
+
+
+def test_names_paths_and_laws_stay_what_they_are():
+    """What is looked up again is no sentence, whatever letters it has."""
+    drawn = drawn_result(np.random.default_rng(3), "ambiguous", model=ROTARY)
+    result = labelled(drawn, UNITS, apart=IN_THEIR_OWN_UNITS)
+    assert [effect.name for effect in result.effects] == [effect.name for effect in drawn.effects]
+    assert [effect.alternatives for effect in result.effects] == [effect.alternatives for effect in drawn.effects]
+    assert list(result.limits) == list(drawn.limits)
+    assert [limit.parameter for limit in result.limits.values()] == [one.parameter for one in drawn.limits.values()]
+    assert result.model is drawn.model
+    assert result.verdict == drawn.verdict
+
+
+def test_refusals_are_in_the_units_of_the_model(log):
+    long = cogging.Log(log.time, 1e3 * log.position, log.command)
+    with pytest.raises(
+        cogging.InputError, match=r"7 m\.csv: position: spans .* rad but the model's travel is 0.51 rad"
+    ):
+        cogging.check_against_model(long, ROTARY, "7 m.csv")
+    still = cogging.Log(log.time, 0.0 * log.position + 0.1, log.command)
+    with pytest.raises(ValueError, match=r"got 0\.1 rad in every row"):
+        cogging.identify(still, ROTARY)
+
+
+def test_the_command_line_says_them(tmp_path, capsys):
+    """A line of `simulate`, and the part of a model that `map` writes."""
+    model, out = tmp_path / "model.toml", tmp_path / "log.csv"
+    ROTARY.write(model)
+    reference = tmp_path / "reference.toml"
+    reference.write_text(REFERENCE)
+    assert main(["simulate", str(model), "--reference", str(reference), "--out", str(out)]) == 0
+    assert re.search(r"max \|error\| [\d.e-]+ rad\n", capsys.readouterr().out)
+    assert cogging.read_log(out).units == UNITS
+    x = np.linspace(0.0, 0.4, 801)
+    rows = "\n".join(f"{a},{0.1 * np.sin(2 * np.pi * a / 0.05)}" for a in x)
+    scanned = tmp_path / "scan.csv"
+    scanned.write_text(f"position,force\n{rows}\n")
+    part = tmp_path / "part.toml"
+    told = ["map", str(scanned), "--pitch", "0.05", "--units", "command=N,position=rad", "--out", str(part)]
+    assert main(told) == 0
+    assert left_in(capsys.readouterr().out.replace(str(tmp_path), "")) == []
+    assert 'command = "N"' in part.read_text()
+    with pytest.raises(SystemExit):
+        main([*told[:5], "command=9 N", *told[6:]])
+    assert "units.command: must be the label of a unit" in capsys.readouterr().err
