@@ -30,6 +30,8 @@ def folder(tmp_path_factory):
     for shell in SHELLS:
         with open(folder / f"script.{shell}", "w") as file, contextlib.redirect_stdout(file):
             assert main(["completion", shell]) == 0
+    (folder / "zfunc").mkdir()
+    shutil.copy(folder / "script.zsh", folder / "zfunc" / "_cogging")
     return folder
 
 
@@ -70,7 +72,7 @@ def test_bash_offers_values_and_files(folder):
     assert bash(folder, "completion", "") == set(SHELLS)
     assert bash(folder, "help", "") == set(COMMANDS)
     assert bash(folder, "reproduce", "") >= set(PAPERS)
-    assert bash(folder, "reproduce", "--out", "") == {"runs"}
+    assert bash(folder, "reproduce", "--out", "") == {"runs", "zfunc"}
     files = {"first run.csv", "second.csv", "model.toml", "runs"}
     for words in (["audit", ""], ["diagnose", "second.csv", "--model", ""], ["identify", "a", "--json", ""]):
         assert files <= bash(folder, *words)
@@ -88,7 +90,7 @@ def type_into(shell, setup, typed, folder):
     ) as process:
         os.close(follower)
         os.write(leader, f"{setup}; echo rea''dy\n".encode())
-        until(leader, "\nready")
+        until(leader, "ready")
         os.write(leader, typed.encode())
         seen = until(leader, None)
         process.kill()
@@ -98,9 +100,9 @@ def type_into(shell, setup, typed, folder):
 
 def until(terminal, mark):
     """What a terminal shows until there is a mark; without one, until it is quiet for a second."""
-    seen, last = "", time.monotonic() + 30.0
+    seen, last = "", time.monotonic() + 10.0
     while time.monotonic() < last and (mark is None or mark not in seen):
-        if not select.select([terminal], [], [], 30.0 if mark else 1.0)[0]:
+        if not select.select([terminal], [], [], 10.0 if mark else 1.0)[0]:
             break
         seen += os.read(terminal, 65536).decode()
     assert mark is None or mark in seen, seen
@@ -110,7 +112,7 @@ def until(terminal, mark):
 #: A shell without its user's files, and how it takes the script.
 INTERACTIVE = {
     "bash": (["bash", "--norc", "--noprofile", "-i"], "source script.bash"),
-    "zsh": (["zsh", "-f", "-i"], "autoload -Uz compinit; compinit -u -D; source script.zsh"),
+    "zsh": (["zsh", "-f", "-i"], "fpath=($PWD/zfunc $fpath); autoload -Uz compinit; compinit -u -D"),
 }
 
 
@@ -119,7 +121,7 @@ INTERACTIVE = {
 @pytest.mark.parametrize(
     ("typed", "shown"),
     [
-        ("cogging dia\t", "cogging diagnose "),
+        ("cogging dia\t", "cogging diagnose"),
         ("cogging audit --sc\t", "--scale"),
         ("cogging audit sec\t", "second.csv"),
     ],
