@@ -53,21 +53,22 @@ void bind_table(py::module_& module) {
 
 separator: one character, " " = any run of blanks; fields: how many each line has; wanted: indexes of those to read,
 ascending, with a label each. Rows first_row to end_row (without) are kept; first_line numbers the first line that will
-come. Blank lines are skipped, a number may stand in quotes.
+come. Blank lines are skipped, a number may stand in quotes. Numbers have a decimal point, or all a decimal comma.
 
 Raises:
     ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line. A
         call while another thread is within one.)")
       .def(py::init([](char separator, std::size_t fields, const std::vector<std::size_t>& wanted,
                        const std::vector<std::string>& labels, std::size_t first_row,
-                       const std::optional<std::size_t>& end_row, std::size_t first_line, std::size_t expected_rows) {
+                       const std::optional<std::size_t>& end_row, std::size_t first_line, std::size_t expected_rows,
+                       char decimal) {
              return std::make_unique<OneThreadReader>(
-                 NumberReader({separator, fields, wanted, labels}, first_row,
+                 NumberReader({separator, fields, wanted, labels, decimal}, first_row,
                               end_row.value_or(std::numeric_limits<std::size_t>::max()), first_line, expected_rows));
            }),
            py::kw_only(), py::arg("separator"), py::arg("fields"), py::arg("wanted"), py::arg("labels"),
            py::arg("first_row") = 0, py::arg("end_row") = py::none(), py::arg("first_line") = 1,
-           py::arg("expected_rows") = 0)
+           py::arg("expected_rows") = 0, py::arg("decimal") = '.')
       .def(
           "feed",
           [](OneThreadReader& reader, const py::bytes& block) {

@@ -52,6 +52,7 @@ from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.design.predicted_error import ErrorPrediction
 from cogging.design.error_prediction import predict_error
 from cogging.files import InputError
+from cogging.first_model.draft import ModelDraft, draft_model
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
 from cogging.design.pid import pid_gains, pid_poles
@@ -108,6 +109,7 @@ __all__ = [
     "Log",
     "MapFit",
     "Model",
+    "ModelDraft",
     "MotionLimits",
     "NoiseParameters",
     "ObserverDesign",
@@ -133,6 +135,7 @@ __all__ = [
     "desired_compensation_condition",
     "desired_compensation_matrix",
     "diagnose",
+    "draft_model",
     "effects",
     "fit_friction_curve",
     "fit_map",

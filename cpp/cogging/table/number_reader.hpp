@@ -54,6 +54,7 @@ struct TableLayout {
   std::size_t fields = 0;           // in every line
   std::vector<std::size_t> wanted;  // fields to read, ascending
   std::vector<std::string> labels;  // of the wanted ones, for what is refused
+  char decimal = '.';               // or ',': what a number's fraction stands behind
 };
 
 /// Reads lines of separated numbers. Blank lines are skipped; a number may stand in quotes; lines end with LF or CR LF.
@@ -70,6 +71,8 @@ class NumberReader {
       : layout_(std::move(layout)), first_row_(first_row), end_row_(end_row), line_(first_line) {
     require(layout_.labels.size() == layout_.wanted.size(), "labels", "must be one for each wanted field",
             static_cast<double>(layout_.labels.size()));
+    if (layout_.decimal != '.' && layout_.decimal != ',')
+      refuse("decimal", "must be a point or a comma", std::string(1, layout_.decimal));
     for (std::size_t i = 0; i < layout_.wanted.size(); ++i)
       require(layout_.wanted[i] < layout_.fields && (i == 0 || layout_.wanted[i] > layout_.wanted[i - 1]), "wanted",
               "must be ascending and below fields", static_cast<double>(layout_.wanted[i]));
@@ -213,7 +216,7 @@ class NumberReader {
     const char* begin = p;
     const bool quoted = p != end && *p == '"';
     if (quoted) ++p;
-    const auto [value, number_end] = detail::parse_number(p, end);
+    const auto [value, number_end] = number(p, end, quoted);
     const char* stop = number_end;
     if (quoted && stop != p) {
       if (stop == end || *stop != '"') refuse_number(begin, end, column);
@@ -225,6 +228,16 @@ class NumberReader {
     if (number_end == p || !at_end || !std::isfinite(value)) refuse_number(begin, end, column);
     columns_[column].push_back(value);
     return stop;
+  }
+
+  // The number at p; with decimal commas read from a copy, in which a point has no place.
+  detail::ParsedNumber number(const char* p, const char* end, bool quoted) {
+    if (layout_.decimal == '.') return detail::parse_number(p, end);
+    cell_.assign(p, quoted ? find(p, end, '"') : bare_end(p, end));
+    if (cell_.find('.') != std::string::npos) return {0.0, p};
+    std::replace(cell_.begin(), cell_.end(), ',', '.');
+    const auto [value, stop] = detail::parse_number(cell_.data(), cell_.data() + cell_.size());
+    return {value, p + (stop - cell_.data())};
   }
 
   std::size_t count_fields(const char* p, const char* end, std::size_t field) const {
@@ -262,7 +275,7 @@ class NumberReader {
   TableLayout layout_;
   std::size_t first_row_, end_row_, line_, row_ = 0;
   bool within_line_ = false;
-  std::string carry_;
+  std::string carry_, cell_;
   bool interrupted_ = false;
   std::vector<std::vector<double>> columns_;
 };

@@ -2246,13 +2246,13 @@ class NumberReader:
     
     separator: one character, " " = any run of blanks; fields: how many each line has; wanted: indexes of those to read,
     ascending, with a label each. Rows first_row to end_row (without) are kept; first_line numbers the first line that will
-    come. Blank lines are skipped, a number may stand in quotes.
+    come. Blank lines are skipped, a number may stand in quotes. Numbers have a decimal point, or all a decimal comma.
     
     Raises:
         ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line. A
             call while another thread is within one.
     """
-    def __init__(self, *, separator: str, fields: typing.SupportsInt | typing.SupportsIndex, wanted: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], labels: collections.abc.Sequence[str], first_row: typing.SupportsInt | typing.SupportsIndex = 0, end_row: typing.SupportsInt | typing.SupportsIndex | None = None, first_line: typing.SupportsInt | typing.SupportsIndex = 1, expected_rows: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+    def __init__(self, *, separator: str, fields: typing.SupportsInt | typing.SupportsIndex, wanted: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], labels: collections.abc.Sequence[str], first_row: typing.SupportsInt | typing.SupportsIndex = 0, end_row: typing.SupportsInt | typing.SupportsIndex | None = None, first_line: typing.SupportsInt | typing.SupportsIndex = 1, expected_rows: typing.SupportsInt | typing.SupportsIndex = 0, decimal: str = '.') -> None:
         ...
     def feed(self, block: bytes) -> None:
         """

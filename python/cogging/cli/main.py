@@ -16,6 +16,7 @@ from cogging_command import run_command
 
 #: The commands in the order of the help: each a module of `cogging.cli` with `add_parser(commands)`, `run(arguments)`.
 COMMANDS = (
+    "init",
     "audit",
     "identify",
     "diagnose",
@@ -31,9 +32,9 @@ COMMANDS = (
     "help",
 )
 NO_COMMAND = "a command must be given, got none"
-STORY = """from a log to a better model: audit the log, identify the model, diagnose what it lacks, and confirm that \
-with a log of other motion. Every command ends with the next one, as a line that can be pasted; words in capitals \
-there, such as REF.toml, are files that only you have.
+STORY = """from a log to a better model: init drafts a model, identify fits it, diagnose finds what it lacks, and a \
+log of other motion confirms that. Every command ends with the next one, as a line that can be pasted; words in \
+capitals there, such as REF.toml, are files that only you have.
 
 cogging help COMMAND says what a command takes, with examples."""
 

@@ -14,7 +14,7 @@ from cogging.calls import takes
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.log_check.outliers import find_outliers
-from cogging.logs.log import Log, require_sizes
+from cogging.logs.log import READ_WITH, Log, require_sizes
 from cogging.model.model import Model
 from cogging.simulation.arguments import LOG, MODEL_OR_NONE
 from cogging.values import ByValue
@@ -51,6 +51,7 @@ class Audit(ByValue):
         saturation_share: share of the rows on a plateau of three or more rows at the lowest or highest command.
         outliers: number of single readings that leave and return by more than 5 times what happens around them.
         outlier_rows: the first ten of them, from 0.
+        read_with: what was found of the log's file that bears on its numbers: decimal commas.
         controller: the stated controller beside the log; None where the model states none or no model is given.
 
     Example:
@@ -77,6 +78,7 @@ class Audit(ByValue):
     saturation_share: float
     outliers: int
     outlier_rows: tuple[int, ...]
+    read_with: tuple[str, ...] = ()
     controller: ControllerCheck | None = None
 
     def _brief(self) -> str:
@@ -104,6 +106,7 @@ class Audit(ByValue):
             f"command {self.command[0]:.4g} to {self.command[1]:.4g} V, rms {self.command_rms:.4g} V, "
             f"{100 * self.saturation_share:.3g} % saturated",
         ]
+        lines += [f"read with {', '.join(self.read_with)}"] * bool(self.read_with)
         return "\n".join(lines + _controller_lines(self.controller))
 
 
@@ -181,6 +184,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
         saturation_share=_plateau_share(log.command),
         outliers=outliers.size,
         outlier_rows=tuple(outliers[:SHOWN].tolist()),
+        read_with=tuple(log.metadata.get(READ_WITH, ())),
         controller=check_controller(log, model) if model is not None else None,
     )
 

@@ -36,12 +36,14 @@ def read_columns(
     scale: Mapping[str, float] | None = None,
     rows: slice | None = None,
     progress: bool = True,
+    notes: list[str] | None = None,
 ) -> dict[str, FloatArray]:
     """Read named columns of a text table (CSV), MATLAB, ASAM MDF or Parquet file.
 
     The format is told by the file's first bytes. A text table has a header row, below any other lines, and commas,
-    semicolons, tabs or blanks between its columns. A unit may stand behind a name, `position [mm]`: one that is not
-    SI (or V, A, N) is refused unless `scale` says what to make of it.
+    semicolons, tabs or blanks between its columns, and a decimal point or, where another mark parts the columns or the
+    numbers stand in quotes, a decimal comma in all its numbers. A unit may stand behind a name, `position [mm]`: one
+    that is not SI (or V, A, N) is refused unless `scale` says what to make of it.
 
     Args:
         path: the file.
@@ -51,6 +53,7 @@ def read_columns(
         scale: factor by which a column is multiplied, by its name here.
         rows: the data rows to take, counted from 0.
         progress: show on a terminal how far the reading of a large text table is.
+        notes: to which is added what was found of the file that bears on its numbers: decimal commas.
 
     Returns:
         The columns by name, each (n,).
@@ -62,6 +65,8 @@ def read_columns(
     request = _request(path, names, optional, columns, scale, rows, progress)
     kind = format_of(path)
     arrays = text_table.read(request) if kind is None else read_apart(kind, request)
+    if notes is not None:
+        notes += request.notes
     if not arrays or not next(iter(arrays.values())).size:
         raise request.refuse("rows: must be at least 1, got 0")
     for name, factor in (scale or {}).items():
@@ -71,6 +76,21 @@ def read_columns(
             if not np.isfinite(arrays[name]).all():
                 raise request.refuse(f"{name}: must stay finite when scaled, got a factor of {factor:g}")
     return arrays
+
+
+def survey_columns(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
+    """The names of all columns of a file of any format, each with the unit that the file states apart from it or "".
+
+    Raises:
+        InputError: the file cannot be read, or is a text table without a header row.
+    """
+    request = Request(path, (), survey=[])
+    kind = format_of(path)
+    if kind is None:
+        text_table.survey(request)
+    else:
+        read_apart(kind, request)
+    return request.survey or []
 
 
 def _request(

@@ -27,6 +27,7 @@ SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves 
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
+READ_WITH = "read_with"  # key of the metadata: what was found of the file that bears on its numbers
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 
 
@@ -151,11 +152,12 @@ class Log(ByValue):
         files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
         beside = sidecar(path)
         _require_sidecar(beside)
-        if self.metadata:
-            document = {"version": importlib.metadata.version("cogging"), **self.metadata}
+        metadata = {key: value for key, value in self.metadata.items() if key != READ_WITH}  # of the other file
+        if metadata:
+            document = {"version": importlib.metadata.version("cogging"), **metadata}
             files[beside] = [to_toml(_plain(document)).encode()]
         write_files(files)
-        if not self.metadata:
+        if not metadata:
             Path(beside).unlink(missing_ok=True)  # of another log that stood here
 
     def _csv(self) -> Iterator[bytes]:
@@ -270,7 +272,8 @@ def read_log(
         >>> [len(in_mm) == len(log), bool(abs(in_mm.position[9] / log.position[9] - 1e3) < 1e-6)]
         [True, True]
     """
-    table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows)
+    notes: list[str] = []
+    table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows, notes=notes)
     time = table["time"]
     if time.size < 2:
         raise InputError(f"{path}: rows: must be at least 2, got {time.size}")
@@ -282,6 +285,8 @@ def read_log(
         raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
     beside = Path(sidecar(path))
     metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
+    if notes:
+        metadata[READ_WITH] = notes
     return Log.of(table, metadata)
 
 

@@ -122,9 +122,12 @@ class Balance:
     one_wave: float
 
     @classmethod
-    def of(cls, log: Log, model: Model) -> Balance | None:
-        """The balance of a log, filtered where noise is small; None of one that hardly moves."""
-        share = cutoff_share(log)
+    def of(cls, log: Log, model: Model, share: float | None = None) -> Balance | None:
+        """The balance of a log; None of one that hardly moves.
+
+        It is filtered where noise is small, or at a `share` of the row rate.
+        """
+        share = cutoff_share(log) if share is None else share
         dynamics = InverseDynamics(log, cutoff=share / float(np.median(np.diff(log.time))))
         free = model.replace(axis=model.axis.replace(viscous=0.0, coulomb=0.0))
         speed, acceleration = dynamics.motion.middle_velocity, dynamics.motion.acceleration
@@ -159,7 +162,7 @@ class Balance:
         """
         at = np.clip(self.taken + shift, 0, len(self.command) - 1)
         command = self.command[at]
-        target = self._freed((command + self.known[self.taken])[None])[0]
+        target = self.freed((command + self.known[self.taken])[None])[0]
         columns, size, triangle = self._columns
         limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
         weights = bounded(size, triangle, target, limits)
@@ -174,7 +177,7 @@ class Balance:
 
     def gain(self, values: Mapping[str, float]) -> float:
         """Factor on the command with which it is nearest to what these parameters need."""
-        columns, target = self._columns[0], self._freed((self.command + self.known)[self.taken][None])[0]
+        columns, target = self._columns[0], self.freed((self.command + self.known)[self.taken][None])[0]
         asked = np.array([values[name] for name in AXIS]) @ columns[:3]
         likeness = float(asked @ target)
         return float(asked @ asked) / likeness if likeness else 0.0
@@ -188,12 +191,12 @@ class Balance:
     @cached_property
     def _columns(self) -> tuple[FloatArray, FloatArray, Any]:
         """Columns of the parameters and of drag freed of all else, (4, m), their sizes, and their QR factors."""
-        columns = self._freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
+        columns = self.freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
         size = np.sqrt(np.mean(columns**2, axis=1))
         size[size == 0.0] = 1.0
         return columns, size, np.linalg.qr((columns / size[:, None]).T)
 
-    def _freed(self, rows: FloatArray) -> FloatArray:
+    def freed(self, rows: FloatArray) -> FloatArray:
         """Rows (p, m) without what is free beside the parameters."""
         rows = self._placed(rows)
         basis = self._beside

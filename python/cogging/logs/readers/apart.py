@@ -69,6 +69,7 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         "columns": dict(request.columns),
         "scaled": sorted(request.scaled),
         "rows": [request.rows.start, request.rows.stop],
+        "survey": request.survey is not None,
     }
     late = threading.Event()
     with contextlib.ExitStack() as stack:
@@ -83,7 +84,7 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         timer.daemon = True
         timer.start()
         try:
-            columns = _received(process)
+            columns = _received(process, request)
             if columns is not None:
                 return columns
             status = process.wait()
@@ -106,7 +107,7 @@ def _temporary_folder(request: Request) -> Iterator[str]:
         yield name
 
 
-def _received(process: subprocess.Popen[bytes]) -> dict[str, FloatArray] | None:
+def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, FloatArray] | None:
     """The columns that serve() writes, or None if it ends before all are there.
 
     Raises:
@@ -122,6 +123,8 @@ def _received(process: subprocess.Popen[bytes]) -> dict[str, FloatArray] | None:
     answer = json.loads(told)
     if "error" in answer:
         raise InputError(answer["error"])
+    if request.survey is not None:
+        request.survey.extend((name, unit) for name, unit in answer["survey"])
     columns = {name: np.empty(answer["rows"]) for name in answer["names"]}
     for column in columns.values() if answer["rows"] else ():
         rest = column.data.cast("B")
@@ -147,6 +150,7 @@ def serve(job: Mapping[str, Any]) -> None:
         job["scaled"],
         slice(*job["rows"]),
         shown=job["shown"],
+        survey=[] if job["survey"] else None,
     )
     try:
         columns = _read(job["kind"], request)
@@ -154,7 +158,7 @@ def serve(job: Mapping[str, Any]) -> None:
         _answer(output, {"error": str(error)})
     else:
         rows = len(next(iter(columns.values()), ()))
-        _answer(output, {"names": list(columns), "rows": rows})
+        _answer(output, {"names": list(columns), "rows": rows, "survey": request.survey})
         for values in columns.values() if rows else ():
             output.write(np.ascontiguousarray(values).data.cast("B"))
     output.flush()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from cogging.files import InputError
@@ -81,7 +82,7 @@ def _chosen(
         masters = set(file.masters_db.items())
         others, optional = (tuple(name for name in given if name != "time") for given in (others, optional))
         names = [name for name, place in places.items() if place not in masters]
-    narrowed = Request(request.path, others, optional, request.columns, request.scaled, request.rows)
+    narrowed = replace(request, names=others, optional=optional)
     units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
     return {name: places[names[i]] for name, i in narrowed.choose(names, "file", units).items()}
 

@@ -43,6 +43,8 @@ class Request:
         rows: data rows to take, from 0.
         progress: whether a long reading may show how far it is.
         shown: what the file is called in what is refused; as `path` where empty.
+        notes: what a reader found of the file that bears on its numbers, in words.
+        survey: filled with all names and units of the file, in place of choosing among them; None: chosen.
     """
 
     path: str | os.PathLike[str]
@@ -53,6 +55,8 @@ class Request:
     rows: slice = field(default_factory=lambda: slice(0, None))
     progress: bool = True
     shown: str = ""
+    notes: list[str] = field(default_factory=list)
+    survey: list[tuple[str, str]] | None = None
 
     def refuse(self, problem: str) -> InputError:
         """Make the error that names the file."""
@@ -73,6 +77,10 @@ class Request:
             InputError: a column is missing or stands twice, several may be meant, or it has a unit that is not SI and
                 no factor was given.
         """
+        if self.survey is not None:
+            stated_apart = units or [""] * len(present)
+            self.survey.extend((name.strip(), unit.strip()) for name, unit in zip(present, stated_apart, strict=True))
+            return {}
         parts = [split_unit(text) for text in present]
         found = {}
         for name in (*self.names, *self.optional):
@@ -104,7 +112,7 @@ class Request:
     def _require_si(self, name: str, there: str, unit: str) -> None:
         wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
         spelled = unit.strip().replace("**", "^")
-        if spelled in SPELLINGS[wanted] or spelled.lower() in SPELLINGS[wanted][1:]:
+        if is_si(name, unit):
             return
         factors = {"s": TIME_FACTORS, "V": COMMAND_FACTORS}.get(wanted, FACTORS)
         length, slash, rest = spelled.partition("/")
@@ -114,6 +122,13 @@ class Request:
         advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
         needed = ", ".join(COMMAND_UNITS) if wanted == "V" else wanted
         raise self.refuse(f"column {there}: must be in {needed}, got the unit {unit!r}; give {advice}")
+
+
+def is_si(name: str, unit: str) -> bool:
+    """Whether a column of a log may be taken as it is in a stated unit."""
+    wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
+    spelled = unit.strip().replace("**", "^")
+    return spelled in SPELLINGS[wanted] or spelled.lower() in SPELLINGS[wanted][1:]
 
 
 def split_unit(text: str) -> tuple[str, str]:

@@ -6,6 +6,7 @@ import csv
 import os
 import re
 import sys
+from collections.abc import Sequence
 from typing import IO
 
 from tqdm import tqdm
@@ -18,9 +19,14 @@ from cogging.logs.readers.request import Request, split_unit
 BLOCK = 1 << 22  # bytes read at once
 HEAD = 1 << 18  # bytes in which the header row must stand
 HEAD_LINES = 200
+ROWS_ALIKE = 3  # lines of as many numbers, one after the other, that are taken for a table's
 LARGE = 100 << 20  # bytes from which a bar shows how far the reading is
 SEPARATORS = (";", ",", "\t")
+DECIMAL_COMMAS = "decimal commas"  # what is said of a table that has them
 SHOWN = 40  # letters of a line that an error shows
+DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")  # or a decimal comma before three digits
+WHOLE = re.compile(r"[+-]?\d+(?:[eE][+-]?\d+)?")
 QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
 
 
@@ -43,6 +49,26 @@ def read(request: Request) -> dict[str, FloatArray]:
     return {name: arrays[place] for name, place in index.items()}
 
 
+def survey(request: Request) -> None:
+    """Tell the request the names and units of all columns (Request.survey).
+
+    Raises:
+        InputError: the file cannot be read as a text table, or has no header row.
+    """
+    try:
+        with open(request.path, "rb", buffering=0) as file:
+            head = _head(file, os.fstat(file.fileno()).st_size)
+        _, labels, units, first_data = _find_header(_lines(head, request), request)
+    except OSError as error:
+        raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise _readable(error, request) from None
+    if labels and all(map(_is_number, labels)):
+        rule = "must be a header row with the names of the columns"
+        raise request.refuse(f"line {first_data}: {rule}, got numbers: write one above them, time,position,command")
+    request.choose(labels, "header", units)
+
+
 def _head(file: IO[bytes], size: int) -> bytes:
     """The beginning of a file, in which the header row must stand."""
     head = file.read(min(HEAD, size))
@@ -61,6 +87,9 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
         order = [name for i, name in enumerate(order) if i == 0 or index[name] != index[order[i - 1]]]
     rows = request.rows
     kept = lines[first_data:]
+    decimal = _decimal(kept, separator, index, len(labels), first_data + 1, request)
+    if decimal == ",":
+        request.notes.append(DECIMAL_COMMAS)
     mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
     limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
     reader = NumberReader(
@@ -72,8 +101,49 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
         end_row=rows.stop,
         first_line=first_data + 1,
         expected_rows=int(1.1 * limit / mean) + 16,
+        decimal=decimal,
     )
     return reader, index, order, first_data
+
+
+def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: int, first: int, request: Request) -> str:
+    """The decimal mark of the wanted columns, as the rows at the file's beginning have it: a point or a comma.
+
+    That a comma is no mark of thousands may be seen in any column.
+
+    Raises:
+        InputError: both stand there, or only commas that may part thousands as well.
+    """
+    comma = point = ""
+    sure = False
+    if separator == "," and lines:
+        _require_points(_split(lines[0], separator), fields, first, request)
+    for number, line in enumerate(lines, start=first):
+        commas = "," in line and (separator != "," or '"' in line)
+        if not commas and (point or "." not in line):
+            continue
+        cells = _split(line, separator)
+        sure = sure or any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in cells)
+        for cell in (cells[place] for place in index.values() if place < len(cells)):
+            if DECIMAL_COMMA.fullmatch(cell) or THOUSANDS.fullmatch(cell):
+                comma = comma or cell
+            elif "." in cell and _is_number(cell):
+                point = point or cell
+        if comma and point:
+            rule = "must have one decimal mark in all numbers"
+            raise request.refuse(f"line {number}: {rule}, got {comma[:SHOWN]!r} and {point[:SHOWN]!r}")
+    if comma and not sure:
+        rule = "must show whether a comma is a decimal mark or parts thousands: write a decimal point"
+        raise request.refuse(f"line {first}: {rule}, got numbers like {comma[:SHOWN]!r} alone")
+    return "," if comma else "."
+
+
+def _require_points(cells: list[str], fields: int, line: int, request: Request) -> None:
+    """Refuse whole numbers that are more than the header's columns: what decimal commas make of a comma's columns."""
+    if fields < len(cells) <= 2 * fields and all(WHOLE.fullmatch(cell) for cell in cells):
+        rule = f"must have {fields} columns as the header, got {len(cells)} columns"
+        advice = "numbers with decimal commas need semicolons or tabs between the columns"
+        raise request.refuse(f"line {line}: {rule}: {advice}")
 
 
 def _feed(reader: NumberReader, file: IO[bytes], size: int, request: Request) -> None:
@@ -157,15 +227,19 @@ def _require_whole_quotes(line: str, separator: str, number: int, request: Reque
         at = min(ends) + 1 if ends else len(line)
 
 
-def _separator(line: str) -> str:
-    outside = "".join(line.split('"')[::2])
-    best = max(SEPARATORS, key=outside.count)
-    return best if best in outside else " "
+def _separator(line: str, below: Sequence[str] = ()) -> str:
+    """What parts the columns: of several, what stands as often in the lines below, before a comma."""
+    outside, *others = ("".join(text.split('"')[::2]) for text in (line, *below))
+    known = [mark for mark in SEPARATORS if mark in outside]
+    shared = [m for m in known if others and all(outside.count(m) == other.count(m) for other in others)]
+    if shared:
+        return next((mark for mark in shared if mark != ","), ",")
+    return max(known, key=outside.count, default=" ")
 
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        float(text.replace(",", "."))
     except ValueError:
         return False
     return True
@@ -173,24 +247,12 @@ def _is_number(text: str) -> bool:
 
 def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], list[str] | None, int]:
     """Separator, names, units of a row below them, and the first data line."""
-    wanted = {request.in_file(name) for name in request.names}
     candidates = [i for i, line in enumerate(lines[:HEAD_LINES]) if line.strip()]
-    best = candidates[0] if candidates else None
-    before = None  # the line before the first row of numbers: what a header would be
-    for i in candidates:
-        separator = _separator(lines[i])
-        fields = _split(lines[i].lstrip("#% "), separator)
-        if wanted <= {text for field in fields for text in (field, split_unit(field)[0])}:
-            best = i
-            break
-        if len(fields) > 1 and all(map(_is_number, fields)) and before is None and i != candidates[0]:
-            before = candidates[candidates.index(i) - 1]
-    else:
-        best = before if before is not None else best
+    best = _header_line(lines, candidates, request)
     if best is None:
         request.choose([], "header")
         raise request.refuse("rows: must be at least 1, got 0")  # every wanted column was optional
-    separator = _separator(lines[best])
+    separator = _separator(lines[best], lines[best + 1 : best + 3])
     _require_whole_quotes(lines[best].lstrip("#% "), separator, best + 1, request)
     labels = _split(lines[best].lstrip("#% "), separator)
     below = [i for i in candidates if i > best]
@@ -200,3 +262,47 @@ def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], li
             _require_whole_quotes(lines[below[0]], separator, below[0] + 1, request)
             return separator, labels, units + [""] * (len(labels) - len(units)), below[0] + 1
     return separator, labels, None, best + 1
+
+
+def _header_line(lines: list[str], candidates: list[int], request: Request) -> int | None:
+    """The line that has the wanted names, or else that before the first row of numbers, or the first."""
+    if request.survey is not None:
+        return _line_above_rows(lines, candidates)
+    wanted = {request.in_file(name) for name in request.names}
+    before = None
+    for k, i in enumerate(candidates):
+        fields = _fields(lines, i)
+        if wanted <= {text for field in fields for text in (field, split_unit(field)[0])}:
+            return i
+        if len(fields) > 1 and all(map(_is_number, fields)) and before is None and k > 0:
+            before = candidates[k - 1]
+    return before if before is not None else next(iter(candidates), None)
+
+
+def _line_above_rows(lines: list[str], candidates: list[int]) -> int | None:
+    """The line above the first rows of which at least half are numbers, and more than one; or the first line.
+
+    Where that line has units, it is the one above it, which has as many names.
+    """
+    like_rows = []
+    for i in candidates:
+        fields = _fields(lines, i)
+        numbers = sum(map(_is_number, fields))
+        like_rows.append(len(fields) if numbers > 1 and 2 * numbers >= len(fields) else 0)
+    for k, count in enumerate(like_rows):
+        if count and set(like_rows[k : k + ROWS_ALIKE]) == {count}:
+            return _above_units(lines, candidates[:k]) if k else candidates[0]
+    return next(iter(candidates), None)
+
+
+def _above_units(lines: list[str], candidates: list[int]) -> int:
+    """The last of some lines; the one before it where that has as many names and the last one their units."""
+    last = candidates[-1]
+    if len(candidates) < 2:
+        return last
+    names, units = _fields(lines, candidates[-2]), _fields(lines, last)
+    return candidates[-2] if 1 < len(units) == len(names) and not any(map(_is_number, names)) else last
+
+
+def _fields(lines: list[str], line: int) -> list[str]:
+    return _split(lines[line].lstrip("#% "), _separator(lines[line], lines[line + 1 : line + 3]))

@@ -1,0 +1,112 @@
+"""In which units a log's columns are written: as their headers say, or as their numbers suggest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.first_model.headers import ANGLES, COMMANDS, COUNTS, LENGTHS, TIMES, Header
+
+STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
+#: From seconds between rows, the unit in which that is a drive's or a logger's rate: 50 Hz to 50 kHz.
+STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
+#: What axes do: m, m/s, m/s^2. An assumption on machines, wide enough for stages and for gantries.
+TRAVELS, SPEEDS, ACCELERATIONS = (2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)
+USUAL = (0.2, 0.3, 5.0)  # m, m/s, m/s^2: in the middle of these, assumed
+TRIED = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+COUNT = 1e-6  # m, assumed of an encoder's count that nothing tells
+MANY = 1000  # whole numbers further apart than that are counts
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit of a column.
+
+    Attributes:
+        factor: to the unit of the log.
+        label: of the log's unit: s, m, rad, V, A, N, Nm, ...
+        told: why, in words.
+        sure: STATED (in the header), LIKELY or UNKNOWN.
+    """
+
+    factor: float
+    label: str
+    told: str
+    sure: str
+
+
+def unit_of_time(header: Header, time: FloatArray) -> Unit:
+    """The unit of a time: as stated, else that in which the rows come at a usual rate."""
+    factor = TIMES.get(header.unit, TIMES.get(header.unit.lower()))
+    if factor is not None:
+        return Unit(factor, "s", f"in {header.unit} as its header says", STATED)
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    factor, unit = next((factor, unit) for most, factor, unit in STEPS if step < most)
+    rate = 1.0 / (step * factor) if step > 0.0 else math.inf
+    said = f"in {unit}: its rows are {step:.4g} apart, {rate:.4g} Hz if so"
+    if step == 1.0:
+        return Unit(factor, "s", f"{said}; it may be the number of the row, then give 1 / rate", UNKNOWN)
+    return Unit(factor, "s", said, LIKELY)
+
+
+def unit_of_command(header: Header) -> Unit:
+    """The unit of a command: as stated; no number tells it."""
+    known = COMMANDS.get(header.unit) or COMMANDS.get(header.unit.lower())
+    if known is not None:
+        return Unit(known[0], known[1], f"in {header.unit} as its header says", STATED)
+    return Unit(1.0, "V", "its unit is not stated and no number tells it: called V here, edit [units]", UNKNOWN)
+
+
+def unit_of_position(header: Header, time: FloatArray, position: FloatArray) -> Unit:
+    """The unit of a position: as stated, else that in which travel, speed and acceleration are those of an axis.
+
+    Args:
+        header: of the column.
+        time: s, (n,).
+        position: as written, (n,).
+    """
+    for known, label in ((LENGTHS, "m"), (ANGLES, "rad")):
+        factor = known.get(header.unit, known.get(header.unit.lower()))
+        if factor is not None:
+            return Unit(factor, label, f"in {header.unit} as its header says", STATED)
+    motion = motion_of(time, position)
+    if header.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
+        told = "in counts of an encoder, and how long one is is not told: 1e-06 m assumed, give its own"
+        return Unit(COUNT, "m", told, UNKNOWN)
+    fitting = [unit for unit, factor in TRIED.items() if _plausible(motion, factor)]
+    unit = min(fitting or TRIED, key=lambda unit: _strangeness(motion, TRIED[unit]))
+    factor = TRIED[unit]
+    travel, speed = factor * motion[0], factor * motion[1]
+    said = f"in {unit}: it then spans {travel:.3g} m at up to {speed:.3g} m/s"
+    if not fitting:
+        return Unit(1.0, "m", f"taken as m: its span of {motion[0]:.4g} fits an axis in none of m, mm, um", UNKNOWN)
+    if len(fitting) > 1:
+        others = " or ".join(other for other in fitting if other != unit)
+        return Unit(factor, "m", f"taken {said}; {others} would do as well, and rad where it turns", UNKNOWN)
+    return Unit(factor, "m", f"{said}; if it turns, its unit may be rad or degrees", LIKELY)
+
+
+def motion_of(time: FloatArray, position: FloatArray) -> tuple[float, float, float]:
+    """Travel, top speed and acceleration of a position in its own unit, roughly."""
+    if len(time) < 8:
+        return float(np.ptp(position)), 0.0, 0.0
+    span = max(1, len(time) // 500)
+    t, x = time[::span], position[::span]
+    speed = np.diff(x) / np.diff(t)
+    middle = 0.5 * (t[1:] + t[:-1])
+    acceleration = np.diff(speed) / np.diff(middle) if len(speed) > 2 else np.zeros(1)
+    sizes = [float(np.quantile(np.abs(values), 0.98)) for values in (speed, acceleration)]
+    return float(np.ptp(position)), sizes[0], sizes[1]
+
+
+def _plausible(motion: tuple[float, float, float], factor: float) -> bool:
+    ranges = zip(motion, (TRAVELS, SPEEDS, ACCELERATIONS), strict=True)
+    return all(low <= factor * value <= high for value, (low, high) in ranges)
+
+
+def _strangeness(motion: tuple[float, float, float], factor: float) -> float:
+    pairs = zip(motion, USUAL, strict=True)
+    return sum(math.log(max(factor * value, 1e-300) / usual) ** 2 for value, usual in pairs)

@@ -1,0 +1,69 @@
+"""The first page, from a CSV to a better model: its commands run as printed and print what it says."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import cogging
+from tests.fixtures.shown_commands import missing, printed, shown
+
+ROOT = Path(__file__).parents[1]
+EXAMPLE = ROOT / "examples" / "first_model"
+PAGE = ROOT / "docs" / "first_model.md"
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """The folder in which the page was run, its commands, and what they printed."""
+    folder = tmp_path_factory.mktemp("page")
+    for name in ("run.csv", "other.csv"):
+        shutil.copy(EXAMPLE / name, folder)
+    commands = shown(PAGE)
+    return folder, commands, printed([command for command, _ in commands], folder)
+
+
+def test_every_command_prints_what_the_page_says(run):
+    _, commands, outputs = run
+    assert len(commands) == len(outputs) >= 8
+    for (command, said), (lines, status) in zip(commands, outputs, strict=True):
+        assert status == 0, (command, lines)
+        assert missing(said, lines) is None, (command, "\n".join(lines))
+
+
+def test_the_page_gives_the_next_command_as_init_printed_it(run):
+    _, commands, outputs = run
+    how = next(command for command, _ in commands if command.startswith("HOW=")).removeprefix("HOW=").strip('"')
+    assert outputs[0][0][-1].endswith(how)
+
+
+def test_the_patched_model_is_the_machine_that_made_the_logs(run):
+    folder, _, _ = run
+    better = cogging.Model.read(folder / "better.toml")
+    (spring,) = better.effects
+    assert spring.NAME == "cable_spring"
+    assert spring.stiffness == pytest.approx(14.0, rel=0.02)
+    assert spring.center == pytest.approx(0.2, abs=2e-3)
+    assert better.axis.mass == pytest.approx(3.2, rel=0.01)
+    assert better.units.command == "N"
+
+
+def test_the_logs_are_what_the_script_beside_them_makes(tmp_path):
+    (status,) = printed([f"python {EXAMPLE / 'make_logs.py'} {tmp_path}"], tmp_path)
+    assert status == ([], 0)
+    for name in ("run.csv", "other.csv"):
+        made, shipped = (path.read_text().splitlines() for path in (tmp_path / name, EXAMPLE / name))
+        assert made[0] == shipped[0]
+        assert len(made) == len(shipped)
+        same = sum(a == b for a, b in zip(made, shipped, strict=True))
+        assert same > 0.99 * len(made)  # the last digit may be another's on another machine
+
+
+def test_lines_are_compared_in_their_order_and_within_two_percent():
+    lines = ["a 1.00 V", "b", "c 5 of 7"]
+    assert missing(["a 1.01 V", "...", "c 5 of 7"], lines) is None
+    assert missing(["a 1.03 V", "..."], lines) == "a 1.03 V"
+    assert missing(["...", "c 5 of 7", "..."], lines) is None
+    assert missing(["c 5 of 7", "..."], lines) == "c 5 of 7"
+    assert missing(["...", "c 5 of 7", "b"], lines) == "b"
+    assert missing(["a 1.00 V"], lines) == "b"
