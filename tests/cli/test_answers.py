@@ -18,6 +18,15 @@ from tests.fixtures.commands import diagnose_once, examples_of, of
 
 #: The keys that programs may rely on, as docs/command_line.md has them; a dot leads into an object, [] into a list.
 KEYS = {
+    "init": [
+        "source",
+        "columns.time.in_file",
+        "audit.rows",
+        "motion",
+        "balance.mass.value",
+        "units.command",
+        "options",
+    ],
     "audit": [
         "[].log",
         "[].rows",

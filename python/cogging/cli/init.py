@@ -3,30 +3,45 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
 from cogging.cli.log_options import add_log_options, options_of, require_known
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
+from cogging.cli.next_command import command_line
+from cogging.cli.parser import Commands, add_command
+from cogging.cli.working import working
 from cogging.files import InputError
-from cogging.outputs import check_outputs, to_json, with_sidecars, write_text
+from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser("init", help="a commented model and reference from what a log shows")
+    command = add_command(
+        commands,
+        "init",
+        help="a commented model and reference from what a log shows",
+        description="Look at a log as its owner has it, find its columns, units, rate, quantum, travel and moves, and "
+        "write a model and a reference with comments that say where each number comes from and what is to be filled "
+        "in. Nothing that stands is replaced.",
+        examples=(
+            "cogging init log.csv --out first.toml --reference moves.toml",
+            "cogging init drive.csv --columns position=qm,command=vir --out drive.toml --reference drive_moves.toml",
+        ),
+    )
     command.add_argument("log", metavar="LOG", help="as you have it: columns of any names and units")
-    command.add_argument(
+    add_log_options(command)
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument(
         "--out", metavar="MODEL.toml", default="model.toml", help="where the model is written (default: model.toml)"
     )
-    command.add_argument(
+    group.add_argument(
         "--reference",
         metavar="REF.toml",
         default="reference.toml",
         help="where its motion is written (default: reference.toml)",
     )
-    command.add_argument("--json", metavar="OUT", help="where all that was found is written")
-    add_log_options(command)
+    add_answer_options(group, json="all that was found")
     command.set_defaults(run=run)
 
 
@@ -34,17 +49,16 @@ def run(arguments: argparse.Namespace) -> None:
     """Draft model and reference, write and print what was found, and the command to give next."""
     from cogging.first_model.draft import draft_model, require_new
 
-    outputs = {"--out": arguments.out, "--reference": arguments.reference, "--json": arguments.json}
+    outputs = {"--out": arguments.out, "--reference": arguments.reference, "--json": json_file(arguments)}
     check_outputs(outputs, with_sidecars([arguments.log]))
     require_new([arguments.out, arguments.reference])
     require_known(arguments, [arguments.log])
     how, zero = options_of(arguments, arguments.log)
     if zero:
         raise InputError("--zero: must not be given to init: a model's travel may begin anywhere")
-    draft = draft_model(arguments.log, **how)
-    written = draft.write(arguments.out, arguments.reference)
-    if arguments.json:
-        write_text(arguments.json, to_json(draft.to_dict()))
-    say(draft.text())
-    say(f"written: {', '.join(map(printable, written))}: read their comments, and fill in what you know better")
-    say(f"next: {draft.next_command(arguments.out)}")
+    with working(arguments, "init"):
+        draft = draft_model(arguments.log, **how)
+    written = ", ".join(map(printable, draft.write(arguments.out, arguments.reference)))
+    text = f"{draft.text()}\nwritten: {written}: read their comments, and fill in what you know better"
+    following = command_line(shlex.split(draft.next_command(arguments.out))[1:])
+    give(arguments, text, document=draft.to_dict(), next_command=following)

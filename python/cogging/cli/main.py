@@ -33,9 +33,9 @@ COMMANDS = (
     "help",
 )
 NO_COMMAND = "a command must be given, got none"
-STORY = """from a log to a better model: audit the log, identify the model, diagnose what it lacks, and confirm that \
-with a log of other motion. Every command ends with the next one, as a line that can be pasted; words in capitals \
-there, such as REF.toml, are files that only you have.
+STORY = """from a log to a better model: init drafts a model, identify fits it, diagnose finds what it lacks, and a \
+log of other motion confirms that. Every command ends with the next one, as a line that can be pasted; words in \
+capitals there, such as REF.toml, are files that only you have.
 
 cogging help COMMAND says what a command takes, with examples."""
 

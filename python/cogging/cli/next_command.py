@@ -95,14 +95,21 @@ def free_name(path: AnyPath, ending: str = "") -> str:
 
 
 def after_an_audit(arguments: argparse.Namespace) -> str:
-    """A log that was looked at is fitted."""
-    return _fit(arguments, arguments.model)
+    """A log that was looked at is fitted; without a model that comes first."""
+    if arguments.model is not None:
+        return _fit(arguments, arguments.model)
+    return _init(*files(arguments.logs[:1]), *log_options(arguments))
 
 
-def _fit(arguments: argparse.Namespace, model: AnyPath | None) -> str:
-    out = option("--out", free_name("fitted.toml") if model is None else free_name(model, "fitted"))
-    stated = option("--model", model or "MODEL.toml")
-    return command_line("identify", files(arguments.logs), stated, log_options(arguments), out)
+def _init(*words: str) -> str:
+    names = {"--out": "model.toml", "--reference": "reference.toml"}  # which it does not replace
+    taken = [option(name, free_name(path)) for name, path in names.items() if os.path.lexists(path)]
+    return command_line("init", list(words), *taken)
+
+
+def _fit(arguments: argparse.Namespace, model: AnyPath) -> str:
+    out = option("--out", free_name(model, "fitted"))
+    return command_line("identify", files(arguments.logs), option("--model", model), log_options(arguments), out)
 
 
 def after_a_fit(arguments: argparse.Namespace, found: Identification) -> str:
@@ -127,7 +134,7 @@ def after_a_map(arguments: argparse.Namespace) -> str:
 def after_a_paper(arguments: argparse.Namespace) -> str:
     """Papers are compared on one axis; after that comes a machine of one's own."""
     if arguments.compare:
-        return command_line("audit", "LOG.csv")
+        return _init("LOG.csv")
     return command_line("reproduce", "--compare", option("--out", arguments.out))
 
 
