@@ -18,7 +18,7 @@ TESTS = Path(__file__).parent
 BASE = {"_core", "arrays", "calls", "core_values", "correlation", "cpp_library", "effects", "files", "linear"}
 BASE |= {"outputs", "progress", "shown", "threads", "values"}
 #: The rooms in their order: packages, and one module.
-ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
+ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "design", "diagnosis", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries", "report"]

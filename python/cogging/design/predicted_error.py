@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.model.intervals import Interval
 from cogging.simulation.frames import to_pandas
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Indexes of a prediction: over the window, and the largest of the whole run.
 INDEXES = ("rms", "max", "max_whole")
@@ -93,6 +97,19 @@ class ErrorPrediction(ByValue):
             if controller.name == name:
                 return controller
         raise KeyError(name)
+
+    def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the error that each controller would reach (cogging.plot.prediction).
+
+        Args:
+            index: `rms`, `max` or `max_whole`.
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.prediction(self, index, units=units, ax=ax).figure.figure
 
     def table(self) -> dict[str, Any]:
         """One row a controller and machine: its names and places, what was drawn, and the indexes (m).

@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from cogging import plot
 from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
-from cogging.diagnosis.report.page import html, overview
+from cogging.diagnosis.report.page import html
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
@@ -134,13 +135,25 @@ class Diagnosis(ByValue):
         """
         write_text(path, self.html(title=title))
 
-    def plot(self) -> Figure:
-        """The gap before and after against every coordinate, with 95 % bands, and its spectrum.
+    def plot(self, what: str = "residual", *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the gap before and after against position, speed, time and command, or where it goes.
+
+        Args:
+            what: `residual` (cogging.plot.residual) or `ledger` (cogging.plot.ledger).
+            units: labels of command and position (cogging.Units); None: those of the model.
+            ax: axes, four of a residual; None: a new figure.
+
+        Returns:
+            The figure.
 
         Raises:
-            ValueError: the verdict came before anything was measured.
+            ValueError: the verdict came before anything was measured; `what` is neither.
         """
-        return overview(self)
+        if what == "ledger":
+            return plot.ledger(self, ax=ax).figure.figure
+        if what != "residual":
+            raise ValueError(f"what: must be residual or ledger, got {what!r}")
+        return plot.residual(self, units=units, ax=ax).figure
 
     def text(self) -> str:
         """The result for the screen."""

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
 from cogging.calls import takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SPARE = 2  # points more than parameters, at least, for a model to be tried
 
@@ -98,6 +102,18 @@ class FrictionCurve(ByValue):
             KeyError: it was not fitted.
         """
         return {model.name: model for model in self.models}[name]
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the points and the laws over speed (cogging.plot.friction_curve).
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.friction_curve(self, units=units, ax=ax).figure.figure
 
     def text(self) -> str:
         """The fits in a few lines for the screen."""

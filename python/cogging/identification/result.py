@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.log_check.audit import Audit
 from cogging.model.model import Model
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CORRELATED = 0.8  # above which two parameters are shown as correlated
 
@@ -201,6 +205,18 @@ class Identification(ByValue):
                 errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
                 lines.append(f"  closed-loop replay, relative error: {errors}")
         return "\n".join([*lines, *self.controller, *(f"note: {note}" for note in self.notes)])
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the parameters with their 95 % intervals, and what they were before (cogging.plot.intervals).
+
+        Args:
+            units: labels of command and position (cogging.Units); None: those of the model.
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.intervals(self, units=units, ax=ax).figure.figure
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""

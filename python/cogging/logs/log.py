@@ -7,21 +7,26 @@ import io
 import math
 import numbers
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging import plot
 from cogging._core import format_rows
 from cogging.arrays import FloatArray
 from cogging.calls import PATHS, takes, told_constructor
 from cogging.files import LARGEST, InputError, read_toml
 from cogging.logs.columns import read_columns
+from cogging.model.units import Units
 from cogging.outputs import sidecar, target_of, to_toml, write_files
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
@@ -127,10 +132,33 @@ class Log(ByValue):
             raise ValueError("reference: must be in the log to know the error, got none")
         return self.position - self.reference
 
+    @property
+    def units(self) -> Units:
+        """Labels of command and position: those of the model that a simulated log carries, else V and m."""
+        model = self.metadata.get("model")
+        stated = model.get("units", {}) if isinstance(model, Mapping) else {}
+        try:
+            return Units.from_dict(stated)
+        except (ValueError, TypeError):  # of a file that somebody else wrote
+            return Units()
+
     def columns(self) -> dict[str, FloatArray]:
         """The columns of a log file that this log has, by name."""
         values = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL)}
         return {name: value for name, value in values.items() if value is not None}
+
+    def plot(self, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw columns over time, a panel each (cogging.plot.log).
+
+        Args:
+            columns: names of one or more, `error` among them; None: position, error and command.
+            units: labels of command and position (cogging.Units); None: those of the model that the log carries.
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.log(self, columns, units=self.units if units is None else units, ax=ax).figure
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a file of the format that the suffix names, and `PATH.toml` with the metadata.

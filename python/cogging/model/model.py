@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,8 +27,12 @@ from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unkn
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_text
+from cogging.plot.results import whole_model
 from cogging.shown import quoted
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Controllers by the name that a model file gives them: parameter struct and class.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
@@ -110,6 +114,18 @@ class Model(ByValue):
         if self.controller is not None:
             told.append(f"{self.controller_type} at {self.controller.sample_rate:g} Hz")
         return ", ".join(told)
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the cogging over position with its 95 % band, and the friction over speed.
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return whole_model(self, units=units, ax=ax).figure
 
     def plant(self) -> Plant:
         """Make the machine to simulate."""

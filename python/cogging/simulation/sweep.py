@@ -8,10 +8,11 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from cogging import plot
 from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, takes
@@ -27,6 +28,9 @@ from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
 from cogging.simulation.sweep_points import BOUNDS, points_of, require_numbers, variation_of
 from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PIECES = 100  # of a sweep, or more, where it has so many runs
 PIECE_MOST = 256  # runs of one, or what fills all threads once
@@ -68,6 +72,21 @@ class SweepRuns(ByValue):
     def failed(self) -> int:
         """How many runs did not come to their end."""
         return int(np.count_nonzero(self.table["reason"] != ""))
+
+    def plot(
+        self, index: str = "error_rms", against: str | None = None, *, units: Any = None, ax: Any = None
+    ) -> Figure:
+        """Draw an index over what was varied (cogging.plot.sweep).
+
+        Args:
+            index: of the table; against: path of a varied number, None: the first.
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.sweep(self, index, against, units=units, ax=ax).figure.figure
 
     def to_pandas(self) -> Any:
         """The table as a pandas DataFrame with `run` as its index.

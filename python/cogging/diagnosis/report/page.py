@@ -236,18 +236,6 @@ def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
     return {label: {**shared, "gap": series[name]} for label, name in labels.items()}
 
 
-def overview(result: Diagnosis) -> Figure:
-    """What `Diagnosis.plot` shows: the gap before and after against every coordinate.
-
-    Raises:
-        ValueError: nothing was measured.
-    """
-    gaps = gaps_of(result)
-    if not gaps:
-        raise ValueError(f"plot: needs a gap that was measured, got the verdict {result.verdict}")
-    return coordinates_figure(gaps)
-
-
 def _figures(result: Diagnosis) -> dict[str, str]:
     gaps = gaps_of(result)
     if not gaps:
