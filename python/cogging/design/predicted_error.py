@@ -13,6 +13,7 @@ from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.model.intervals import Interval
 from cogging.simulation.frames import to_pandas
+from cogging.tables import frame_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -130,6 +131,14 @@ class ErrorPrediction(ByValue):
             ImportError: pandas is not there; names the extra that brings it.
         """
         return to_pandas(self.table())
+
+    def to_frame(self) -> Any:
+        """The table as a pandas DataFrame, with the units of the indexes in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return frame_of(self.table(), dict.fromkeys(INDEXES, "m"))
 
     def text(self) -> str:
         """The table for the screen, um."""

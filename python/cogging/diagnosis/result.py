@@ -15,10 +15,14 @@ from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_t
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+EFFECT_COLUMNS = ("name", "confidence", "alternatives", "parameter", "value", "low", "high", "unit")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,6 +138,48 @@ class Diagnosis(ByValue):
             InputError: the file cannot be written.
         """
         write_text(path, self.html(title=title))
+
+    def to_frame(self, what: str = "effects") -> Any:
+        """Effects, limits or the ledger as a pandas DataFrame, a row each; units stand in their rows.
+
+        Args:
+            what: `effects` (a row a parameter), `limits` or `ledger`.
+
+        Raises:
+            ValueError: `what` is none of them.
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        if what == "ledger":
+            gaps = ("gap_before", "gap_after", "confirm_before", "confirm_after")
+            return frame_of([vars(step) for step in self.ledger], dict.fromkeys(gaps, self.gap.unit))
+        if what == "limits":
+            names = ("parameter", "unit", "value", "why", "meaning", "smaller_shows")
+            rows = [{"name": name, **{n: getattr(one, n) for n in names}} for name, one in self.limits.items()]
+            return frame_of(rows, {})
+        if what != "effects":
+            raise ValueError(f"what: must be effects, limits or ledger, got {what!r}")
+        return frame_of([dict(zip(EFFECT_COLUMNS, row, strict=True)) for row in self._effect_rows()], {})
+
+    def _effect_rows(self) -> list[list[Any]]:
+        """A row a parameter of each effect, in the order of EFFECT_COLUMNS."""
+        return [
+            [
+                effect.name,
+                effect.confidence,
+                ", ".join(effect.alternatives),
+                name,
+                p.value,
+                p.ci95[0],
+                p.ci95[1],
+                p.unit,
+            ]
+            for effect in self.effects
+            for name, p in effect.parameters.items()
+        ]
+
+    def _repr_html_(self) -> str:
+        title = f"Diagnosis: {self._brief()}"
+        return html_table(title, EFFECT_COLUMNS, self._effect_rows(), self.where_text)
 
     def plot(self, what: str = "residual", *, units: Any = None, ax: Any = None) -> Figure:
         """Draw the gap before and after against position, speed, time and command, or where it goes.

@@ -13,6 +13,7 @@ from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
 from cogging.calls import takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -102,6 +103,33 @@ class FrictionCurve(ByValue):
             KeyError: it was not fitted.
         """
         return {model.name: model for model in self.models}[name]
+
+    def to_frame(self, what: str = "parameters") -> Any:
+        """The parameters of all laws, a row each with its unit, or the points, as a pandas DataFrame.
+
+        Args:
+            what: `parameters` or `points`, whose units stand in `attrs["units"]`.
+
+        Raises:
+            ValueError: `what` is neither.
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        if what == "points":
+            points = {"velocity": self.velocity, "force": self.force, "speed": self.speed}
+            return frame_of(points, {"velocity": "m/s", "force": "V"})
+        if what != "parameters":
+            raise ValueError(f"what: must be parameters or points, got {what!r}")
+        rows = [
+            {"law": law.name, "best": law.name == self.best.name, "parameter": path, **vars(parameter)}
+            for law in self.models
+            for path, parameter in law.parameters.items()
+        ]
+        return frame_of(rows, {})
+
+    def _repr_html_(self) -> str:
+        rows = [[path, p.value, p.low, p.high, p.unit.replace("1", "")] for path, p in self.best.parameters.items()]
+        headers = ["parameter", "value", "from", "to", "unit"]
+        return html_table(f"FrictionCurve: {self._brief()}", headers, rows, self.notes)
 
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
         """Draw the points and the laws over speed (cogging.plot.friction_curve).

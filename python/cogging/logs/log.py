@@ -32,7 +32,13 @@ SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves 
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
+TRUE = ("true_position", "true_velocity")
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
+
+
+COLUMN_UNITS = {"time": "s", "position": "m", "command": "V", "reference": "m", "error": "m"}
+COLUMN_UNITS |= {"reference_velocity": "m/s", "reference_acceleration": "m/s^2"}
+COLUMN_UNITS |= {"true_position": "m", "true_velocity": "m/s"}
 
 
 @told_constructor

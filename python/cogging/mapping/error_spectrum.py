@@ -12,6 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.simulation.arguments import LOG
+from cogging.tables import frame_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -56,6 +57,16 @@ class TrackingSpectrum(ByValue):
             The figure.
         """
         return plot.spectrum(self, units=units, ax=ax).figure.figure
+
+    def to_frame(self) -> Any:
+        """Frequencies and amplitudes as a pandas DataFrame, with units in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return frame_of(
+            {"frequency": self.frequency, "amplitude": self.amplitude}, {"frequency": "1/m", "amplitude": "m"}
+        )
 
     def _brief(self) -> str:
         lines = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
 from cogging.outputs import same_file, to_toml, write_files
 from cogging.plot.results import whole_map_fit
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -149,6 +150,21 @@ class MapFit(ByValue):
                 f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  V rms, {name}, {c.coefficients} coefficients{mark}"
             )
         return "\n".join(lines + [f"note: {note}" for note in self.notes])
+
+    def to_frame(self) -> Any:
+        """The harmonics as a pandas DataFrame, a row each, with units in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        names = [field.name for field in fields(HarmonicAmplitude)]
+        columns = {name: [getattr(entry, name) for entry in self.amplitudes] for name in names}
+        return frame_of(columns, {"amplitude": "V", "standard_error": "V", "phase": "rad"})
+
+    def _repr_html_(self) -> str:
+        rows = [[a.harmonic, a.amplitude, a.standard_error, a.phase, a.false_alarm] for a in self.amplitudes]
+        headers = ["harmonic", "amplitude (V)", "standard error (V)", "phase (rad)", "false alarm"]
+        return html_table(f"MapFit: {self._brief()}", headers, rows, self.notes)
 
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
         """Draw the map with its 95 % band and the points of the scan, what is left of them, and their spectrum.

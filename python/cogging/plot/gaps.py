@@ -13,7 +13,7 @@ from cogging.calls import described, did_you_mean
 from cogging.plot.canvas import Panels, drawn, grid_of, legend
 from cogging.plot.rows import numbers
 from cogging.plot.scales import scale_of, units_of
-from cogging.plot.series import look
+from cogging.plot.series import look, marker
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -102,7 +102,7 @@ def _draw(panel: Axes, means: Mapping[str, tuple[FloatArray, FloatArray, FloatAr
         style = look(place)
         low, high = up(mean - half), up(mean + half)
         panel.fill_between(along(x), low, high, color=style["color"], alpha=0.25, linewidth=0)
-        panel.plot(along(x), up(mean), label=label, **style)
+        panel.plot(along(x), up(mean), label=label, marker=marker(place), markersize=2.0, **style)
     if not any(x.size for x, _, _ in means.values()):
         panel.text(0.5, 0.5, "too few rows", transform=panel.transAxes, ha="center")
 
@@ -115,7 +115,7 @@ def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
         name: of the coordinate.
 
     Returns:
-        Arrays (bins,); a half width is nan where one block alone stands in a bin.
+        Arrays (bins,), nan in bins of few rows; a half width is nan too where one block alone stands in a bin.
     """
     x = rows.coordinates[name]
     finite = np.isfinite(x) & np.isfinite(rows.residual)
@@ -135,7 +135,8 @@ def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
     spread = np.bincount(cells[0], sums**2, BINS) / size**2
     with np.errstate(divide="ignore", invalid="ignore"):
         half = SIGMAS_95 * np.sqrt(np.where(seen > 1, spread * seen / (seen - 1.0), np.nan))
-    return (np.bincount(place, x, BINS) / size)[kept], mean[kept], half[kept]
+    middle = np.bincount(place, x, BINS) / size
+    return tuple(np.where(kept, values, np.nan) for values in (middle, mean, half))  # type: ignore[return-value]
 
 
 def _of_arrays(found: Any, residual: npt.ArrayLike, against: Any) -> dict[str, Rows]:

@@ -17,7 +17,7 @@ from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LIST, MOTION, NUMBER, PLANTS
-from cogging.simulation.frames import to_pandas, to_xarray, write_frame
+from cogging.simulation.frames import to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import COLUMNS, Failed, Kept, kept_of_runs, names_of
 from cogging.values import ByValue
 
@@ -112,6 +112,14 @@ class Batch(ByValue, Sequence[Log]):
             ImportError: pandas is not there; names the extra that brings it.
         """
         return to_pandas(self.table()).set_index("run")
+
+    def to_frame(self) -> Any:
+        """The same as `to_pandas`, with the units of the columns in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_frame(self.table()).set_index("run")
 
     def to_xarray(self) -> Any:
         """The table and the columns as an xarray Dataset over `run` and `row`; NaN beyond the end of a shorter run.

@@ -20,13 +20,14 @@ from cogging.files import InputError
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.frames import is_parquet, library, to_pandas, to_xarray, write_frame
+from cogging.simulation.frames import is_parquet, to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.sweep_executor import run_elsewhere
 from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
 from cogging.simulation.sweep_points import BOUNDS, points_of, require_numbers, variation_of
 from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
+from cogging.tables import library
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -95,6 +96,14 @@ class SweepRuns(ByValue):
             ImportError: pandas is not there; names the extra that brings it.
         """
         return to_pandas(self.table).set_index("run")
+
+    def to_frame(self) -> Any:
+        """The same as `to_pandas`, with the units of the columns in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_frame(self.table, self.units).set_index("run")
 
     def to_xarray(self) -> Any:
         """The table as an xarray Dataset over `run`, each variable with its `units`.

@@ -14,6 +14,7 @@ from cogging.design.tuning.reached import INDEXES, MARGINS, Reached
 from cogging.model.model import Model
 from cogging.outputs import write_bytes
 from cogging.plot.results import whole_tuning
+from cogging.tables import frame_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -122,6 +123,21 @@ class Tuning(ByValue):
         if after is not None and self.improved:
             lines.append(f"    tuned against present: {', '.join(_changes(self.present.drawn, after.drawn))}")
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_frame(self, what: str = "trials") -> Any:
+        """The trials or the front as a pandas DataFrame, with units in `attrs["units"]`.
+
+        Args:
+            what: `trials` or `front`.
+
+        Raises:
+            ValueError: `what` is neither.
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        if what not in ("trials", "front"):
+            raise ValueError(f"what: must be trials or front, got {what!r}")
+        units = {"error_rms": "m", "error_max": "m", "command_max": "V", "command_rms": "V", "delay_margin": "s"}
+        return frame_of(self.trials if what == "trials" else self.front, units)
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging tune --json` writes; null stands for infinite and for what was not measured."""
