@@ -1,59 +1,111 @@
-"""Every notebook runs from its first cell to its last, with the measured data and without them."""
+"""Every notebook runs from its first cell to its last, with the measured data and without them, and says what it said.
 
-from pathlib import Path
+The outputs that are committed are compared with those of a fresh run: the words exactly, the numbers within
+`tests.fixtures.notebooks.RELATIVE` or two units of their last digit. They are written anew by
+`python -m tests.fixtures.notebooks`.
+"""
+
+import ast
+import shutil
+import subprocess
+import sys
 
 import nbformat
+import numpy as np
 import pytest
-from nbclient import NotebookClient
 
-from tests.fixtures.measured import FOLDER
+from tests.fixtures.notebooks import FOLDER_OF_NOTEBOOKS, METADATA, NOTEBOOKS, differences, executed, pictures, texts
 
-FOLDER_OF_NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
-NOTEBOOKS = sorted(FOLDER_OF_NOTEBOOKS.glob("*.ipynb"))
+LARGEST = 500_000  # bytes of a notebook with its outputs
+#: Calls that draw.
+DRAWS = {
+    "plot",
+    "figure",
+    "subplots",
+    "figure_errors",
+    "figure_increment",
+    "cogging_map",
+    "adaptation",
+    "friction_curve",
+}
+EVERY = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 
 
-def run(path):
-    """The notebook with its outputs."""
-    notebook = nbformat.read(path, as_version=4)
-    assert notebook.cells
-    return NotebookClient(
-        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(path.parent)}}
-    ).execute()
+def code_of(path):
+    return [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code"]
+
+
+def draws(source):
+    """Whether a cell draws: it calls what draws, or shows a figure of a result."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in DRAWS:
+            return True
+        if isinstance(node, ast.Subscript) and ast.unparse(node.value).endswith(".figures"):
+            return True
+    return False
 
 
 def test_there_are_notebooks():
-    assert NOTEBOOKS
+    assert len(NOTEBOOKS) >= 6
+    assert not list(FOLDER_OF_NOTEBOOKS.glob("*.py"))  # who downloads one has all it needs
 
 
-@pytest.mark.parametrize("path", [*NOTEBOOKS, *sorted(FOLDER_OF_NOTEBOOKS.glob("*.py"))], ids=lambda path: path.name)
+@EVERY
 def test_none_reaches_out_of_its_folder(path):
-    """They use the package, and what stands beside them: not the tests, and no place of its own choice."""
-    if path.suffix == ".ipynb":
-        source = "\n".join(cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code")
-    else:
-        source = path.read_text(encoding="utf-8")
-    for word in ("sys.path", "tests.", "../", '".."', "__file__", "shared"):
+    """They use the package and what it needs: not the tests, no file beside them, and no place of their own choice."""
+    source = "\n".join(cell.source for cell in code_of(path))
+    for word in ("sys.path", "tests.", "../", '".."', "__file__", "shared", "%matplotlib"):
         assert word not in source, word
+    roots = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            roots |= {name.name.split(".")[0] for name in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            roots.add(node.module.split(".")[0])
+    assert roots <= {"cogging", "matplotlib", "numpy", "types"}
+
+
+@EVERY
+def test_the_committed_notebook_shows_its_story(path):
+    """Each cell that draws has its picture, none has an error; nothing in it changes from run to run."""
+    assert path.stat().st_size < LARGEST
+    notebook = nbformat.read(path, as_version=4)
+    assert notebook.metadata == METADATA
+    drawing = 0
+    for number, cell in enumerate(code_of(path), start=1):
+        assert cell.metadata == {}
+        assert cell.execution_count == number
+        kinds = {output.output_type for output in cell.outputs}
+        assert kinds <= {"stream", "execute_result", "display_data"}, cell.source
+        assert all(output.get("name", "stdout") == "stdout" for output in cell.outputs), cell.source
+        if draws(cell.source):
+            drawing += 1
+            assert pictures(cell) >= 1, cell.source
+        shown = [text for text in texts(cell) if "Figure size" in text]
+        assert len(shown) == pictures(cell) - sum("Axes" in text and "Figure" not in text for text in texts(cell))
+    assert drawing >= 1
+    assert any(len("".join(texts(cell))) > 100 for cell in code_of(path))
 
 
 @pytest.mark.notebook
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_runs(path, monkeypatch):
-    monkeypatch.setenv("COGGING_DATA", str(FOLDER))
-    run(path)
-    assert not any(cell.get("outputs") for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code")
+@EVERY
+def test_a_fresh_run_says_what_is_committed(path):
+    cells = [cell for cell in executed(path).cells if cell.cell_type == "code"]
+    for fresh, committed in zip(cells, code_of(path), strict=True):
+        assert pictures(fresh) == pictures(committed), fresh.source
+        told = zip(texts(fresh), texts(committed), strict=True)
+        assert not [found for pair in told for found in differences(*pair)], fresh.source
 
 
 @pytest.mark.notebook
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_without_data_a_notebook_says_where_to_get_them(tmp_path, monkeypatch):
-    """On to its last cell. A package of that name that fetches nothing stands in the way of one that would."""
+    """On to its last cell, of a copy that stands alone. What would fetch the data is shadowed by what does not."""
     (tmp_path / "nonlinear_benchmarks.py").write_text("raise ImportError")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    monkeypatch.setenv("COGGING_DATA", str(tmp_path))
-    cells = run(FOLDER_OF_NOTEBOOKS / "05_from_log_to_model.ipynb").cells
-    said = ["".join(output.get("text", "?") for output in cell.get("outputs", [])) for cell in cells]
+    alone = shutil.copy(FOLDER_OF_NOTEBOOKS / "05_from_log_to_model.ipynb", tmp_path)
+    said = ["".join(texts(cell)) for cell in executed(alone, data=tmp_path).cells if cell.cell_type == "code"]
     first, *rest = [text for text in said if text]
     assert not rest
     lines = first.splitlines()
@@ -62,3 +114,37 @@ def test_without_data_a_notebook_says_where_to_get_them(tmp_path, monkeypatch):
         assert str(tmp_path) in line
         assert licence in line
     assert lines[3] == "the cells that need these data print nothing"
+
+
+# How outputs are compared ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_numbers_are_compared_within_what_is_stated(seed):
+    """One more in the last digit passes; one in a hundred, another word or another line does not."""
+    rng = np.random.default_rng(seed)
+    value, digits = 10.0 ** rng.uniform(-6, 6), int(rng.integers(3, 7))
+    text = f"mass {value:.{digits}g} kg [{0.9 * value:.{digits}g}, {value:.3e}]: named\nrow 2"
+    assert not differences(text, text)
+    nudged = f"mass {value * (1 + 1e-6):.{digits}g} kg [{0.9 * value:.{digits}g}, {value:.3e}]: named\nrow 2"
+    assert not differences(text, nudged)
+    wrong = f"mass {value * 1.03:.{digits}g} kg [{0.9 * value:.{digits}g}, {value:.3e}]: named\nrow 2"
+    assert len(differences(text, wrong)) == 1
+    assert len(differences(text, text.replace("named", "ambiguous"))) == 1
+    assert len(differences(text, text + "\nrow 3")) == 1
+
+
+def test_figures_show_in_a_kernel_that_never_saw_pyplot():
+    """Without a magic line: as the value of a cell, of axes, of panels; pyplot is not imported by it."""
+    program = (
+        "from IPython.core.interactiveshell import InteractiveShell; import sys, cogging\n"
+        "shell = InteractiveShell.instance()\n"
+        "axes = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])\n"
+        "panels = cogging.plot.log({'time': [0, 1], 'a': [0, 1]})\n"
+        "for shown in (axes, axes.figure, panels):\n"
+        "    data, _ = shell.display_formatter.format(shown)\n"
+        "    assert data['image/png'][:4] == b'\\x89PNG', data\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -16,9 +16,9 @@ PACKAGE = Path(cogging.__file__).parent
 TESTS = Path(__file__).parent
 #: What every room may use.
 BASE = {"_core", "arrays", "calls", "core_values", "correlation", "cpp_library", "effects", "files", "linear"}
-BASE |= {"outputs", "progress", "shown", "threads", "values"}
+BASE |= {"outputs", "progress", "shown", "tables", "threads", "values"}
 #: The rooms in their order: packages, and one module.
-ROOMS = ["model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
+ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]

@@ -6,7 +6,7 @@ take_signals_of_module("cogging")  # before what takes long to import
 
 import importlib.metadata
 
-from cogging import effects, export
+from cogging import effects, export, plot
 from cogging._core import controllers as _controllers
 from cogging._core import references as _references
 from cogging._core.controllers import *  # noqa: F403  (the lists stand in the core alone)
@@ -150,6 +150,7 @@ __all__ = [
     "pid_gains",
     "pid_poles",
     "plan_experiment",
+    "plot",
     "predict_error",
     "project",
     "read_log",

@@ -21,4 +21,4 @@ def test_the_gap_is_located_without_a_name():
     located = cogging.locate_gap(run(effects.DisturbanceTone(frequency=17.0, sine=0.03)), MODEL)
     assert located.waves[0].coordinate == "frequency"
     assert "at 17" in located.text()
-    assert len(located.plot().axes) == 6
+    assert len(located.plot().axes) == 4

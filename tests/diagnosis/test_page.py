@@ -30,7 +30,7 @@ def test_the_report_says_what_why_and_what_next(found):
         assert words in page, words
     assert found.location.lines()
     assert all(str(escape(line)) in page for line in found.location.lines())
-    assert len(found.plot().axes) == 6
+    assert len(found.plot().axes) == 4
 
 
 def test_a_shape_of_its_own_and_friction_near_rest_stand_on_page_and_screen(found):

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.datasets import laas
+from cogging.datasets import laas, laas_motor
 from cogging.datasets.emps import SCREW_LEAD
 from tests.fixtures import emps
-from tests.fixtures.measured import FOLDER, beside_notebooks, needs
-
-motor_logs = beside_notebooks("motor_logs")
+from tests.fixtures.measured import FOLDER, needs
 
 pytestmark = pytest.mark.data
 
@@ -90,7 +88,7 @@ def test_the_floor_of_four_laps(logs):
 def motor():
     needs("laas")
     scan, rows = laas.read("stopped_data", FOLDER), laas.read("speed_test1", FOLDER)
-    axis = motor_logs.axis_from_acceleration(laas.read("acc_current", FOLDER))
+    axis = laas_motor.axis_from_acceleration(laas.read("acc_current", FOLDER))
     model = cogging.Model(
         axis=cogging.AxisParameters(
             mass=axis["mass"].value, viscous=axis["viscous"].value, coulomb=axis["coulomb"].value, coulomb_width=0.0
@@ -114,7 +112,7 @@ def test_the_detent_of_the_motor_is_named(motor):
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
     # Seen: 1.10 times that at rest.
     assert 0.9 < abs(moving) / abs(static) < 1.3
-    # The current is logged 0.2 to 0.6 ms after it acted (motor_logs.current_lateness): 8 degrees a 0.4 ms at 5 rad/s,
+    # The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness): 8 degrees a 0.4 ms at 5 rad/s,
     # more in the fast strokes of the ripple. Seen: -13.5 degrees.
     assert -20.0 < turned < 0.0
 
@@ -123,7 +121,7 @@ def test_cogging_makes_most_of_its_current(motor):
     result, _ = motor
     assert result.effects[0].name == "cogging_harmonic"
     assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.1225 A, then 0.0442 A
-    # No delay is stated with confidence: motor_logs.current_lateness has the opposite sign.
+    # No delay is stated with confidence: laas_motor.current_lateness has the opposite sign.
     assert not any(e.name == "command_delay" and e.confidence >= 0.9 for e in result.effects)
 
 

@@ -66,8 +66,8 @@ def test_showing_a_result_computes_nothing(found, monkeypatch):
     assert found.text().startswith("verdict: named")
     assert found.to_dict()["verdict"] == "named"
     assert found.html().count("data:image/png;base64,") >= 2
-    assert len(found.plot().axes) == 6
-    assert len(found.location.plot().axes) == 6
+    assert len(found.plot().axes) == 4
+    assert len(found.location.plot().axes) == 4
     with pytest.raises(AssertionError, match="while a result was shown"):  # the watch does watch
         cogging.locate_gap(run(duration=1.0), MODEL)
 

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging.datasets import laas_motor, laas_speed_ripple
 from cogging.datasets.laas import TURN, RotaryLog
-from tests.fixtures.measured import FOLDER, beside_notebooks, needs
-
-motor_logs = beside_notebooks("motor_logs")
-speed_ripple = beside_notebooks("speed_ripple")
+from tests.fixtures.measured import FOLDER, needs
 
 data = pytest.mark.data
 
@@ -16,7 +14,7 @@ data = pytest.mark.data
 @pytest.fixture(scope="module")
 def study():
     needs("laas")
-    return speed_ripple.Study.make(FOLDER)
+    return laas_speed_ripple.Study.make(FOLDER)
 
 
 @pytest.fixture(scope="module")
@@ -45,13 +43,13 @@ def truth():
     at = at + rng.normal(0.0, 1e-5, at.size)
     quantum = TURN / 20000
     position = quantum * np.round(np.interp(at, log.time, log.true_position) / quantum)
-    speed = motor_logs.mean_velocity(at, np.interp(at, log.time, log.true_position), 0.0, 3e-3)
+    speed = laas_motor.mean_velocity(at, np.interp(at, log.time, log.true_position), 0.0, 3e-3)
     held = np.interp(at - 0.5 / rate, log.time, log.command)  # the mean of what is held around `at`
     return RotaryLog(at, position, speed, held)
 
 
 def test_the_weak_form_finds_a_known_axis():
-    found = motor_logs.axis_from_acceleration(truth())
+    found = laas_motor.axis_from_acceleration(truth())
     # The interval takes in a current that may be 0.5 ms late, though here it is not: hence the 0.3 %.
     assert found["mass"].value == pytest.approx(2e-4, rel=3e-3)
     for name, value in {"viscous": 3e-4, "coulomb": 0.08}.items():
@@ -61,7 +59,7 @@ def test_the_weak_form_finds_a_known_axis():
 
 
 def test_the_speed_window_is_found():
-    start, width, left = motor_logs.velocity_window(truth())
+    start, width, left = laas_motor.velocity_window(truth())
     assert start + 0.5 * width == pytest.approx(1.5e-3, abs=0.05e-3)
     assert width == pytest.approx(3e-3, rel=0.1)
     assert left < 0.3  # rad/s: the quantum of the position over the width
@@ -70,7 +68,7 @@ def test_the_speed_window_is_found():
 def test_the_speed_law_is_found():
     rows = truth()
     current = 0.09 * (TURN - np.interp(rows.time - 2e-3, rows.time, rows.velocity))
-    gain, reference, delay, left = motor_logs.speed_law(RotaryLog(rows.time, rows.position, rows.velocity, current))
+    gain, reference, delay, left = laas_motor.speed_law(RotaryLog(rows.time, rows.position, rows.velocity, current))
     assert (gain, reference) == pytest.approx((0.09, TURN), rel=1e-2)
     assert delay == pytest.approx(2e-3, abs=2e-5)
     assert left < 0.01
@@ -78,16 +76,16 @@ def test_the_speed_law_is_found():
 
 def test_rows_after_a_lost_packet_are_told():
     time = np.concatenate([np.arange(0.0, 0.1, 1e-3), np.arange(0.105, 0.3, 1e-3)])
-    kept = motor_logs.settled(RotaryLog(time, time, time, time))
+    kept = laas_motor.settled(RotaryLog(time, time, time, time))
     assert kept[time < 0.1].all()
     assert not kept[(time > 0.1) & (time < 0.15)].any()
     assert kept[time > 0.16].all()
 
 
 def test_a_loop_without_cogging_runs_at_the_speed_that_friction_leaves():
-    loop = speed_ripple.Loop(None, 1.9e-4, 2e-4, 0.05)
+    loop = laas_speed_ripple.Loop(None, 1.9e-4, 2e-4, 0.05)
     rows = RotaryLog(*np.array([[0.0, 1.0], [0.0, 6.0], [6.0, 6.0], [0.0, 0.0]]))
-    ripple = speed_ripple.Ripple.of(loop.run(rows, (0.0, 3e-3), duration=2.0), slice(500, None))
+    ripple = laas_speed_ripple.Ripple.of(loop.run(rows, (0.0, 3e-3), duration=2.0), slice(500, None))
     assert ripple.mean == pytest.approx((0.09 * TURN - 0.05) / (0.09 + 2e-4), rel=1e-4)
     assert ripple.deviation < 1e-3
 
@@ -152,4 +150,4 @@ def test_the_extremes_follow_lost_packets(study):
     rows = study.speed_test
     extreme = (rows.velocity < -3.0) | (rows.velocity > 12.0)
     assert extreme.sum() >= 15
-    assert not extreme[motor_logs.settled(rows)].any()
+    assert not extreme[laas_motor.settled(rows)].any()

@@ -692,15 +692,16 @@ def test_plot(fit):
     force, residual, spectrum = fit.plot().axes
     forward = fit.direction == 1.0
     x, y = force.lines[0].get_data()
-    assert np.array_equal(x, fit.position[forward])
-    assert np.array_equal(y, fit.force[forward])
-    assert np.array_equal(force.lines[1].get_ydata(), fit.fitted[forward])
-    assert np.array_equal(residual.lines[1].get_ydata(), (fit.force - fit.fitted)[~forward])
+    assert x == pytest.approx(1e3 * fit.position[forward])
+    assert y == pytest.approx((fit.force - fit.fitted)[forward] + fit.cogging.force(fit.position[forward]))
+    x, y = force.lines[2].get_data()
+    assert y == pytest.approx(fit.cogging.force(1e-3 * x))
+    left = np.asarray(residual.lines[1].get_ydata())
+    assert left == pytest.approx(1e3 * (fit.force - fit.fitted)[~forward])
     peak = spectrum.lines[0].get_xdata()[np.argmax(spectrum.lines[0].get_ydata())]
     assert peak == pytest.approx(1.0, abs=1e-9)
-    above = fit.line[fit.line_amplitude > fit.line_threshold]
-    assert all(np.min(np.abs(above - harmonic)) < 1e-9 for harmonic in HARMONICS)
-    assert force.get_ylabel() == "force (V)"
+    assert list(spectrum.lines[2].get_xdata()) == [entry.harmonic for entry in fit.amplitudes]
+    assert [panel.get_ylabel() for panel in (force, residual)] == ["cogging force (V)", "residual (mV)"]
 
 
 def test_write_and_read_again(fit, tmp_path):

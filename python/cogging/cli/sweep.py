@@ -50,8 +50,9 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
-    from cogging.simulation.frames import is_parquet, library
+    from cogging.simulation.frames import is_parquet
     from cogging.simulation.sweep_file import files_of_sweep, read_sweep, run_sweep
+    from cogging.tables import library
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_sweep(arguments.sweep)

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.model.intervals import Interval
 from cogging.model.units import Units
 from cogging.simulation.frames import to_pandas
+from cogging.tables import frame_of
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Indexes of a prediction: over the window, and the largest of the whole run.
 INDEXES = ("rms", "max", "max_whole")
@@ -99,6 +104,19 @@ class ErrorPrediction(ByValue):
         known = [controller.name for controller in self.controllers]
         raise KeyError(f"{name}: is no controller of it; {did_you_mean(name, known)}")
 
+    def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the error that each controller would reach (cogging.plot.prediction).
+
+        Args:
+            index: `rms`, `max` or `max_whole`.
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.prediction(self, index, units=units, ax=ax).figure.figure
+
     def table(self) -> dict[str, Any]:
         """One row a controller and machine: its names and places, what was drawn, and the indexes (m).
 
@@ -118,6 +136,14 @@ class ErrorPrediction(ByValue):
             ImportError: pandas is not there; names the extra that brings it.
         """
         return to_pandas(self.table())
+
+    def to_frame(self) -> Any:
+        """The table as a pandas DataFrame, with the units of the indexes in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return frame_of(self.table(), dict.fromkeys(INDEXES, self.units.of("m")))
 
     def text(self) -> str:
         """The table for the screen, um."""

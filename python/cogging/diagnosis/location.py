@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shape import Shape
@@ -116,8 +117,14 @@ class Location(ByValue):
         }
         return {name: finite(value) for name, value in told.items()}
 
-    def plot(self) -> Figure:
-        """The gap against position, speed, acceleration, command and time with 95 % bands, and its spectrum."""
-        from cogging.diagnosis.report.figures import coordinates_figure
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the gap against position, speed, time and command, with 95 % bands (cogging.plot.residual).
 
-        return coordinates_figure({"as re-tuned": self.series}, self.model.units)
+        Args:
+            units: labels of command and position (cogging.Units); None: those of the model.
+            ax: four axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.residual(self, units=units, ax=ax).figure

@@ -7,20 +7,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from cogging import plot
 from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.next_step import GivenFiles
 from cogging.diagnosis.report.page import html
-from cogging.diagnosis.report.pictures import overview
 from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+EFFECT_COLUMNS = ("name", "confidence", "alternatives", "parameter", "value", "low", "high", "unit")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,13 +145,67 @@ class Diagnosis(ByValue):
         """
         write_text(path, self.html(title=title))
 
-    def plot(self) -> Figure:
-        """The gap before and after against every coordinate, with 95 % bands, and its spectrum.
+    def to_frame(self, what: str = "effects") -> Any:
+        """Effects, limits or the ledger as a pandas DataFrame, a row each; units stand in their rows.
+
+        Args:
+            what: `effects` (a row a parameter), `limits` or `ledger`.
 
         Raises:
-            ValueError: the verdict came before anything was measured.
+            ValueError: `what` is none of them.
+            ImportError: pandas is not there; names the extra that brings it.
         """
-        return overview(self)
+        if what == "ledger":
+            gaps = ("gap_before", "gap_after", "confirm_before", "confirm_after")
+            return frame_of([vars(step) for step in self.ledger], dict.fromkeys(gaps, self.gap.unit))
+        if what == "limits":
+            names = ("parameter", "unit", "value", "why", "meaning", "smaller_shows")
+            rows = [{"name": name, **{n: getattr(one, n) for n in names}} for name, one in self.limits.items()]
+            return frame_of(rows, {})
+        if what != "effects":
+            raise ValueError(f"what: must be effects, limits or ledger, got {what!r}")
+        return frame_of([dict(zip(EFFECT_COLUMNS, row, strict=True)) for row in self._effect_rows()], {})
+
+    def _effect_rows(self) -> list[list[Any]]:
+        """A row a parameter of each effect, in the order of EFFECT_COLUMNS."""
+        return [
+            [
+                effect.name,
+                effect.confidence,
+                ", ".join(effect.alternatives),
+                name,
+                p.value,
+                p.ci95[0],
+                p.ci95[1],
+                p.unit,
+            ]
+            for effect in self.effects
+            for name, p in effect.parameters.items()
+        ]
+
+    def _repr_html_(self) -> str:
+        title = f"Diagnosis: {self._brief()}"
+        return html_table(title, EFFECT_COLUMNS, self._effect_rows(), self.where_text)
+
+    def plot(self, what: str = "residual", *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the gap before and after against position, speed, time and command, or where it goes.
+
+        Args:
+            what: `residual` (cogging.plot.residual) or `ledger` (cogging.plot.ledger).
+            units: labels of command and position (cogging.Units); None: those of the model.
+            ax: axes, four of a residual; None: a new figure.
+
+        Returns:
+            The figure.
+
+        Raises:
+            ValueError: the verdict came before anything was measured; `what` is neither.
+        """
+        if what == "ledger":
+            return plot.ledger(self, ax=ax).figure.figure
+        if what != "residual":
+            raise ValueError(f"what: must be residual or ledger, got {what!r}")
+        return plot.residual(self, units=units, ax=ax).figure
 
     def text(self) -> str:
         """The result for the screen."""

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray
 from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.model.labelled import labelled
 from cogging.model.units import UNITS, Units
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SPARE = 2  # points more than parameters, at least, for a model to be tried
 
@@ -106,6 +111,45 @@ class FrictionCurve(ByValue):
         if name not in known:
             raise KeyError(f"{name}: is no model of it; {did_you_mean(name, known)}")
         return known[name]
+
+    def to_frame(self, what: str = "parameters") -> Any:
+        """The parameters of all laws, a row each with its unit, or the points, as a pandas DataFrame.
+
+        Args:
+            what: `parameters` or `points`, whose units stand in `attrs["units"]`.
+
+        Raises:
+            ValueError: `what` is neither.
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        if what == "points":
+            points = {"velocity": self.velocity, "force": self.force, "speed": self.speed}
+            return frame_of(points, {"velocity": self.units.of("m/s"), "force": self.units.command})
+        if what != "parameters":
+            raise ValueError(f"what: must be parameters or points, got {what!r}")
+        rows = [
+            {"law": law.name, "best": law.name == self.best.name, "parameter": path, **vars(parameter)}
+            for law in self.models
+            for path, parameter in law.parameters.items()
+        ]
+        return frame_of(rows, {})
+
+    def _repr_html_(self) -> str:
+        rows = [[path, p.value, p.low, p.high, p.unit.replace("1", "")] for path, p in self.best.parameters.items()]
+        headers = ["parameter", "value", "from", "to", "unit"]
+        return html_table(f"FrictionCurve: {self._brief()}", headers, rows, self.notes)
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the points and the laws over speed (cogging.plot.friction_curve).
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.friction_curve(self, units=units, ax=ax).figure.figure
 
     def text(self) -> str:
         """The fits in a few lines for the screen."""

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.log_check.audit import Audit
 from cogging.model.model import Model
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CORRELATED = 0.8  # above which two parameters are shown as correlated
 
@@ -204,6 +209,50 @@ class Identification(ByValue):
                 errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
                 lines.append(f"  closed-loop replay, relative error: {errors}")
         return "\n".join([*lines, *self.controller, *(f"note: {note}" for note in self.notes)])
+
+    def to_frame(self) -> Any:
+        """The parameters as a pandas DataFrame, a row each with its unit; an interval that is not known is infinite.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        units = self.model.units
+        rows = [
+            {
+                "parameter": p.path,
+                "value": p.value,
+                "low": p.ci95[0],
+                "high": p.ci95[1],
+                "prior": p.prior,
+                "unit": units.of(p.unit),
+                "determined": p.determined,
+                "note": p.note,
+            }
+            for p in self.parameters
+        ]
+        return frame_of(rows, {})
+
+    def _repr_html_(self) -> str:
+        units = self.model.units
+        rows = [
+            [p.path, p.prior, p.value, *(p.ci95 if p.determined else (None, None)), units.of(p.unit), p.note]
+            for p in self.parameters
+        ]
+        headers = ["parameter", "before", "fitted", "from", "to", "unit", ""]
+        title = f"Identification: {percent(self.explained)} of the command explained"
+        return html_table(title, headers, rows, [*self.warnings, *self.notes])
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the parameters with their 95 % intervals, and what they were before (cogging.plot.intervals).
+
+        Args:
+            units: labels of command and position (cogging.Units); None: those of the model.
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.intervals(self, units=units, ax=ax).figure.figure
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""

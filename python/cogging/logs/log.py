@@ -7,14 +7,15 @@ import io
 import math
 import numbers
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging import plot
 from cogging._core import format_rows
 from cogging.arrays import FloatArray
 from cogging.calls import PATHS, takes, told_constructor
@@ -24,12 +25,21 @@ from cogging.model.units import Units
 from cogging.outputs import sidecar, target_of, to_toml, write_files
 from cogging.values import ByValue
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
 SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 READ_WITH = "read_with"  # key of the metadata: what was found of the file that bears on its numbers
+TRUE = ("true_position", "true_velocity")
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
+
+
+COLUMN_UNITS = {"time": "s", "position": "m", "command": "V", "reference": "m", "error": "m"}
+COLUMN_UNITS |= {"reference_velocity": "m/s", "reference_acceleration": "m/s^2"}
+COLUMN_UNITS |= {"true_position": "m", "true_velocity": "m/s"}
 
 
 @told_constructor
@@ -144,6 +154,19 @@ class Log(ByValue):
         """The columns of a log file that this log has, by name."""
         values = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL)}
         return {name: value for name, value in values.items() if value is not None}
+
+    def plot(self, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw columns over time, a panel each (cogging.plot.log).
+
+        Args:
+            columns: names of one or more, `error` among them; None: position, error and command.
+            units: labels of command and position (cogging.Units); None: those of the model that the log carries.
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.log(self, columns, units=self.units if units is None else units, ax=ax).figure
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a file of the format that the suffix names, and `PATH.toml` with the metadata.

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cogging import plot
 from cogging.arrays import FloatArray
 from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.simulation.arguments import LOG
+from cogging.tables import frame_of
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 OVERSAMPLING = 8  # frequencies between two that the travel tells apart
 THRESHOLD = 8.0  # times the noise level (the median of the amplitudes that are left): a line above it is proposed
@@ -39,6 +45,28 @@ class TrackingSpectrum(ByValue):
     resolution: float
     periods: tuple[float, ...]
     period_amplitudes: tuple[float, ...]
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw amplitude over spatial frequency, and the proposed periods (cogging.plot.spectrum).
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.spectrum(self, units=units, ax=ax).figure.figure
+
+    def to_frame(self) -> Any:
+        """Frequencies and amplitudes as a pandas DataFrame, with units in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return frame_of(
+            {"frequency": self.frequency, "amplitude": self.amplitude}, {"frequency": "1/m", "amplitude": "m"}
+        )
 
     def _brief(self) -> str:
         lines = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,8 @@ from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
 from cogging.model.units import Units
 from cogging.outputs import same_file, to_toml, write_files
+from cogging.plot.results import whole_map_fit
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -181,34 +183,35 @@ class MapFit(ByValue):
             "notes": self.notes,
         }
 
-    def plot(self) -> Figure:
-        """Draw measured and fitted force and their difference over position (as Figs. 5, 6), and the spectrum."""
-        from matplotlib.figure import Figure
+    def to_frame(self) -> Any:
+        """The harmonics as a pandas DataFrame, a row each, with units in `attrs["units"]`.
 
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        names = [field.name for field in fields(HarmonicAmplitude)]
+        columns = {name: [getattr(entry, name) for entry in self.amplitudes] for name in names}
+        return frame_of(
+            columns, {"amplitude": self.units.command, "standard_error": self.units.command, "phase": "rad"}
+        )
+
+    def _repr_html_(self) -> str:
         v = self.units.command
-        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
-        force, residual, spectrum = figure.subplots(3, 1)
-        residual.sharex(force)
-        for direction, colour, name in ((1.0, "tab:blue", "forward"), (-1.0, "tab:orange", "backward")):
-            x, measured, fitted = (v[self.direction == direction] for v in (self.position, self.force, self.fitted))
-            if x.size:
-                force.plot(x, measured, ".", markersize=2.5, color=colour, label=f"measured, {name}")
-                force.plot(x, fitted, linewidth=0.8, color="black", label=None if force.lines[2:] else "fitted")
-                residual.plot(x, measured - fitted, linewidth=0.6, color=colour)
-        force.set_title("Cogging map", loc="left")
-        force.set(ylabel=f"force ({v})")
-        force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize="small", frameon=False)
-        residual.set(xlabel=f"position ({self.units.position})", ylabel=f"residual ({v})")
-        spectrum.semilogy(self.line, self.line_amplitude, linewidth=0.7, label="measured")
-        spectrum.semilogy(self.line, self.line_threshold, linewidth=0.9, label="found from here")
-        for entry in self.amplitudes:
-            spectrum.axvline(entry.harmonic, color="black", linewidth=0.4, linestyle=":")
-        spectrum.set(xlabel="harmonic of the pitch", ylabel=f"amplitude ({v})")
-        largest = float(self.line_amplitude.max())
-        if largest > 0.0:
-            spectrum.set_ylim(max(0.03 * float(self.line_threshold.min()), 1e-6 * largest), 3.0 * largest)
-        spectrum.legend(loc="upper right", fontsize="small")
-        return figure
+        rows = [[a.harmonic, a.amplitude, a.standard_error, a.phase, a.false_alarm] for a in self.amplitudes]
+        headers = ["harmonic", f"amplitude ({v})", f"standard error ({v})", "phase (rad)", "false alarm"]
+        return html_table(f"MapFit: {self._brief()}", headers, rows, self.notes)
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the map with its 95 % band and the points of the scan, what is left of them, and their spectrum.
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: three axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return whole_map_fit(self, units=units, ax=ax).figure
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the `[cogging]` section of a model file, and the figure beside it as .png.

@@ -28,10 +28,14 @@ from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mist
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
+from cogging.plot.results import whole_model
 from cogging.shown import nearest, quoted
+from cogging.tables import html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from cogging.export.control import ControlLoop
 
 #: Controllers by the name that a model file gives them: parameter struct and class.
@@ -115,6 +119,39 @@ class Model(ByValue):
         if self.controller is not None:
             told.append(f"{self.controller_type} at {self.controller.sample_rate:g} Hz")
         return ", ".join(told)
+
+    def _repr_html_(self) -> str:
+        parts: list[tuple[str, Any]] = [("axis", self.axis)]
+        parts += [(f"effects.{effect.NAME}", effect) for effect in self.effects]
+        parts += [("encoder", self.encoder), ("noise", self.noise)]
+        if self.controller is not None:
+            parts.append((f"controller ({self.controller_type})", self.controller))
+        rows = [
+            [f"{name}.{field}", getattr(part, field), self._field_unit(part, field), self._known(name, field)]
+            for name, part in parts
+            for field in part.FIELDS
+        ]
+        cogging = "no cogging" if self.cogging is None else repr(self.cogging)
+        return html_table(f"Model: {self._brief()}", ["field", "value", "unit", "95 %"], rows, [cogging])
+
+    def _field_unit(self, part: Any, field: str) -> str:
+        return self.units.of(str(part.FIELDS[field][0])).removeprefix("1") if field in part.FIELDS else ""
+
+    def _known(self, name: str, field: str) -> str:
+        low, high = self.intervals.get(f"{name}.{field}", (math.nan, math.nan))
+        return "" if math.isnan(low) else f"{low:.6g} to {high:.6g}"
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the cogging over position with its 95 % band, and the friction over speed.
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return whole_model(self, units=units, ax=ax).figure
 
     def plant(self) -> Plant:
         """Make the machine to simulate."""

@@ -36,6 +36,7 @@ from cogging.papers.fitting import round_to_digits
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.plot.canvas import drawn, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -217,17 +218,15 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
     return Reproduction("comparison", [Comparison("comparison", title, rows, lines)], {"comparison": figure(logs)})
 
 
+@drawn
 def figure(logs: dict[str, Log]) -> Figure:
     """The tracking errors of the last move there and back."""
-    from matplotlib.figure import Figure
-
     motion = lu2008.reference(AXIS)
-    drawn = Figure(figsize=(8.0, 1.3 * len(logs)), layout="constrained")
-    drawn.suptitle("Tracking errors over the last move there and back (um)")
-    for axes, (name, log) in zip(drawn.subplots(len(logs), 1, sharex=True), logs.items(), strict=True):
+    found = new_figure((8.0, 1.3 * len(logs)))
+    found.suptitle("Tracking errors over the last move there and back (µm)")
+    for axes, (name, log) in zip(found.subplots(len(logs), 1, sharex=True), logs.items(), strict=True):
         shown = log.time >= motion.end - motion.period
         axes.plot(log.time[shown], 1e6 * log.error[shown], linewidth=0.6)
         axes.set_title(name, fontsize="small", loc="left")
-        axes.grid(alpha=0.3)
-    drawn.axes[-1].set(xlabel="time (s)")
-    return drawn
+    found.axes[-1].set(xlabel="time (s)")
+    return found

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from cogging.files import InputError
 from cogging.outputs import to_json, write_files
+from cogging.tables import frame_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -63,6 +64,14 @@ class Table(ByValue):
     def _brief(self) -> str:
         return f"{self.id}, {len(self.rows)} rows"
 
+    def to_frame(self) -> Any:
+        """The rows as a pandas DataFrame; the unit of each stands in its row.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return frame_of([row.to_dict() for row in self.rows], {}, title=self.title)
+
     @staticmethod
     def _name(row: Row) -> str:
         return ", ".join([row.controller, *(f"{label} {value}" for label, value in row.labels.items())])
@@ -107,6 +116,15 @@ class Reproduction(ByValue):
             "paper": self.paper,
             "tables": [{"id": table.id, "rows": [row.to_dict() for row in table.rows]} for table in self.tables],
         }
+
+    def to_frame(self) -> Any:
+        """The rows of all tables as a pandas DataFrame; the unit of each stands in its row.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        rows = [{"table": table.id, **row.to_dict()} for table in self.tables for row in table.rows]
+        return frame_of(rows, {}, paper=self.paper)
 
     def text(self) -> str:
         """Tables and notes for the screen."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from cogging import _core
+from cogging import _core, plot
 from cogging._core import DivergedError, Plant, Reference
 from cogging.arrays import FloatArray
 from cogging.calls import described, takes
@@ -17,9 +17,12 @@ from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LIST, MOTION, NUMBER, PLANTS
-from cogging.simulation.frames import to_pandas, to_xarray, write_frame
+from cogging.simulation.frames import to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import COLUMNS, Failed, Kept, kept_of_runs, names_of
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TOLD = 50  # times that progress is told of
 
@@ -73,6 +76,23 @@ class Batch(ByValue, Sequence[Log]):
         """
         return tuple(self)
 
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the tracking errors of the runs that came to their end over time (cogging.plot.error).
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+
+        Raises:
+            ValueError: the logs were not asked for, or no run came to its end.
+        """
+        failed = {failure.run for failure in self.failures}
+        logs = {f"run {run}": self[run] for run in range(len(self)) if run not in failed}
+        return plot.error(logs, units=units, ax=ax).figure.figure
+
     def table(self) -> dict[str, Any]:
         """One row a run: its place, the indexes, and when (s) and why it failed where it did.
 
@@ -92,6 +112,14 @@ class Batch(ByValue, Sequence[Log]):
             ImportError: pandas is not there; names the extra that brings it.
         """
         return to_pandas(self.table()).set_index("run")
+
+    def to_frame(self) -> Any:
+        """The same as `to_pandas`, with the units of the columns in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_frame(self.table()).set_index("run")
 
     def to_xarray(self) -> Any:
         """The table and the columns as an xarray Dataset over `run` and `row`; NaN beyond the end of a shorter run.

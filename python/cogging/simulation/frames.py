@@ -14,24 +14,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.outputs import write_bytes
 from cogging.simulation.reductions import unit_of
-
-#: The extra of the package that brings a library.
-EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
-
-
-def library(name: str, submodule: str = "") -> Any:
-    """Import a library, or a module of it.
-
-    Raises:
-        ImportError: it is not there; names the extra that brings it.
-    """
-    import importlib
-
-    try:
-        return importlib.import_module(f"{name}.{submodule}" if submodule else name)
-    except ImportError as error:
-        extra = EXTRAS[name]
-        raise ImportError(f"{name} is needed for this and is not there: pip install 'cogging[{extra}]'") from error
+from cogging.tables import frame_of, library
 
 
 def to_pandas(table: Mapping[str, Any]) -> Any:
@@ -41,6 +24,19 @@ def to_pandas(table: Mapping[str, Any]) -> Any:
         ImportError: pandas is not there; names the extra.
     """
     return library("pandas").DataFrame(dict(table))
+
+
+def to_frame(table: Mapping[str, Any], units: Mapping[str, str] = types.MappingProxyType({})) -> Any:
+    """A pandas DataFrame of columns by name, with their units in `attrs["units"]`.
+
+    Args:
+        table: arrays by name, (runs,).
+        units: by name, beside those of `unit_of`.
+
+    Raises:
+        ImportError: pandas is not there; names the extra.
+    """
+    return frame_of(table, _units(table, units))
 
 
 def to_xarray(

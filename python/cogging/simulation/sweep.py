@@ -8,10 +8,11 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from cogging import plot
 from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, takes
@@ -19,14 +20,18 @@ from cogging.files import InputError
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.frames import is_parquet, library, to_pandas, to_xarray, write_frame
+from cogging.simulation.frames import is_parquet, to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.sweep_executor import run_elsewhere
 from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
 from cogging.simulation.sweep_points import BOUNDS, points_of, require_numbers, variation_of
 from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
+from cogging.tables import library
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PIECES = 100  # of a sweep, or more, where it has so many runs
 PIECE_MOST = 256  # runs of one, or what fills all threads once
@@ -70,6 +75,21 @@ class SweepRuns(ByValue):
         """How many runs did not come to their end."""
         return int(np.count_nonzero(self.table["reason"] != ""))
 
+    def plot(
+        self, index: str = "error_rms", against: str | None = None, *, units: Any = None, ax: Any = None
+    ) -> Figure:
+        """Draw an index over what was varied (cogging.plot.sweep).
+
+        Args:
+            index: of the table; against: path of a varied number, None: the first.
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.sweep(self, index, against, units=units, ax=ax).figure.figure
+
     def to_pandas(self) -> Any:
         """The table as a pandas DataFrame with `run` as its index.
 
@@ -77,6 +97,14 @@ class SweepRuns(ByValue):
             ImportError: pandas is not there; names the extra that brings it.
         """
         return to_pandas(self.table).set_index("run")
+
+    def to_frame(self) -> Any:
+        """The same as `to_pandas`, with the units of the columns in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_frame(self.table, self.units).set_index("run")
 
     def to_xarray(self) -> Any:
         """The table as an xarray Dataset over `run`, each variable with its `units`.

@@ -14,6 +14,8 @@ from cogging.design.tuning.reached import INDEXES, MARGINS, Reached
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.outputs import write_bytes
+from cogging.plot.results import whole_tuning
+from cogging.tables import frame_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -125,6 +127,21 @@ class Tuning(ByValue):
             lines.append(f"    tuned against present: {', '.join(_changes(self.present.drawn, after.drawn))}")
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
+    def to_frame(self, what: str = "trials") -> Any:
+        """The trials or the front as a pandas DataFrame, with units in `attrs["units"]`.
+
+        Args:
+            what: `trials` or `front`.
+
+        Raises:
+            ValueError: `what` is neither.
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        if what not in ("trials", "front"):
+            raise ValueError(f"what: must be trials or front, got {what!r}")
+        units = {"error_rms": "m", "error_max": "m", "command_max": "V", "command_rms": "V", "delay_margin": "s"}
+        return frame_of(self.trials if what == "trials" else self.front, units)
+
     def to_dict(self) -> dict[str, Any]:
         """What `cogging tune --json` writes; null stands for infinite and for what was not measured."""
 
@@ -152,34 +169,17 @@ class Tuning(ByValue):
             "notes": list(self.notes),
         }
 
-    def plot(self) -> Figure:
-        """The trade-off: rms error against its index, all trials; beside it the points of the trade-off against the
-        delay margin (or the chatter, where it is traded against that)."""
-        from matplotlib.figure import Figure
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the trade-off: rms error over its index with all trials, and its points over the delay margin.
 
-        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        factor, unit = SHOWN[self.against]
-        kept = np.asarray(self.trials["kept"], dtype=bool)
-        error, cost = 1e6 * np.asarray(self.trials["error_rms"]), factor * np.asarray(self.trials[self.against])
-        shown = np.isfinite(error) & np.isfinite(cost)
-        for which, colour, name in ((~kept, "0.8", "beyond a limit"), (kept, "tab:blue", "within the limits")):
-            left.plot(cost[shown & which], error[shown & which], ".", markersize=4, color=colour, label=name)
-        beside = "delay_margin" if self.against != "delay_margin" else "command_chatter"
-        for axes, index, line in ((left, self.against, "-"), (right, beside, "none")):
-            scale, unit = SHOWN[index]
-            cost, error = scale * np.asarray(self.front[index]), 1e6 * np.asarray(self.front["error_rms"])
-            axes.plot(cost, error, ls=line, marker="o", markersize=4, lw=0.8, color="black", label="trade-off")
-            axes.set(xlabel=f"{index}{f' ({self.units.of(unit)})' if unit != '1' else ''}")
-            axes.set(ylabel=f"rms error ({self.units.of('um')})")
-            for setting, mark, name in ((self.present, "rs", "present"), (self.tuned, "g*", "tuned")):
-                if setting is not None and np.isfinite(setting.drawn.error_rms):
-                    reached = setting.drawn
-                    axes.plot(scale * getattr(reached, index), 1e6 * reached.error_rms, mark, markersize=9, label=name)
-            axes.set_yscale("log")
-            axes.grid(alpha=0.3, which="both")
-        left.legend(fontsize="small")
-        return figure
+        Args:
+            units: labels of command and position (cogging.Units); None: those of the tuned model.
+            ax: two axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return whole_tuning(self, units=units, ax=ax).figure
 
     def write_figure(self, path: str | os.PathLike[str]) -> None:
         """Write the trade-off as PNG.

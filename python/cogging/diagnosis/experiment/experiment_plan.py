@@ -16,6 +16,7 @@ from cogging.diagnosis.experiment.limits import MotionLimits
 from cogging.diagnosis.experiment.motion import Element
 from cogging.model.units import Units
 from cogging.outputs import to_json, to_toml, write_files
+from cogging.plot.results import whole_plan
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -88,6 +89,18 @@ class ExperimentPlan(ByValue):
             "notes": list(self.notes),
         }
 
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw position, speed and acceleration of the motion over time.
+
+        Args:
+            units: labels of command and position (cogging.Units).
+            ax: three axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return whole_plan(self, units=units, ax=ax).figure
+
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the motion as a reference file (TOML), and beside it its samples (.csv) and the plan (.plan.json).
 
@@ -108,21 +121,6 @@ class ExperimentPlan(ByValue):
         rows = "\n".join([",".join(names), *(",".join(f"{value:.12g}" for value in row) for row in table)])
         reference = {"type": "sampled", "file": Path(samples).name, "duration": self.motion.end}
         return {os.fspath(path): to_toml(reference), samples: rows + "\n", plan: to_json(self.to_dict())}
-
-    def plot(self) -> Figure:
-        """Position, speed and acceleration of the motion over time."""
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(8, 6), layout="constrained")
-        columns = self.motion.samples
-        labels = {"reference": "position, m", "reference_velocity": "speed, m/s"}
-        labels |= {"reference_acceleration": "acceleration, m/s^2"}
-        axes = figure.subplots(3, 1, sharex=True)
-        for one, (name, label) in zip(axes, labels.items(), strict=True):
-            one.plot(columns["time"], columns[name], linewidth=0.8)
-            one.set_ylabel(self.units.in_words(label))
-        axes[-1].set_xlabel("time, s")
-        return figure
 
 
 def samples_path(path: str | os.PathLike[str]) -> str:

@@ -31,6 +31,7 @@ from cogging.papers.lu2008.setup import (
     shipped_amplitudes,
 )
 from cogging.papers.result import Reproduction, Row, Table
+from cogging.plot.canvas import drawn, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -79,14 +80,13 @@ STEPS = ("figures 2, 3", "figure 5", "table1", "figures 7, 8", "figure 6", "tabl
 
 
 def _figure(title: str, panels: int) -> tuple[Figure, list[Any]]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 1.6 + 1.9 * panels), layout="constrained")
+    figure = new_figure((8.0, 1.6 + 1.9 * panels))
     axes = figure.subplots(panels, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     figure.suptitle(title)
     return figure, list(axes)
 
 
+@drawn
 def figure_spline(order: int, number: int) -> Figure:
     """Figs. 2, 3: f_S(x) of order 1 and 3 over five magnets; the control points are of our choice."""
     magnets = 5
@@ -102,6 +102,7 @@ def figure_spline(order: int, number: int) -> Figure:
     return figure
 
 
+@drawn
 def figure_map(axis: GantryAxis, cogging: CoggingModel, number: int) -> Figure:
     """Figs. 5, 6: a scan of the assumed map at 1 mm with an assumed sensor noise, and its fit by `cogging map`."""
     x = np.arange(START, START + 0.4 + SCAN_STEP / 2, SCAN_STEP)
@@ -115,6 +116,7 @@ def figure_map(axis: GantryAxis, cogging: CoggingModel, number: int) -> Figure:
     return figure
 
 
+@drawn
 def figure_errors(axis: GantryAxis, logs: dict[str, Log], number: int, last_period: bool = False) -> Figure:
     """Figs. 7 and 9: the tracking errors of C1 to C3 over the whole run; 8 and 10: over the last period."""
     motion = reference(axis)
@@ -123,7 +125,7 @@ def figure_errors(axis: GantryAxis, logs: dict[str, Log], number: int, last_peri
     for axes, (name, time, error) in zip(panels, _errors(logs), strict=True):
         shown = time >= motion.end - motion.period if last_period else slice(None)
         axes.plot(time[shown], 1e6 * error[shown], linewidth=0.6)
-        axes.set(ylabel=f"{name} (um)")
+        axes.set(ylabel=f"{name} (µm)")
         axes.grid(alpha=0.3)
     panels[-1].set(xlabel="time (s)")
     return figure

@@ -31,6 +31,7 @@ from cogging.papers.malaize2009.setup import (
     true_error,
 )
 from cogging.papers.result import Reproduction, Row, Table
+from cogging.plot.canvas import drawn, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -153,13 +154,12 @@ STEPS = ("table 1", "figures 2 to 4", "imperfections", "ripple")
 
 
 def _pair(title: str) -> tuple[Figure, Any]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 5.5), layout="constrained")
+    figure = new_figure((8.0, 5.5))
     figure.suptitle(title)
     return figure, zip(figure.subplots(2, 1), MOTORS.values(), strict=True)
 
 
+@drawn
 def figure_velocity() -> Figure:
     """Fig. 2: the reference velocities."""
     figure, panels = _pair("Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
@@ -171,6 +171,7 @@ def figure_velocity() -> Figure:
     return figure
 
 
+@drawn
 def figure_spectrum(logs: Mapping[str, Mapping[str, Log]]) -> Figure:
     """Fig. 3: the tracking errors against spatial period."""
     figure, panels = _pair("Fig. 3: spectrum of the tracking error")
@@ -178,11 +179,12 @@ def figure_spectrum(logs: Mapping[str, Mapping[str, Log]]) -> Figure:
         for name in CONTROLLERS:
             found = tracking_spectrum(logs[motor.name][name])
             axes.semilogy(1e3 / found.frequency, 1e6 * found.amplitude, label=name, linewidth=0.8)
-        axes.set(ylabel=f"{motor.name} (um)", xlabel="spatial period (mm)", xlim=(4, 60))
+        axes.set(ylabel=f"{motor.name} (µm)", xlabel="spatial period (mm)", xlim=(4, 60))
         axes.legend()
     return figure
 
 
+@drawn
 def figure_errors(logs: Mapping[str, Mapping[str, Log]]) -> Figure:
     """Fig. 4: the tracking errors."""
     figure, panels = _pair("Fig. 4: tracking error")
@@ -190,11 +192,12 @@ def figure_errors(logs: Mapping[str, Mapping[str, Log]]) -> Figure:
         for name in CONTROLLERS:
             log = logs[motor.name][name]
             axes.plot(log.time, 1e6 * true_error(log), label=name, linewidth=0.6)
-        axes.set(ylabel=f"{motor.name} (um)", xlabel="time (s)")
+        axes.set(ylabel=f"{motor.name} (µm)", xlabel="time (s)")
         axes.legend()
     return figure
 
 
+@drawn
 def figure_ripple() -> Figure:
     """The ratio observer / PID of the error that one unmodelled ripple makes, against its period."""
     figure, panels = _pair("Unmodelled ripple: observer's error over the PID's")

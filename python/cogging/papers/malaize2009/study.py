@@ -32,6 +32,7 @@ from cogging.logs.log import Log
 from cogging.outputs import write_bytes
 from cogging.papers.malaize2009.setup import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
 from cogging.papers.result import png
+from cogging.plot.canvas import drawn, new_figure
 from cogging_command import run_command
 
 if TYPE_CHECKING:
@@ -130,11 +131,10 @@ def divergence_multiple(motor: Motor, design: ObserverDesign) -> float:
     return low
 
 
+@drawn
 def figure_sweep() -> Figure:
     """lambda* against the pole radius, by decay rate and velocity ratio."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
+    figure = new_figure((8.0, 6.0))
     figure.suptitle("What the robustness costs: certified lambda* (m/s^2) against the bound on the poles")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
         found = sweep(motor)

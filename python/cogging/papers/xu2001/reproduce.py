@@ -33,6 +33,7 @@ from cogging.papers.xu2001.setup import (
     run,
     shipped_unknowns,
 )
+from cogging.plot.canvas import drawn, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,27 +95,25 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
 STEPS = ("table 1", "figures 2 to 4", "figures 5, 6", "exploration")
 
 
+@drawn
 def figure_errors(logs: Mapping[str, Mapping[str, Log]], set_name: str, title: str) -> Figure:
     """Figs. 2, 3, 4, 6: the tracking errors of PID and ARC."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+    figure = new_figure((8.0, 5.0))
     figure.suptitle(title)
     for axes, name in zip(figure.subplots(2, 1, sharex=True), CONTROLLERS, strict=True):
         log = logs[name][set_name]
         axes.plot(log.time, 1e6 * log.error, linewidth=0.6)
-        axes.set(ylabel=f"{name} (um)", xlabel="time (s)" if name == "ARC" else None)
+        axes.set(ylabel=f"{name} (µm)", xlabel="time (s)" if name == "ARC" else None)
         axes.grid(alpha=0.3)
     return figure
 
 
+@drawn
 def figure_reference() -> Figure:
     """Fig. 5: the fast point-to-point motion."""
-    from matplotlib.figure import Figure
-
     motion = fast_reference()
     time = np.linspace(0.0, motion.end, 2001)
-    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+    figure = new_figure((8.0, 5.0))
     figure.suptitle("Fig. 5: fast point-to-point motion (stroke and rests assumed)")
     names = ("position (m)", "velocity (m/s)", "acceleration (m/s^2)")
     for axes, values, name in zip(figure.subplots(3, 1, sharex=True), motion.sample(time), names, strict=True):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
 from cogging.logs.log import Log
 from cogging.papers.xu2001.setup import MASSES, TABLE_1, VISCOUS, arc_parameters, indexes, reference
+from cogging.plot.canvas import drawn, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,11 +58,10 @@ def one_count(resolution: float) -> float:
     return command(resolution) - command(0.0)
 
 
+@drawn
 def figure_increment() -> Figure:
     """The rms command increment against a common factor on the printed robust terms."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    figure = new_figure((7.0, 4.0))
     axes = figure.subplots()
     for rate, resolution in HARDWARE:
         values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]

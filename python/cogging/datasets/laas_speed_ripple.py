@@ -11,7 +11,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from motor_logs import (
+
+from cogging import effects
+from cogging._core import AxisParameters, CoggingModel, SplineHarmonics
+from cogging._core.controllers import SpeedParameters
+from cogging._core.references import Sampled
+from cogging.arrays import FloatArray
+from cogging.datasets import laas
+from cogging.datasets.laas import SPEED_LOOP, TURN, RotaryLog
+from cogging.datasets.laas_motor import (
     Estimate,
     axis_from_acceleration,
     current_lateness,
@@ -20,11 +28,10 @@ from motor_logs import (
     speed_law,
     velocity_window,
 )
-
-import cogging
-from cogging.arrays import FloatArray
-from cogging.datasets import laas
-from cogging.datasets.laas import SPEED_LOOP, TURN, RotaryLog
+from cogging.mapping.fit import fit_map
+from cogging.mapping.result import MapFit
+from cogging.model.model import Model
+from cogging.simulation.run import simulate
 
 SHOWN = 0.2  # s: what a run shows before is its start
 LEVELS = np.linspace(0.01, 0.99, 99)
@@ -34,7 +41,7 @@ LEVELS = np.linspace(0.01, 0.99, 99)
 class Loop:
     """The closed loop: cogging, axis and the velocity loop as its two delays see it."""
 
-    cogging_map: cogging.CoggingModel | None
+    cogging_map: CoggingModel | None
     mass: float
     viscous: float
     coulomb: float
@@ -46,13 +53,14 @@ class Loop:
     lag: float = 0.0  # s, first order
     effects: tuple[Any, ...] = ()
 
-    def model(self, sample_rate: float = 1000.0) -> cogging.Model:
-        lag = (cogging.effects.ActuatorLag(time_constant=self.lag),) if self.lag > 0 else ()
-        return cogging.Model(
-            axis=cogging.AxisParameters(mass=self.mass, viscous=self.viscous, coulomb=self.coulomb),
+    def model(self, sample_rate: float = 1000.0) -> Model:
+        """The loop as a model."""
+        lag = (effects.ActuatorLag(time_constant=self.lag),) if self.lag > 0 else ()
+        return Model(
+            axis=AxisParameters(mass=self.mass, viscous=self.viscous, coulomb=self.coulomb),
             cogging=self.cogging_map,
             effects=(*self.effects, *lag),
-            controller=cogging.SpeedParameters(sample_rate=sample_rate, kp=self.gain, delay=self.delay),
+            controller=SpeedParameters(sample_rate=sample_rate, kp=self.gain, delay=self.delay),
             controller_type="speed",
         )
 
@@ -60,9 +68,9 @@ class Loop:
         """The speed over `duration` (s; that of the rows), from the first row on, with the drive's own speed."""
         duration = rows.time[-1] - rows.time[0] if duration is None else duration
         ends = np.array([0.0, 0.5, 1.0]) * (duration + 1.0)
-        log = cogging.simulate(
+        log = simulate(
             self.model(),
-            cogging.Sampled(time=ends, position=self.reference * ends, velocity=np.full(3, self.reference)),
+            Sampled(time=ends, position=self.reference * ends, velocity=np.full(3, self.reference)),
             duration=duration,
             steps_per_sample=4,
             initial_position=rows.position[0],
@@ -97,6 +105,7 @@ class Ripple:
 
     @classmethod
     def of(cls, rows: RotaryLog, kept: Any = slice(None)) -> Ripple:
+        """Of the rows of a run that are kept."""
         x, v = rows.position[kept], rows.velocity[kept]
         waves = [part(h * x) for h in (12, 18, 24, 36, 72, 144) for part in (np.cos, np.sin)]
         c = np.linalg.lstsq(np.stack([np.ones_like(x), *waves], axis=1), v, rcond=None)[0]
@@ -107,9 +116,9 @@ class Ripple:
         return float(np.abs(self.quantiles - other.quantiles).mean())
 
 
-def scaled(model: cogging.CoggingModel, scale: float) -> cogging.CoggingModel:
+def scaled(model: CoggingModel, scale: float) -> CoggingModel:
     """A cogging model of the same shape, `scale` times as large."""
-    return cogging.CoggingModel(model.basis, scale * model.sine, scale * model.cosine)
+    return CoggingModel(model.basis, scale * model.sine, scale * model.cosine)
 
 
 @dataclass(frozen=True)
@@ -118,7 +127,7 @@ class Study:
 
     speed_test: RotaryLog
     half: float  # s: rows before are fitted, rows after are predicted
-    map_fit: cogging.MapFit
+    map_fit: MapFit
     axis: dict[str, Estimate]
     window: tuple[float, float]
     law: tuple[float, float, float, float]
@@ -131,7 +140,7 @@ class Study:
         half = 0.5 * speed_test.time[-1]
         fitted = speed_test.between(0.0, half)
         start, width, _ = velocity_window(fitted)
-        map_fit = cogging.fit_map(scan.position, scan.current, pitch=TURN)
+        map_fit = fit_map(scan.position, scan.current, pitch=TURN)
         return cls(
             speed_test,
             half,
@@ -189,9 +198,9 @@ class Study:
         """The loop predicted from the logs with one thing changed: what else could have closed the distance."""
         full = self.variants()["+ map as large as in motion"]
         assert full.cogging_map is not None
-        leading, effects = self.map_fit.cogging.basis.harmonics.index(72), cogging.effects
-        only = cogging.CoggingModel(
-            cogging.SplineHarmonics(pitch=TURN, harmonics=[72]),
+        leading = self.map_fit.cogging.basis.harmonics.index(72)
+        only = CoggingModel(
+            SplineHarmonics(pitch=TURN, harmonics=[72]),
             full.cogging_map.sine[[leading]],
             full.cogging_map.cosine[[leading]],
         )

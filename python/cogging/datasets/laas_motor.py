@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize
 
-import cogging
+from cogging._core import CoggingModel
 from cogging.arrays import FloatArray, Mask
 from cogging.datasets.laas import RotaryLog
 
@@ -137,7 +137,7 @@ def speed_law(rows: RotaryLog) -> tuple[float, float, float, float]:
     return -slope, -offset / slope, float(delay), left / rows.current.std()
 
 
-def current_lateness(rows: RotaryLog, cogging_map: cogging.CoggingModel) -> tuple[float, float, float, float]:
+def current_lateness(rows: RotaryLog, cogging_map: CoggingModel) -> tuple[float, float, float, float]:
     """By how much (s) the logged current is late on the force: where the force balance with the map leaves least.
 
     Returns it with the share of the current that is left there, the scale of the map that fits best and J.

@@ -1,0 +1,87 @@
+"""Tables for others: pandas frames with their units, and small HTML tables that a notebook shows."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cogging.shown import printable, shortened
+
+#: The extra of the package that brings a library.
+EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
+LONGEST_CELL = 80  # characters
+#: No colours of its own: it takes those of the page, light or dark.
+STYLE = "border-collapse: collapse; text-align: left"
+RULE = "border-bottom: 1px solid currentColor; opacity: 0.75"
+
+
+def library(name: str, submodule: str = "") -> Any:
+    """Import a library, or a module of it.
+
+    Raises:
+        ImportError: it is not there; names the extra that brings it.
+    """
+    import importlib
+
+    try:
+        return importlib.import_module(f"{name}.{submodule}" if submodule else name)
+    except ImportError as error:
+        extra = EXTRAS[name]
+        raise ImportError(f"{name} is needed for this and is not there: pip install 'cogging[{extra}]'") from error
+
+
+def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Mapping[str, str], **more: Any) -> Any:
+    """A pandas DataFrame with the units of its columns in `attrs["units"]`.
+
+    Args:
+        columns: arrays by name, or rows of values by name.
+        units: by name of a column; those of pure numbers and of words are left out.
+        more: further entries of `attrs`.
+
+    Raises:
+        ImportError: pandas is not there; names the extra that brings it.
+    """
+    frame = library("pandas").DataFrame(dict(columns) if isinstance(columns, Mapping) else list(columns))
+    frame.attrs.update(more)
+    frame.attrs["units"] = {name: units[name] for name in frame.columns if units.get(name, "1") not in ("", "1")}
+    return frame
+
+
+def html_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[Any]], notes: Iterable[str] = ()) -> str:
+    """A small table as HTML: a title, a line of headers, rows, and notes below; every text in it is escaped.
+
+    Args:
+        title: above the table.
+        headers: of the columns.
+        rows: numbers (six digits), texts, None or nan for what is not known.
+        notes: lines below the table.
+    """
+    head = "".join(f'<th style="{RULE}; text-align: left">{_cell(name)}</th>' for name in headers)
+    body = "".join(f"<tr>{''.join(f'<td>{_cell(value)}</td>' for value in row)}</tr>" for row in rows)
+    below = "".join(f"<div>{_text(note)}</div>" for note in notes)
+    table = f'<table style="{STYLE}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+    return f'<div class="cogging"><div><b>{_text(title)}</b></div>{table}{below}</div>'
+
+
+def _text(text: str) -> str:
+    return html.escape(printable(text))
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, float | np.floating) and math.isnan(value)):
+        return ""
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, int | np.integer):
+        return str(value)
+    if isinstance(value, float | np.floating):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple | np.ndarray):
+        return ", ".join(_cell(entry) for entry in np.ravel(np.asarray(value, dtype=object))[:6]) + (
+            ", ..." if np.size(value) > 6 else ""
+        )
+    return _text(shortened(str(value), LONGEST_CELL))

@@ -1,0 +1,581 @@
+"""What each picture shows: the lines are the numbers that were given, in the units that the labels say."""
+
+import itertools
+import subprocess
+import sys
+import threading
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
+
+import cogging
+from cogging.diagnosis.entries import Gap, Step
+from cogging.plot.canvas import Panels
+from cogging.plot.gap_shares import shares
+from cogging.plot.rows import UNITS
+from cogging.plot.scales import pretty, scale_of
+from cogging.plot.series import COLOURS, look, marker, named
+from cogging.plot.traces import gaps, trace
+
+FACTORS = {
+    "ns": 1e9,
+    "m": 1.0,
+    "mm": 1e3,
+    "µm": 1e6,
+    "nm": 1e9,
+    "s": 1.0,
+    "ms": 1e3,
+    "µs": 1e6,
+    "V": 1.0,
+    "mV": 1e3,
+    "µV": 1e6,
+}
+FACTORS |= {"nV": 1e9, "m/s": 1.0, "mm/s": 1e3, "µm/s": 1e6, "nm/s": 1e9}
+FACTORS |= {"rad": 1.0, "mrad": 1e3, "µrad": 1e6, "A": 1.0, "mA": 1e3, "µA": 1e6, "m/s²": 1.0, "V/(m/s²)": 1.0}
+AMPERES = cogging.Units(command="A", position="rad")
+
+
+@pytest.fixture(autouse=True)
+def settings_stay_and_pyplot_keeps_nothing():
+    """Neither the user's settings nor a figure of pyplot is touched by any picture."""
+    import matplotlib.pyplot as plt
+
+    before, figures = dict(mpl.rcParams), plt.get_fignums()
+    yield
+    assert dict(mpl.rcParams) == before
+    assert plt.get_fignums() == figures
+
+
+def in_si(label, values):
+    """Drawn values in the units that the label of their axis names."""
+    unit = label[label.rindex("(", 0, label.rindex("(") + 1) :] if "((" in label else label[label.index("(") :]
+    return np.asarray(values, dtype=float) / FACTORS[unit[1:-1]]
+
+
+def drawn_log(seed, rows):
+    """A log of drawn sizes: seconds to milliseconds, metres to micrometres; some have lost rows."""
+    rng = np.random.default_rng(seed)
+    step = 10.0 ** rng.uniform(-5, -2)
+    time = rng.uniform(0, 5) + step * np.arange(rows)
+    size, volts = 10.0 ** rng.uniform(-7, 0.5), 10.0 ** rng.uniform(-4, 3)
+    position = size * np.cumsum(rng.normal(size=rows))
+    kept = np.ones(rows, dtype=bool)
+    lost = int(rng.integers(0, 3))
+    if lost and rows > 50:
+        kept[rows // 3 : rows // 3 + lost] = False
+    reference = None if seed % 3 == 0 else (position + 1e-3 * size * rng.normal(size=rows))[kept]
+    command = volts * rng.normal(size=rows)
+    return cogging.Log(time[kept], position[kept], command[kept], reference), lost if rows > 50 else 0
+
+
+@pytest.mark.parametrize("rows", [2, 3, 60, 2000])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_log_is_drawn_row_by_row_with_gaps(seed, rows):
+    log, lost = drawn_log(seed, rows)
+    panels = cogging.plot.log(log)
+    names = ["position", *(["error"] if log.reference is not None else []), "command"]
+    assert len(panels) == len(names)
+    assert panels[-1].get_xlabel().startswith("time (")
+    for panel, name in zip(panels, names, strict=True):
+        assert panel.get_ylabel().startswith(f"{name} (")
+        x, y = panel.lines[0].get_data()
+        missing = np.isnan(y)
+        assert missing.sum() == (lost > 0)  # one gap, however many rows it is long
+        assert in_si(panel.get_ylabel(), y[~missing]) == pytest.approx(getattr(log, name), rel=1e-12)
+        assert in_si(panels[-1].get_xlabel(), x[~missing]) == pytest.approx(log.time, rel=1e-12)
+        largest = np.nanmax(np.abs(y))
+        assert largest >= 0.99 or "nm" in panel.get_ylabel() or "V" in panel.get_ylabel()
+    assert (len(panels[0].lines) == 2) == (log.reference is not None)
+
+
+@pytest.mark.parametrize("rows", [50_000, 400_000])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_long_log_is_an_envelope_that_loses_no_peak(seed, rows):
+    rng = np.random.default_rng(seed)
+    time = 1e-4 * np.arange(rows)
+    values = rng.normal(size=rows)
+    values[rng.integers(0, rows, 3)] = (40.0, -50.0, 60.0)
+    log = cogging.Log(time, values, values)
+    (panel,) = cogging.plot.log(log, ["command"])
+    y = np.asarray(panel.lines[0].get_ydata())
+    assert len(y) < 10_000
+    assert in_si(panel.get_ylabel(), [y.min(), y.max()]) == pytest.approx([values.min(), values.max()])
+    x, y = trace(time, values, 700)
+    for first in rng.integers(0, 699, 50):  # each pixel has its own least and largest
+        inside = np.minimum((time / time[-1] * 700).astype(int), 699) == first
+        left = np.searchsorted(x, time[inside][0], "left")
+        right = np.searchsorted(x, time[inside][-1], "right")
+        assert y[left:right].min() == values[inside].min()
+        assert y[left:right].max() == values[inside].max()
+
+
+def test_a_gap_of_a_long_log_is_not_bridged():
+    time = np.concatenate([np.arange(0.0, 10.0, 1e-4), np.arange(14.0, 20.0, 1e-4)])
+    x, y = trace(time, np.ones(time.size), 800)
+    (missing,) = np.flatnonzero(np.isnan(y))
+    assert x[missing - 1] == pytest.approx(10.0, abs=1e-3)
+    assert x[missing + 1] == pytest.approx(14.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_lost_row_is_told_from_jitter(seed):
+    rng = np.random.default_rng(seed)
+    step = 10.0 ** rng.uniform(-5, -1)
+    jitter = rng.uniform(0.0, 0.3)
+    time = step * (np.arange(500) + jitter * rng.uniform(-0.5, 0.5, size=500))
+    lost = np.sort(rng.choice(np.arange(5, 495, 3), 4, replace=False))
+    assert not gaps(time).any()
+    assert list(np.flatnonzero(gaps(np.delete(time, lost)))) == [row - 1 - k for k, row in enumerate(lost)]
+
+
+def test_columns_of_a_table_and_units_of_the_model():
+    table = {"time": [0.0, 1.0, 2.0], "position": [0.0, 1e-3, 2e-3], "temperature": [20.0, 21.0, 19.0]}
+    position, warm = cogging.plot.log(table, ["position", "temperature"])
+    assert list(warm.lines[0].get_ydata()) == table["temperature"]
+    assert (position.get_ylabel(), warm.get_ylabel()) == ("position (mm)", "temperature")
+    rotary = cogging.simulate(MODEL.replace(units=AMPERES), MOVE, seed=1)
+    assert rotary.units == AMPERES
+    labels = [panel.get_ylabel() for panel in cogging.plot.log(rotary, list(UNITS)[:6])]
+    assert labels == [
+        "position (mrad)", "reference (mrad)", "error (µrad)", "command (A)",
+        "reference velocity (rad/s)", "reference acceleration (rad/s²)",
+    ]  # fmt: skip
+    assert cogging.plot.error(rotary).get_ylabel() == "tracking error (µrad)"
+    assert cogging.plot.error(rotary, units=cogging.Units()).get_ylabel() == "tracking error (µm)"
+
+
+def test_errors_of_several_logs():
+    logs = {"first": LOG, "$bad{": cogging.repeat(LOG), "_third": LOG}
+    ax = cogging.plot.error(logs)
+    assert [line.get_label() for line in ax.lines] == ["first", r"\$bad{", " _third"]
+    assert len(ax.get_legend().get_texts()) == 3
+    for line in ax.lines:
+        assert in_si(ax.get_ylabel(), np.nanmax(line.get_ydata())) == pytest.approx(LOG.error.max())
+    assert ax._repr_png_().startswith(b"\x89PNG")  # a name is no formula
+    ax = cogging.plot.error(LOG.time[:9], LOG.error[:9])
+    assert in_si(ax.get_ylabel(), ax.lines[0].get_ydata()) == pytest.approx(LOG.error[:9])
+
+
+# Maps and spectra -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", [0, 3])
+def test_the_band_of_a_map_holds_the_truth_as_often_as_it_says(order):
+    """95 % of places, over noises drawn anew."""
+    held = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        x = np.linspace(0.0, 0.4, 1601)
+        truth = 0.1 * np.sin(2 * np.pi * x / 0.05) + 0.04 * np.cos(6 * np.pi * x / 0.05)
+        noisy = truth + 0.02 * rng.normal(size=x.size)
+        fit = cogging.fit_map(x, noisy, pitch=0.05, harmonics=[1, 3], order=order)
+        ax = cogging.plot.cogging_map(fit, position=x)
+        (band,) = ax.collections
+        edge = band.get_paths()[0].vertices
+        lower, upper = edge[1 : x.size + 1, 1], edge[x.size + 2 : 2 * x.size + 2, 1][::-1]
+        held.append(np.mean((lower <= truth) & (truth <= upper)))
+        assert ax.lines[-1].get_ydata() == pytest.approx(fit.cogging.force(x))
+    assert 0.92 < np.mean(held) < 0.98
+
+
+def test_a_map_of_a_model_an_array_and_none():
+    ax = cogging.plot.cogging_map(MODEL)
+    x, y = ax.lines[0].get_data()
+    assert y == pytest.approx(MODEL.cogging.force(in_si(ax.get_xlabel(), x)))
+    assert in_si(ax.get_xlabel(), [x.min(), x.max()]) == pytest.approx([0.0, 0.51])
+    half = 0.1 * np.sqrt(np.sum(np.square(MODEL.cogging.basis.regressor(in_si(ax.get_xlabel(), x))), axis=1))
+    upper = ax.collections[0].get_paths()[0].vertices[:, 1].max()
+    assert upper == pytest.approx(np.max(y + half), rel=1e-6)
+    assert not cogging.plot.cogging_map(MODEL.replace(intervals={})).collections
+    assert not cogging.plot.cogging_map(MODEL.cogging).collections
+    ax = cogging.plot.cogging_map([0.0, 0.2, 0.3], [1e-3, 2e-3, 0.0], deviation=[1e-4] * 3, units=AMPERES)
+    assert list(ax.lines[0].get_ydata()) == [1.0, 2.0, 0.0]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("position (mrad)", "cogging force (mA)")
+    assert ax.collections[0].get_paths()[0].vertices[:, 1].max() == pytest.approx(2.0 + 0.1959964)
+
+
+def test_spectra():
+    found = cogging.tracking_spectrum(LOG)
+    ax = cogging.plot.spectrum(found)
+    assert list(ax.lines[0].get_xdata()) == list(found.frequency)
+    assert in_si("(µm)", ax.lines[0].get_ydata()) == pytest.approx(found.amplitude)
+    assert list(ax.lines[2].get_xdata()) == pytest.approx([1.0 / period for period in found.periods])
+    assert [text.get_text() for text in ax.texts] == [f"{1e3 * period:.4g} mm" for period in found.periods]
+    fit = EXAMPLES["MapFit"]
+    ax = cogging.plot.spectrum(fit)
+    assert in_si(ax.get_ylabel(), ax.lines[1].get_ydata()) == pytest.approx(fit.line_threshold)
+    ax = cogging.plot.spectrum([1.0, 2.0], [0.0, 0.0], unit="V")
+    assert list(ax.lines[0].get_ydata()) == [0.0, 0.0]
+    assert ax.get_yscale() == "linear"
+
+
+# What was learned, what is left --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("harmonics", "points"), [([], 1), ([1], 1), ([1, 3], 4), ([1, 2, 6], 2)])
+def test_adaptation_stands_against_its_bounds(harmonics, points):
+    bounds = {"mass_bounds": (0.05, 0.3), "cogging_bounds": (-0.2, 0.3), "viscous_bounds": (0.0, 0.7)}
+    spline = {"cogging_control_points": points, "cogging_order": 1} if points > 1 else {}
+    parameters = cogging.AdaptiveRobustParameters(
+        cogging_harmonics=harmonics, cogging_adaptation=5.0, mass_adaptation=1.0, epsilon=0.1, **bounds, **spline
+    )
+    log = cogging.simulate(MODEL, MOVE, controller=cogging.Dcarc(parameters), record_estimates=True)
+    panels = cogging.plot.adaptation(log)
+    count = log.estimates.shape[1]
+    assert len(panels) == min(count, 12)
+    ends = [(0.05, 0.3), (0.0, 0.7), parameters.coulomb_bounds, parameters.disturbance_bounds]
+    ends += [(-0.2, 0.3)] * (count - 4)
+    for place, panel in enumerate(panels):
+        learned, low, high = (np.asarray(line.get_ydata()) for line in panel.lines)
+        factor = 1e3 if "mV" in panel.get_ylabel() else 1.0
+        assert [low[0], high[0]] == pytest.approx(factor * np.array(ends[place]))
+        values = log.estimates[:, place]
+        assert [learned[0], learned.min(), learned.max()] == pytest.approx(
+            factor * np.array([values[0], values.min(), values.max()])
+        )
+    assert panels[0].get_ylabel() == "mass (V/(m/s²))"
+    if harmonics:
+        point = ", point 0" if points > 1 else ""
+        assert panels[4].get_ylabel().startswith(f"sine {harmonics[0]}{point} (")
+    (one,) = cogging.plot.adaptation(log, [(0.0, 1.0)] * count, names=[f"n{k}" for k in range(count)], which=["n2"])
+    assert [list(line.get_ydata()) for line in one.lines[1:]] == [[0.0, 0.0], [1.0, 1.0]]
+    (one,) = cogging.plot.adaptation(log, {}, which=[1])
+    assert len(one.lines) == 1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_residual_in_bins_is_the_mean_of_its_rows(seed):
+    rng = np.random.default_rng(seed)
+    x = rng.uniform(-1.0, 1.0, 20_000) * 10.0 ** rng.uniform(-2, 1)
+    truth = 0.3 * x / np.abs(x).max()
+    (panel,) = cogging.plot.residual(x, truth + 0.05 * rng.normal(size=x.size), "velocity")
+    place = in_si(panel.get_xlabel(), panel.lines[1].get_xdata())
+    mean = in_si(panel.get_ylabel(), panel.lines[1].get_ydata())
+    assert len(place) == 40
+    assert mean == pytest.approx(0.3 * place / np.abs(x).max(), abs=0.01)
+    edge = in_si(panel.get_ylabel(), panel.collections[0].get_paths()[0].vertices[:, 1])
+    half = 0.5 * np.mean(edge[42:82][::-1] - edge[1:41])
+    assert half == pytest.approx(1.96 * 0.05 / np.sqrt(500.0), rel=0.15)
+
+
+def test_rows_of_one_block_are_no_independent_observations():
+    """The same numbers many times over make the band no narrower."""
+    rng = np.random.default_rng(1)
+    each = rng.normal(size=100)
+    time = np.arange(20_000) * 25.0 / 20_000
+    (panel,) = cogging.plot.residual({"time": time, "x": np.zeros(20_000)}, np.repeat(each, 200), "x")
+    edge = panel.collections[0].get_paths()[0].vertices[:, 1]
+    assert 0.5 * np.ptp(edge) == pytest.approx(1e3 * 1.96 * each.std() / 10.0, rel=0.05)
+
+
+def gap_of(given, before, after, floor):
+    return Gap("V", floor, before, after, None, None, "command", given=given)
+
+
+def step(name, before, after, accepted=True):
+    return Step(name, accepted, "", 10.0, before, after, None, None)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_shares_of_a_ledger_add_up_and_are_drawn_end_to_end(seed):
+    rng = np.random.default_rng(seed)
+    sizes = np.sort(rng.uniform(0.1, 1.0, 5))[::-1]
+    if seed == 5:  # an effect with which the gap rose
+        sizes[[2, 3]] = sizes[[3, 2]]
+    given = None if seed % 2 else 1.3
+    steps = [step(f"effect_{k}", *pair) for k, pair in enumerate(itertools.pairwise(sizes))]
+    steps.insert(2, step("refused", None, None, accepted=False))
+    found = EXAMPLES["Diagnosis"]
+    found = cogging.Diagnosis(
+        "named", (), None, gap_of(given, sizes[0], 0.9 * sizes[-1], 0.05), None, found.model, found.nominal,
+        ledger=tuple(steps),
+    )  # fmt: skip
+    parts = shares(found)
+    assert sum(share for *_, share in parts) == pytest.approx(1.0)
+    whole = (given or sizes[0]) ** 2
+    assert [name for name, kind, _ in parts if kind == "effect"] == [f"effect {k}" for k in range(4)]
+    assert [share for _, kind, share in parts if kind == "effect"] == pytest.approx(-np.diff(sizes**2) / whole)
+    assert {name: share for name, _, share in parts}["noise and quantiser"] == pytest.approx(0.05**2 / whole)
+    ax = cogging.plot.ledger(found)
+    bars = [(bar.get_x(), bar.get_width()) for bar in ax.patches]
+    assert [width for _, width in bars] == pytest.approx([100.0 * share for *_, share in parts])
+    assert [x for x, _ in bars[1:]] == pytest.approx([x + width for x, width in bars[:-1]], abs=1e-9)
+    assert [text.get_text() for text in ax.get_yticklabels()] == [name for name, *_ in parts]
+
+
+# Friction, fits, many runs --------------------------------------------------------------------------------------------
+
+
+def test_friction():
+    curve = EXAMPLES["FrictionCurve"]
+    ax = cogging.plot.friction_curve(curve)
+    assert in_si(ax.get_ylabel(), ax.lines[0].get_ydata()) == pytest.approx(curve.force[curve.velocity > 0])
+    best = next(line for line in ax.lines if line.get_label() == curve.best.name.replace("_", " "))
+    assert best.get_linestyle() == "-"
+    assert in_si(ax.get_ylabel(), best.get_ydata()) == pytest.approx(curve.best.force(best.get_xdata()))
+    ax = cogging.plot.friction_curve(curve, by_speed=True)
+    assert min(np.min(line.get_xdata()) for line in ax.lines) > 0.0
+    assert ax.get_xlabel() == "speed (m/s)"
+    machine = MODEL.replace(effects=[cogging.effects.QuadraticDrag(coefficient=0.3), *MODEL.effects])
+    ax = cogging.plot.friction_curve(machine, fastest=0.8)
+    v = np.asarray(ax.lines[1].get_xdata())
+    law = 0.15 * 2 / np.pi * np.arctan(v / 0.01) + 0.166 * v + 0.3 * v**2
+    assert ax.lines[1].get_ydata() == pytest.approx(law)
+    ax = cogging.plot.friction_curve([0.1, 0.2], [1.0, 2.0])
+    assert list(ax.lines[0].get_ydata()) == [1.0, 2.0]
+
+
+def test_intervals_of_a_fit():
+    fit = EXAMPLES["Identification"]
+    ax = cogging.plot.intervals(fit)
+    assert len(ax.get_yticks()) == len(fit.parameters)
+    bars = [line for line in ax.lines if line.get_linewidth() == 3.0]
+    for bar, one in zip(bars, fit.parameters, strict=True):
+        size = max(abs(one.value), abs(one.prior))
+        assert list(bar.get_xdata()) == pytest.approx([100 * (end - one.value) / size for end in one.ci95])
+    assert "mass: 0.12 V/(m/s²)" in ax.get_yticklabels()[0].get_text()
+
+
+@pytest.mark.parametrize("second", [None, [0.1, 0.2], list(np.linspace(0.1, 0.2, 9))])
+def test_a_sweep_is_lines_of_a_grid_or_points(second):
+    vary = {"axis.mass": [0.11, 0.13, 0.12]} | ({"axis.coulomb": second} if second else {})
+    runs = cogging.sweep(MODEL, MOVE, vary, duration=0.05)
+    ax = cogging.plot.sweep(runs, "error_max")
+    lines = [line for line in ax.lines if line.get_linestyle() != "None"]
+    if second is None or len(second) == 2:
+        assert len(lines) == len(second or [0])
+        assert list(lines[0].get_xdata()) == [0.11, 0.12, 0.13]
+        drawn = np.sort(np.concatenate([line.get_ydata() for line in lines]))
+    else:
+        drawn = np.sort(ax.lines[0].get_ydata())
+    assert in_si(ax.get_ylabel(), drawn) == pytest.approx(np.sort(runs.table["error_max"]))
+    assert ax.get_xlabel() == "axis.mass (V/(m/s²))"
+
+
+def test_runs_that_failed_are_marked():
+    found = EXAMPLES["SweepRuns"]
+    table = {**found.table, "error_rms": np.where(np.arange(len(found)) == 0, np.nan, 1e-6)}
+    ax = cogging.plot.sweep(cogging.SweepRuns(table, found.varied, found.units))
+    (mark,) = [line for line in ax.lines if line.get_label() == "failed"]
+    assert len(mark.get_xdata()) == 1
+
+
+def test_predictions_and_trade_off():
+    found = EXAMPLES["ErrorPrediction"]
+    ax = cogging.plot.prediction(found, "max")
+    assert in_si("(µm)", sorted(ax.lines[0].get_xdata())) == pytest.approx(sorted(found["own"].max.values))
+    assert in_si("(µm)", ax.lines[1].get_xdata()) == pytest.approx(found["own"].max.interval)
+    tuning = EXAMPLES["Tuning"]
+    left, right = tuning.plot().axes
+    (line,) = [one for one in left.lines if one.get_label() == "none is better"]
+    assert sorted(in_si(left.get_ylabel(), line.get_ydata())) == pytest.approx(sorted(tuning.front["error_rms"]))
+    assert right.get_xlabel() == "delay margin (ms)"
+
+
+# What holds for all ---------------------------------------------------------------------------------------------------
+
+PICTURES = {
+    "log": (LOG, "command"),
+    "error": (LOG,),
+    "cogging_map": (MODEL,),
+    "spectrum": ([1.0, 2.0], [1e-6, 2e-6]),
+    "residual": (LOG.position, LOG.command, "position"),
+    "friction_curve": (MODEL,),
+    "intervals": (EXAMPLES["Identification"],),
+    "sweep": (EXAMPLES["SweepRuns"],),
+    "prediction": (EXAMPLES["ErrorPrediction"],),
+    "trade_off": (EXAMPLES["Tuning"],),
+    "adaptation": (
+        cogging.Log(LOG.time, LOG.position, LOG.command, estimates=LOG.position[:, None]), [(0.0, 1.0)],
+    ),
+    "ledger": (
+        cogging.Diagnosis("named", (), None, gap_of(None, 1.0, 0.5, 0.1), None, MODEL, MODEL,
+                          ledger=(step("cable_spring", 1.0, 0.5),)),
+    ),
+}  # fmt: skip
+EVERY = pytest.mark.parametrize("name", sorted(PICTURES))
+
+
+def test_every_function_is_here():
+    assert sorted(PICTURES) == sorted(cogging.plot.__all__)
+
+
+@EVERY
+def test_axes_are_taken_and_returned(name):
+    function = getattr(cogging.plot, name)
+    axes = Figure().subplots(2)[1]
+    axes.plot([0.0], [0.0], label="my own")
+    found = function(*PICTURES[name], ax=axes)
+    assert (found[0] if isinstance(found, Panels) else found) is axes
+    assert axes.lines[0].get_label() == "my own"
+    assert axes.get_xlabel()
+    found = function(*PICTURES[name])
+    assert isinstance(found, Panels | Axes)
+    assert found._repr_png_().startswith(b"\x89PNG")
+
+
+@EVERY
+def test_mistakes_are_told_in_one_line(name):
+    function = getattr(cogging.plot, name)
+    with pytest.raises(TypeError, match=r"ax: must be axes of matplotlib, as plt\.subplots\(\) gives them, got"):
+        function(*PICTURES[name], ax="here")
+    with pytest.raises(TypeError, match=rf"{name}: axs: is no argument of it; did you mean ax\?"):
+        function(*PICTURES[name], axs=None)
+    if name != "ledger":
+        with pytest.raises(TypeError, match=r"units: must be cogging\.Units\(.*\), got 'A'"):
+            function(*PICTURES[name], units="A")
+    with pytest.raises((TypeError, ValueError), match=r"^\w+: must (be|name|have)[^\n]*$"):
+        function(object(), *PICTURES[name][1:])
+
+
+def test_further_mistakes():
+    plot = cogging.plot
+    for call, rule in (
+        (
+            lambda: plot.log(LOG, ["postion"]),
+            "columns: must be columns of the log, got 'postion': did you mean position",
+        ),
+        (lambda: plot.log(LOG, ax=Figure().subplots(2)), "ax: must be 3 axes for as many panels, got 2"),
+        (lambda: plot.error([0.0, 1.0], [1.0]), r"error: must be as long as what it is drawn over \(2\), got 1"),
+        (lambda: plot.error(cogging.Log(LOG.time, LOG.position, LOG.command)), "log: must be columns of the log"),
+        (lambda: plot.cogging_map(MODEL.replace(cogging=None)), "cogging: must be in the model to be drawn"),
+        (lambda: plot.residual(LOG.position, LOG.command), "against: must name the coordinate of an array"),
+        (lambda: plot.adaptation(LOG), "estimates: must be in the log"),
+        (
+            lambda: plot.sweep(EXAMPLES["SweepRuns"], "error_rm"),
+            "index: must be of these runs, got 'error_rm': did you",
+        ),
+        (lambda: plot.friction_curve(MODEL, fastest=-1.0), "fastest: must be above 0 and finite, got -1.0"),
+        (lambda: EXAMPLES["Diagnosis"].plot("all"), "what: must be residual or ledger, got 'all'"),
+        (lambda: EXAMPLES["Batch"].plot(), "logs: must be asked for to be kept"),
+    ):
+        with pytest.raises(ValueError, match=f"^{rule}"):
+            call()
+
+
+RESULTS = ["Log", "MapFit", "FrictionCurve", "Identification", "Location", "ErrorPrediction", "TrackingSpectrum"]
+RESULTS += ["Tuning", "SweepRuns", "ExperimentPlan", "Model"]
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_every_result_draws_itself(name):
+    value = EXAMPLES[name]
+    figure = value.plot()
+    assert isinstance(figure, Figure)
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    axes = np.array(Figure().subplots(len(figure.axes), squeeze=False)).ravel()
+    assert value.plot(ax=axes) is axes[0].figure
+    for mine, theirs in zip(axes, figure.axes, strict=True):
+        assert len(mine.lines) == len(theirs.lines)
+        assert mine.get_ylabel() == theirs.get_ylabel()
+
+
+def test_a_batch_draws_the_errors_of_its_runs():
+    plant = MODEL.plant()
+    sine = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01, frequency=2.0))
+    seeds = {"duration": 0.1, "seeds": [1, 2, 3], "logs": True}
+    batch = cogging.closed_loop_batch([plant] * 3, [MODEL.make_controller()] * 3, sine, **seeds)
+    (axes,) = batch.plot().axes
+    assert [line.get_label() for line in axes.lines] == ["run 0", "run 1", "run 2"]
+
+
+# Looks ----------------------------------------------------------------------------------------------------------------
+
+
+def lightness(colour, blind=False):
+    """CIE lightness of a colour, 0 to 100; and where red and green cones are one, its place on yellow to blue."""
+    rgb = np.array(mpl.colors.to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    if not blind:
+        y = linear @ (0.2126, 0.7152, 0.0722)
+        return 116.0 * np.cbrt(y) - 16.0 if y > 0.008856 else 903.3 * y
+    # Vienot, Brettel and Mollon 1999: red and green as a deuteranope sees them, both the same mixture.
+    seen = np.array([[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]]) @ linear
+    shown = np.clip(seen, 0.0, 1.0) ** (1.0 / 2.4)
+    return 100.0 * shown
+
+
+@pytest.mark.parametrize("place", range(20))
+def test_neighbouring_series_differ_without_colours(place):
+    one, other = look(place), look(place + 1)
+    assert one["linestyle"] != other["linestyle"]
+    assert marker(place) != marker(place + 1)
+    assert one != look(place + 7)
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_the_first_colours_differ_in_grey_and_to_the_colour_blind(place):
+    """Where traces are dense a line has no dashes to be told by."""
+    one, other = (look(k, dense=True)["color"] for k in (place, place + 1))
+    assert abs(lightness(one) - lightness(other)) > 20.0
+    assert np.linalg.norm(lightness(one, blind=True) - lightness(other, blind=True)) > 30.0
+    assert all(lightness(colour) < 80.0 for colour in COLOURS)  # on white
+
+
+@pytest.mark.parametrize("unit", ["m", "V", "s", "m/s", "N", "V/(m/s^2)", "1"])
+@pytest.mark.parametrize("power", range(-8, 4))
+def test_a_scale_suits_the_size(unit, power):
+    size = 3.0 * 10.0**power
+    scale = scale_of(unit, [-size, 0.1 * size, np.nan], None)
+    assert scale(size) == pytest.approx(size * FACTORS.get(scale.unit, 1.0) if unit != "N" else size * scale.factor)
+    if unit in ("m", "s"):
+        assert 1.0 <= scale(size) < 1000.0 or scale.unit in ("nm", "ns") or power > 2 or scale.unit in ("m", "s")
+    if unit in ("V/(m/s^2)", "1"):
+        assert scale.factor == 1.0
+    assert scale.label("x") == ("x" if unit == "1" else f"x ({scale.unit})")
+
+
+def test_units_are_written_as_they_are_read():
+    assert [pretty(unit) for unit in ("um", "urad", "V/(m/s^2)", "us", "unit", "Nm", "V/sqrt(Hz)")] == [
+        "µm", "µrad", "V/(m/s²)", "µs", "unit", "Nm", "V/√Hz",
+    ]  # fmt: skip
+    counts = cogging.Units(command="%", position="mm")  # what has a prefix already takes no other
+    assert scale_of("m", [1e-3], units=counts).unit == "mm"
+    assert named("\x1b[31m" + "x" * 100).isprintable()
+    assert len(named("x" * 100)) < 60
+
+
+# Where figures live ---------------------------------------------------------------------------------------------------
+
+
+def test_threads_draw_at_once_and_leave_the_settings():
+    before = dict(mpl.rcParams)
+    made = []
+
+    def draw():
+        made.extend(cogging.plot.error(LOG).figure.get_facecolor() for _ in range(3))
+
+    threads = [threading.Thread(target=draw) for _ in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(made) == 18
+    assert dict(mpl.rcParams) == before
+
+
+WINDOW = """
+import sys, types, gc, weakref
+import matplotlib; matplotlib.use("{backend}")
+import cogging
+ax = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])
+assert "matplotlib.pyplot" not in sys.modules
+import matplotlib.pyplot as plt
+plt.get_backend = lambda: "{shown_by}"
+ax = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])
+assert plt.get_fignums() == {figures}, plt.get_fignums()
+if not {figures}:
+    figure = weakref.ref(ax.figure); del ax; gc.collect()
+    assert figure() is None
+"""
+
+
+@pytest.mark.parametrize(("shown_by", "figures"), [("agg", []), ("qtagg", [1]), ("inline", []), ("tkagg", [1])])
+def test_pyplot_has_a_figure_only_where_a_window_shows_it(shown_by, figures):
+    program = WINDOW.format(backend="agg", shown_by=shown_by, figures=figures)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,168 @@
+"""Results as pandas frames with their units, and as the small tables that a notebook shows."""
+
+import html.parser
+import re
+import sys
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.papers.result import Reproduction, Row, Table
+from cogging.tables import html_table
+from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
+
+FRAMED = ["Batch", "Diagnosis", "ErrorPrediction", "FrictionCurve", "Identification", "Log", "MapFit", "SweepRuns"]
+FRAMED += ["TrackingSpectrum", "Tuning"]
+SHOWN = ["Diagnosis", "FrictionCurve", "Identification", "Log", "MapFit", "Model"]
+HOSTILE = '<script>alert("x")</script>&\u202e\x1b[31m$x$'
+
+
+@pytest.mark.parametrize("name", FRAMED)
+def test_a_result_is_a_frame_with_units(name):
+    frame = EXAMPLES[name].to_frame()
+    assert isinstance(frame.attrs["units"], dict)
+    assert set(frame.attrs["units"]) <= set(frame.columns)
+    assert all(unit not in ("", "1") for unit in frame.attrs["units"].values())
+
+
+@pytest.mark.parametrize("name", FRAMED)
+def test_without_pandas_the_extra_is_named(name, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"pandas is needed .*pip install 'cogging\[frames\]'"):
+        EXAMPLES[name].to_frame()
+
+
+def test_a_log_as_a_frame():
+    frame = LOG.to_frame()
+    assert list(frame.columns) == [*LOG.columns(), "true_position", "true_velocity"]
+    for name in frame.columns:
+        np.testing.assert_array_equal(frame[name], getattr(LOG, name))
+    units = frame.attrs["units"]
+    assert (units["time"], units["reference_acceleration"], units["command"]) == ("s", "m/s^2", "V")
+    rotary = MODEL.replace(units=cogging.Units(command="A", position="rad"))
+    log = cogging.simulate(rotary, MOVE, seed=1)
+    assert log.to_frame().attrs["units"]["true_velocity"] == "rad/s"
+    learned = cogging.Log(LOG.time, LOG.position, LOG.command, estimates=np.stack([LOG.time, LOG.command], axis=1))
+    np.testing.assert_array_equal(learned.to_frame()["estimates[1]"], LOG.command)
+
+
+def test_frames_hold_what_the_results_hold():
+    fit, found = EXAMPLES["MapFit"], EXAMPLES["Identification"]
+    frame = fit.to_frame()
+    assert list(frame["amplitude"]) == [entry.amplitude for entry in fit.amplitudes]
+    assert frame.attrs["units"] == {"amplitude": "V", "standard_error": "V", "phase": "rad"}
+    frame = found.to_frame().set_index("parameter")
+    for one in found.parameters:
+        row = frame.loc[one.path]
+        assert (row["value"], row["low"], row["high"], row["unit"]) == (one.value, *one.ci95, one.unit)
+    curve = EXAMPLES["FrictionCurve"]
+    frame = curve.to_frame()
+    assert set(frame["law"]) == {law.name for law in curve.models}
+    assert set(frame.loc[frame["best"], "law"]) == {curve.best.name}
+    np.testing.assert_array_equal(curve.to_frame("points")["force"], curve.force)
+    assert curve.to_frame("points").attrs["units"] == {"velocity": "m/s", "force": "V"}
+    runs, batch = EXAMPLES["SweepRuns"], EXAMPLES["Batch"]
+    assert runs.to_frame().attrs["units"]["error_rms"] == "m"
+    assert set(runs.varied) & set(runs.units) <= set(runs.to_frame().attrs["units"])
+    np.testing.assert_array_equal(batch.to_frame()["error_max"], batch.indexes["error_max"])
+    prediction = EXAMPLES["ErrorPrediction"]
+    np.testing.assert_array_equal(prediction.to_frame()["rms"], prediction["own"].rms.values)
+    tuning = EXAMPLES["Tuning"]
+    assert len(tuning.to_frame()) == len(tuning.trials["kept"])
+    assert len(tuning.to_frame("front")) == len(tuning.front["trial"])
+
+
+def test_frames_of_a_diagnosis():
+    lean = MODEL.replace(effects=[], intervals={})
+    found = cogging.diagnose(LOG, lean)
+    frame = found.to_frame()
+    told = [(effect.name, name) for effect in found.effects for name in effect.parameters]
+    assert list(zip(frame["name"], frame["parameter"], strict=True)) == told
+    assert list(frame["value"]) == [p.value for effect in found.effects for p in effect.parameters.values()]
+    assert set(found.to_frame("limits")["name"]) == set(found.limits)
+    ledger = found.to_frame("ledger")
+    assert list(ledger["accepted"]) == [step.accepted for step in found.ledger]
+    assert ledger.attrs["units"]["gap_after"] == "V"
+    assert "cable_spring" in found._repr_html_()
+
+
+def test_tables_of_a_paper():
+    rows = [Row("C1", "e_inf", "m", 1e-5, 1.1e-5, "predicted", {"set": "1"}), Row("C2", "e_2", "m", None, 2e-6, "x")]
+    table = Table("table1", "errors", rows)
+    frame = Reproduction("lu2008", [table], {}).to_frame()
+    assert list(frame["table"]) == ["table1"] * 2
+    assert list(frame["simulated"]) == [1.1e-5, 2e-6]
+    assert list(table.to_frame()["unit"]) == ["m", "m"]
+    assert frame.attrs["paper"] == "lu2008"
+
+
+@pytest.mark.parametrize(("name", "word"), [("Diagnosis", "gaps"), ("FrictionCurve", "points "), ("Tuning", "frnt")])
+def test_another_table_is_told(name, word):
+    with pytest.raises(ValueError, match=rf"^what: must be .* or .*, got '{word}'$"):
+        EXAMPLES[name].to_frame(word)
+
+
+class Page(html.parser.HTMLParser):
+    """The tags of a page, its text, and the cells of each row."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.rows, self.open = set(), [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.add(tag)
+        self.open.append(tag)
+        assert {name for name, _ in attributes} <= {"style", "class"}
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("td", "th"):
+            self.rows[-1][-1] += data
+
+
+def page_of(text):
+    page = Page()
+    page.feed(text)
+    assert not page.open
+    return page
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_a_notebook_shows_a_small_table(name):
+    text = EXAMPLES[name]._repr_html_()
+    page = page_of(text)
+    assert page.tags == {"div", "b", "table", "thead", "tbody", "tr", "th", "td"} - (
+        {"td"} if len(page.rows) == 1 else set()
+    )
+    assert len({len(row) for row in page.rows}) == 1
+    assert len(text) < 20_000
+    assert not re.search(
+        r"https?:|url\(|#[0-9a-fA-F]{3}|\bcolor:|background", text
+    )  # the page's own colours, no resource
+    assert name in text
+
+
+def test_the_numbers_of_a_table_are_those_of_the_model():
+    page = page_of(MODEL._repr_html_())
+    rows = {row[0]: row[1:] for row in page.rows}
+    assert rows["axis.mass"] == ["0.12", "V/(m/s^2)", ""]
+    assert rows["effects.cable_spring.stiffness"] == ["0.4", "V/m", "0.3 to 0.5"]
+    newton = MODEL.replace(units=cogging.Units(command="N"))
+    assert {row[0]: row[2] for row in page_of(newton._repr_html_()).rows}["axis.coulomb"] == "N"
+    log = {row[0]: row[1:] for row in page_of(LOG._repr_html_()).rows}
+    assert float(log["command"][2]) == pytest.approx(LOG.command.max(), rel=1e-5)
+
+
+def test_hostile_names_are_escaped():
+    text = html_table(HOSTILE, [HOSTILE], [[HOSTILE], [float("nan")], [None], [True], [np.arange(9.0)]], [HOSTILE])
+    page = page_of(text)
+    assert "script" not in page.tags
+    assert text.isprintable()
+    assert [row[0] for row in page.rows[2:]] == ["", "", "yes", "0, 1, 2, 3, 4, 5, ..."]
