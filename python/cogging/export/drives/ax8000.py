@@ -29,7 +29,7 @@ SHEET = Sheet(
     quantum="n whole; phi and r 32-bit floating point numbers",
     between="waves, no entries",
     sign="a torque beside the controller's own (3241:0C shows it), times the gain 32CB:02",
-    zero="angle 0 at the mechanical zero of the feedback; angles go with the drive's count",
+    zero="assumed: angle 0 at the mechanical zero of the feedback; angles go with the drive's count",
     loading="startup list: the file's objects (index:subindex, type, value), 32CB:01 = 3 "
     "(Use_startuplist_cogging_comp_para)",
     source="Beckhoff Information System, AX8xxx objects: 32CB:x SynchronousMotor cogging compensation, 32CB:01, :02, "

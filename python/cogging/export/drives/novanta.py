@@ -15,10 +15,10 @@ SHEET = Sheet(
     entries="as many as the range of register 0x2307 has in the drive's dictionary (`--entries`, to be given), "
     "over one "
     "electrical period",
-    quantum="24 bits of a number",
-    between="linear (`--between hold`)",
+    quantum="24 bits of a number, assumed",
+    between="linear, assumed (`--between hold`)",
     sign="an offset at the output of the torque loop",
-    zero="index 0 at electrical angle 0; the electrical angle chooses the index",
+    zero="the electrical angle chooses the index; assumed: index 0 at angle 0",
     loading="write each index to 0x2307 and its value to 0x2308 (the file: index, value), 0x2306 = 1, then store all",
     source='Novanta, Summit series documentation, "Cogging compensation" '
     "(drives.novantamotion.com/summit/cogging-compensation)",
