@@ -1,6 +1,8 @@
 """Each log of a call may have its own columns, scale, zero and rows."""
 
 import argparse
+import json
+import random
 
 import numpy as np
 import pytest
@@ -83,3 +85,55 @@ def test_a_wrong_option_is_one_line(folder, words, capsys):
 def test_map_takes_them_too(folder, capsys):
     assert main(["map", "scan.csv", "--pitch", "0.05", "--zero", "other.csv:position=1"]) == 2
     assert "must be a file of this call, scan.csv" in capsys.readouterr().err
+
+
+# Several times the same option, at the command line -------------------------------------------------------------------
+
+SAID = {  # of b.csv; what is said of all files is overridden by what is said of one, whatever comes first
+    "--columns": {"position": "qm, raw", "command": "i=1"},
+    "--scale": {"position": "1e-3", "command": "35", "time": "1"},
+    "--zero": {"position": "0.02", "time": "0"},
+}
+
+
+def split(said, draw):
+    """The words that say it, in drawn pieces and order, with and without the file's name, each overridden or not."""
+    pieces = []
+    for option, pairs in said.items():
+        entries = [f"{draw.choice(['', 'b.csv:', 'b.csv:'])}{name}={value}" for name, value in pairs.items()]
+        draw.shuffle(entries)
+        while entries:
+            taken = draw.randrange(1, len(entries) + 1)
+            pieces.append([option, ",".join(entries[:taken])])
+            entries = entries[taken:]
+    draw.shuffle(pieces)
+    late = [["--rows", "5:100"], ["--rows", "b.csv:10:900"]]
+    draw.shuffle(late)
+    early = [["--scale", "command=7"], ["--columns", "position=nothing"], ["--zero", "position=9"]]
+    return [word for piece in [*early, *pieces, *late] for word in piece]
+
+
+def test_options_add_up_in_every_order_at_the_command_line(folder, capsys):
+    lines = (folder / "b.csv").read_text().splitlines()
+    (folder / "b.csv").write_text(
+        "\n".join(["time;qm, raw;i=1", *(line.replace(",", ";") for line in lines[1:])]) + "\n"
+    )
+    draw = random.Random(19)
+    for _ in range(12):
+        assert main(["audit", "b.csv", "--json", "found.json", *split(SAID, draw)]) == 0
+        (found,) = json.loads((folder / "found.json").read_text())
+        plain = cogging.audit(read(logs=("a.csv",), confirm=())[0])
+        whole = cogging.read_log("a.csv", rows=slice(10, 900))
+        assert found["rows"] == len(whole) == 890
+        assert found["command_rms"] == pytest.approx(cogging.audit(whole).command_rms)
+        assert found["travel"] == pytest.approx(cogging.audit(whole).travel, abs=1e-12)
+        assert found["rate"] == pytest.approx(plain.rate)
+
+
+def test_the_last_of_two_that_say_the_same_counts(folder):
+    a, c = read("--scale", "command=2", "--scale", "command=3", logs=("a.csv",), confirm=("runs/c.csv",))
+    np.testing.assert_allclose(a.command, 3.0 * np.cos(5 * a.time))
+    np.testing.assert_allclose(c.command, 6.0 * np.cos(5 * c.time))
+    a, c = read("--scale", "a.csv:command=2", "--scale", "command=3", logs=("a.csv",), confirm=("runs/c.csv",))
+    np.testing.assert_allclose(a.command, 2.0 * np.cos(5 * a.time))
+    np.testing.assert_allclose(c.command, 6.0 * np.cos(5 * c.time))

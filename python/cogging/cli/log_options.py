@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from cogging.logs.log import Log, read_log
 from cogging.shown import nearest, quoted
 
 ONE_FILE = "for one of several files, put its name before: %s"
+NEXT = re.compile(r",(?=[^,=]*=)|,(?=\s*$)")  # before NAME=: a column of a file may have commas in its name
 OPTIONS = ("columns", "scale", "zero", "rows")
 
 
@@ -132,7 +134,7 @@ def _told(convert: Callable[[str], dict[str, dict[str, Any]]]) -> Callable[[str]
 def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> dict[str, dict[str, Any]]:
     """Entries by file ("": all) and name."""
     pairs: dict[str, dict[str, Any]] = {}
-    for entry in text.split(","):
+    for entry in NEXT.split(text):
         key, equals, value = entry.partition("=")
         if not (key and equals and value):
             raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}")

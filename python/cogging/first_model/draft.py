@@ -23,10 +23,11 @@ from cogging.first_model.moves import Motion, motion_of_log
 from cogging.first_model.pitch import Wave, strongest_wave
 from cogging.first_model.sizes import Sizes, sizes_of
 from cogging.first_model.units import LIKELY, STATED, UNKNOWN
+from cogging.identification.identify import FEWEST_ROWS
 from cogging.log_check.audit import Audit, audit
 from cogging.log_check.hints import hints
 from cogging.log_check.recovery import RecoveredController, recover_controller
-from cogging.logs.log import Log, read_log
+from cogging.logs.log import Log, read_log, require_sizes
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.outputs import write_files
@@ -36,6 +37,7 @@ from cogging.values import ByValue
 
 FILE = Kind((Log, *PATH), "a Log or the path of a log file")
 ROWS_OF_REFERENCE = 20_000  # of a sampled motion that are kept
+FEWEST = 10  # rows
 SMOOTHED = 0.002  # of its length, over which readings make a reference
 
 
@@ -106,9 +108,9 @@ class ModelDraft(ByValue):
 
     def next_command(self, model: str | os.PathLike[str]) -> str:
         """The command to give next: a fit of the model, or where nothing moves an audit."""
-        words = ["cogging", "identify" if self.sizes.explained is not None else "audit", self.source]
-        words += ["--model", os.fspath(model)]
-        words += ["--out", "fitted.toml"] * (self.sizes.explained is not None)
+        fits = self.sizes.explained is not None and len(self.log) >= FEWEST_ROWS
+        words = ["cogging", "identify" if fits else "audit", self.source, "--model", os.fspath(model)]
+        words += ["--out", "fitted.toml"] * fits
         return shlex.join([*words, *self.options()])
 
     def model_text(self) -> str:
@@ -248,6 +250,7 @@ class ModelDraft(ByValue):
 
 
 @takes(log=FILE)
+@np.errstate(all="ignore")  # wild numbers lead to sizes that are not told
 def draft_model(
     log: Log | str | os.PathLike[str],
     *,
@@ -272,7 +275,7 @@ def draft_model(
 
     Raises:
         InputError: the file cannot be read, or which column is the time, the position or the command cannot be told.
-        ValueError: a log in memory of fewer than two rows, or one whose numbers are of no machine.
+        ValueError: a log in memory of fewer than ten rows, or one whose numbers are of no machine.
 
     Example:
         >>> log.write("run.csv")
@@ -296,6 +299,9 @@ def _drafted(
     source: str, log: Log, guesses: ColumnGuesses | None, scale: Mapping[str, float], rows: slice | None
 ) -> ModelDraft:
     """The draft of a log that was read."""
+    if len(log) < FEWEST:
+        raise ValueError(f"rows: must be at least {FEWEST} to draft a model from, got {len(log)}")
+    require_sizes(log)
     sizes = sizes_of(log)
     unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
     if sizes.reversed:
