@@ -9,8 +9,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-from docutils import nodes
-
 WIDTH = 640  # pixels of a thumbnail
 ENOUGH = 80  # characters of a card's text
 
@@ -80,6 +78,8 @@ def _small(picture: bytes) -> bytes:
 
 def name_pictures(doctree: Any) -> None:
     """Say of each picture that a cell gave where it stands, for who cannot see it: the notebook says no more."""
+    from docutils import nodes
+
     for picture in doctree.findall(nodes.image):
         if not picture.get("alt"):
             section = picture
