@@ -1,14 +1,18 @@
 """What to do next: a command that the program takes, whatever was found and whatever the files are called."""
 
+import html
 import shlex
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cogging.cli.main import _parser
+from cogging.cli.diagnose import _given
+from cogging.cli.log_options import OPTIONS
+from cogging.cli.main import _parser, main
 from cogging.diagnosis.next_step import GivenFiles, next_step
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
+from tests.fixtures.pid_axis import MODEL, run
 
 HOSTILE = ("my log.csv", "a'b.csv", "$HOME.csv", "log;rm.csv", "ünïcode.csv", "x" * 200 + ".csv")
 NAMED = GivenFiles(HOSTILE[:2], HOSTILE[2], HOSTILE[3:5], ("--columns", "position=q m"), "r e.json", HOSTILE[5])
@@ -48,3 +52,32 @@ def test_a_name_that_is_sure_is_checked_then_used(found):
     assert next_step(alone).command[-2:] == ("--confirm", "OTHER_LOG.csv")
     assert next_step(found).command[-2:] == ("--out", "PATCHED.toml")
     assert next_step(found, GivenFiles(patched="new.toml")).command[:3] == ("cogging", "predict", "new.toml")
+
+
+def test_the_report_of_the_command_names_the_files_and_how_they_were_read(tmp_path, capsys):
+    """What its next command says, the program reads as this call did."""
+    log = run(duration=0.3)
+    log.write(tmp_path / "a b.csv")
+    MODEL.write(tmp_path / "m.toml")
+    call = ["diagnose", str(tmp_path / "a b.csv"), "--model", str(tmp_path / "m.toml"), "--rows", "a b.csv:0:590"]
+    call += ["--scale", "command=1,position=1.0", "--zero", "position=-0.001", "--report", str(tmp_path / "r.html")]
+    assert main(call) == 0
+    page = html.unescape((tmp_path / "r.html").read_text())
+    told = shlex.split(page.partition("<pre>")[2].partition("</pre>")[0])
+    assert told[:2] == ["cogging", "audit"]  # moved by its zero, the log is not what the controller made
+    shown = _parser().parse_args(told[1:])
+    once, again = _parser().parse_args(call), _parser().parse_args(_given_back(call))
+    for option in OPTIONS:
+        assert getattr(again, option) == getattr(shown, option) == getattr(once, option)
+    assert shown.model == once.model
+    assert (again.logs, again.confirm) == (once.logs, once.confirm)
+
+
+def _given_back(call):
+    """The call of a data mismatch, whose next step is the same call with one column read otherwise."""
+    told = _given(_parser().parse_args(call))
+    mismatch = drawn_result(np.random.default_rng(4), "data_mismatch")
+    asked = replace(mismatch, mismatch={"advice": "Give it.", "option": "--scale reference=1"})
+    words = list(next_step(asked, told).command)
+    assert words[-2:] == ["--scale", "reference=1"]
+    return words[1:-2]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cogging.cli.log_options import add_log_options, read_logs
+from cogging.cli.log_options import OPTIONS, add_log_options, read_logs
 from cogging.cli.parser import Commands
 from cogging.cli.screen import say
+from cogging.diagnosis.next_step import GivenFiles
 from cogging.outputs import check_outputs, to_json, to_toml, with_sidecars, write_files
 from cogging.shown import printable
 
@@ -31,6 +32,23 @@ def add_parser(commands: Commands) -> None:
     )
     add_log_options(command)
     command.set_defaults(run=run)
+
+
+def _given(arguments: argparse.Namespace) -> GivenFiles:
+    """The files of the call and how they were read, for the command that the report says is next."""
+    words = []
+    for option in OPTIONS:
+        for file, entries in getattr(arguments, option).items():
+            prefix = f"{file}:" if file else ""
+            for name, value in entries.items():
+                if isinstance(value, slice):
+                    told = f"{value.start}:{'' if value.stop is None else value.stop}"
+                else:
+                    told = f"{name}={value}"
+                words += [f"--{option}", prefix + told]
+    return GivenFiles(
+        arguments.logs, arguments.model, arguments.confirm, words, arguments.json or "", arguments.out or ""
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -65,7 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
         if arguments.report:
             bar.set_description_str("writing the report")
             title = ", ".join(printable(Path(path).name) for path in arguments.logs)
-            content[arguments.report] = result.html(title=title)
+            content[arguments.report] = result.html(title=title, files=_given(arguments))
         if arguments.out:
             content[arguments.out] = to_toml(result.model.to_dict())
     write_files({path: [text.encode()] for path, text in content.items()})
