@@ -1,17 +1,20 @@
 """What to do next: a command that the program takes, whatever was found and whatever the files are called."""
 
+import html
 import shlex
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cogging.cli.main import _parser
+from cogging.cli.log_options import OPTIONS
+from cogging.cli.main import _parser, main
 from cogging.diagnosis.next_step import GivenFiles, next_step
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
+from tests.fixtures.pid_axis import MODEL, run
 
 HOSTILE = ("my log.csv", "a'b.csv", "$HOME.csv", "log;rm.csv", "ünïcode.csv", "x" * 200 + ".csv")
-NAMED = GivenFiles(HOSTILE[:2], HOSTILE[2], HOSTILE[3:5], ("--columns", "position=q m"), "r e.json", HOSTILE[5])
+NAMED = GivenFiles(HOSTILE[:2], HOSTILE[2], HOSTILE[3:5], "r e.json", HOSTILE[5])
 
 
 @pytest.mark.parametrize("files", [None, NAMED, replace(NAMED, patched=""), replace(NAMED, result="")])
@@ -24,27 +27,50 @@ def test_the_next_command_is_one_that_the_program_takes(verdict, files):
         step = next_step(drawn_result(generator, verdict), files)
         assert step.words.endswith(".")
         assert step.words[0].isupper()
-        if not step.command:
+        if not step.line:
             assert verdict == "data_mismatch"
             continue
-        words = shlex.split(step.line())
-        assert tuple(words) == step.command
+        words = shlex.split(step.line)
         assert words[0] == "cogging"
         parsed = _parser().parse_args(words[1:])
         given = files or GivenFiles()
         commands.add(words[1])
         if words[1] in ("diagnose", "audit"):
-            assert parsed.logs == list(given.logs)
             assert parsed.model == given.model
-            assert parsed.columns or not given.options
         if words[1] == "diagnose":
+            assert set(given.logs) <= {*parsed.logs, *parsed.confirm}
             assert parsed.confirm[: len(given.confirm)] == list(given.confirm)
     assert commands or verdict == "data_mismatch"
 
 
-def test_a_name_that_is_sure_is_checked_then_used(found):
-    """Without other motion: record it; with it: write the model; with that: use it."""
+def test_a_name_that_is_sure_is_written_checked_then_used(found):
+    """The model is written, confirmed by other motion, then used; and where one of several logs can confirm, it does."""
     alone = replace(found, gap=replace(found.gap, confirm_before=None, confirm_after=None))
-    assert next_step(alone).command[-2:] == ("--confirm", "OTHER_LOG.csv")
-    assert next_step(found).command[-2:] == ("--out", "PATCHED.toml")
-    assert next_step(found, GivenFiles(patched="new.toml")).command[:3] == ("cogging", "predict", "new.toml")
+    patched = GivenFiles(patched="new.toml")
+    assert next_step(alone).kind == "write_model"
+    assert next_step(alone).line.endswith("--out PATCHED.toml")
+    assert next_step(alone, patched).kind == "confirm"
+    assert "--confirm OTHER_LOG.csv" in next_step(alone, patched).line
+    assert next_step(alone, GivenFiles(("a.csv", "b.csv"))).kind == "confirm_by_last"
+    assert next_step(found).line.endswith("--out PATCHED.toml")
+    assert next_step(found, patched).kind == "use"
+    assert next_step(found, patched).line.startswith("cogging predict new.toml")
+
+
+def test_the_report_of_the_command_says_what_the_screen_says(tmp_path, capsys):
+    """The command in it names the files and how they were read."""
+    log = run(duration=0.3)
+    log.write(tmp_path / "a b.csv")
+    MODEL.write(tmp_path / "m.toml")
+    call = ["diagnose", str(tmp_path / "a b.csv"), "--model", str(tmp_path / "m.toml"), "--rows", "a b.csv:0:590"]
+    call += ["--scale", "command=1,position=1.0", "--zero", "position=-0.001", "--report", str(tmp_path / "r.html")]
+    assert main(call) == 0
+    page = html.unescape((tmp_path / "r.html").read_text())
+    told = page.partition("<pre>")[2].partition("</pre>")[0]
+    assert capsys.readouterr().out.rstrip().endswith(f"next: {told}")
+    words = shlex.split(told)
+    assert words[:2] == ["cogging", "audit"]  # moved by its zero, the log is not what the controller made
+    shown, once = _parser().parse_args(words[1:]), _parser().parse_args(call)
+    for option in OPTIONS:
+        assert getattr(shown, option) == getattr(once, option)
+    assert (shown.model, shown.logs) == (once.model, once.logs)

@@ -74,10 +74,11 @@ def run(arguments: argparse.Namespace) -> None:
             progress=begin,
         )
         files = {}
+        following = after_a_diagnosis(arguments, result)
         if arguments.report:
             begin("writing the report")
             title = ", ".join(printable(Path(path).name) for path in arguments.logs)
-            files[arguments.report] = [result.html(title=title).encode()]
+            files[arguments.report] = [result.html(title=title, step=following).encode()]
         if arguments.out:
             files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
     give(
@@ -85,5 +86,5 @@ def run(arguments: argparse.Namespace) -> None:
         result.text(),
         document=result.to_dict(),
         files=files,
-        next_command=after_a_diagnosis(arguments, result),
+        next_command=following.line,
     )

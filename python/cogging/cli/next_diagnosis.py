@@ -3,51 +3,50 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
+from cogging.cli.answer import json_file
 from cogging.cli.log_options import options_of
 from cogging.cli.next_command import after_a_model, command_line, experiment, files, free_name, log_options, option
+from cogging.diagnosis.next_step import GivenFiles, NextStep, next_step
 from cogging.shown import printable
 
 if TYPE_CHECKING:
     from cogging.diagnosis.result import Diagnosis
 
 
-def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> str:
-    """The next command, by verdict.
-
-    named, unlisted: the patched model is written, confirmed by other motion, then used. ambiguous: the motion that
-    tells the alternatives apart. no_gap: the model is used. data_mismatch: the same call with what mends it.
-    controller_mismatch: the audit, which says where controller and log part. insufficient_excitation: a motion.
-    """
-    if result.verdict == "data_mismatch":
-        return _mended(arguments, result)
-    if result.verdict == "controller_mismatch":
-        return _audit(arguments)
-    if result.verdict == "insufficient_excitation":
-        return experiment(arguments.model)
-    if result.verdict == "no_gap":
-        return after_a_model(arguments.out or arguments.model, result.model, arguments.planned)
-    if result.verdict == "ambiguous":
-        if arguments.json:
-            return experiment(arguments.model, *option("--result", arguments.json))
-        return _again(arguments, json=free_name("result.json"))
-    return _patched(arguments, result)
+def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> NextStep:
+    """What is next, as cogging.diagnosis.next_step decides, with the command in the words of this call."""
+    given = GivenFiles(
+        logs=arguments.logs,
+        model=arguments.model,
+        confirm=arguments.confirm,
+        result=json_file(arguments) or "",
+        patched=arguments.out or "",
+        empirical=arguments.empirical,
+    )
+    step = next_step(result, given)
+    return replace(step, line=_lines(arguments, result, step)[step.kind]())
 
 
-def _patched(arguments: argparse.Namespace, result: Diagnosis) -> str:
-    """Write the patched model, confirm it, use it."""
-    empirical = arguments.empirical or result.verdict == "unlisted"
+def _lines(arguments: argparse.Namespace, result: Diagnosis, step: NextStep) -> dict[str, Callable[[], str]]:
+    """The command of each kind of next step."""
     out = arguments.out or free_name(arguments.model, "patched")
-    if not arguments.confirm and len(arguments.logs) > 1:  # one of them can
-        *given, last = arguments.logs
-        return _again(arguments, logs=given, confirm=[last], out=out, empirical=empirical)
-    if not arguments.out or empirical != arguments.empirical:
-        return _again(arguments, out=out, empirical=empirical)
-    if not arguments.confirm:
-        return _again(arguments, confirm=["OTHER_LOG.csv"])
-    return after_a_model(out, result.model, arguments.planned)
+    written: dict[str, Any] = {"out": out, "empirical": result.verdict == "unlisted"}
+    *given, last = arguments.logs
+    return {
+        "mend": lambda: _mended(arguments, result),
+        "audit": lambda: _audit(arguments),
+        "move": lambda: experiment(arguments.model),
+        "write_result": lambda: _again(arguments, json=free_name("result.json")),
+        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json)),
+        "write_model": lambda: _again(arguments, **written),
+        "confirm": lambda: _again(arguments, confirm=["OTHER_LOG.csv"], **written),
+        "confirm_by_last": lambda: _again(arguments, logs=given, confirm=[last], **written),
+        "use": lambda: after_a_model(arguments.out or arguments.model, result.model, arguments.planned),
+    }
 
 
 def _audit(arguments: argparse.Namespace) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,17 +19,17 @@ class GivenFiles:
         logs: logs that were diagnosed.
         model: model that was held against them.
         confirm: logs of other motion; empty where there were none.
-        options: further words of the call, as how columns are read.
         result: where the result was written as JSON; empty where it was not.
         patched: where the patched model was written; empty where it was not.
+        empirical: whether what no effect explains was to be added to it.
     """
 
     logs: Sequence[str] = ("LOG.csv",)
     model: str = "MODEL.toml"
     confirm: Sequence[str] = ()
-    options: Sequence[str] = ()
     result: str = ""
     patched: str = ""
+    empirical: bool = False
 
 
 @dataclass(frozen=True)
@@ -37,16 +37,16 @@ class NextStep:
     """One thing to do next.
 
     Attributes:
+        kind: what it is, a word: `mend` (a column is read otherwise), `audit`, `move` (a motion that shows more),
+            `write_result`, `tell_apart` (a motion, computed from the result), `write_model`, `confirm`,
+            `confirm_by_last` (the last of the logs confirms the others), `use`.
         words: what to do and why, a sentence or two.
-        command: words of the command that does it, the program first; empty where none does.
+        line: the command that does it, as a shell takes it; empty where none does.
     """
 
+    kind: str
     words: str
-    command: tuple[str, ...] = ()
-
-    def line(self) -> str:
-        """The command as a shell takes it; empty where none is."""
-        return shlex.join(self.command)
+    line: str = ""
 
 
 def next_step(result: Diagnosis, files: GivenFiles | None = None) -> NextStep:
@@ -59,14 +59,14 @@ def next_step(result: Diagnosis, files: GivenFiles | None = None) -> NextStep:
     Example:
         >>> from cogging.diagnosis.next_step import next_step
         >>> step = next_step(cogging.diagnose(log, model))
-        >>> step.line()
-        'cogging experiment --model MODEL.toml --limits LIMITS.toml --out NEXT.toml'
+        >>> step.line
+        'cogging predict MODEL.toml --reference REF.toml'
     """
     files = files or GivenFiles()
     if result.mismatch is not None:
         return _read_otherwise(result, files)
     steps = {
-        "no_gap": _look_closer,
+        "no_gap": _keep_the_model,
         "named": _take_the_model,
         "ambiguous": _tell_apart,
         "unlisted": _look_where_it_sits,
@@ -81,69 +81,84 @@ def _read_otherwise(result: Diagnosis, files: GivenFiles) -> NextStep:
     told = result.mismatch or {}
     name, _, value = str(told.get("option") or "").partition(" ")
     words = str(told.get("advice") or "Read the log again, that column otherwise.")
-    return NextStep(words, _diagnose(files, name, value) if value else ())
+    return NextStep("mend", words, _diagnose(files, name, value) if value else "")
 
 
-def _look_closer(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = (
-        "Keep the model. What is smaller than the detection limits may be there all the same: a motion that is made "
-    )
-    return NextStep(words + "to show small effects finds more.", _experiment(files))
+def _keep_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
+    words = "Keep the model, and use it: it foretells the error that the machine will have. What is smaller than the "
+    words += "detection limits may be there all the same: cogging experiment computes a motion that shows it."
+    return NextStep("use", words, _predict(files.patched or files.model))
 
 
 def _take_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
-    if result.gap.confirm_before is None:
-        words = "Check it before you use it: record a second log with other motion (other speeds, other strokes), and "
-        return NextStep(words + "give it as a confirm log.", _diagnose(files, "--confirm", "OTHER_LOG.csv"))
-    if not files.patched:
-        words = "Other motion agrees: write the model with what was found in it, and use that from now on."
-        return NextStep(words, _diagnose(files, "--out", "PATCHED.toml"))
-    words = "Use the model with what was found in it: it foretells the error that the machine will have."
-    return NextStep(words, ("cogging", "predict", files.patched, "--reference", "REF.toml"))
-
-
-def _tell_apart(result: Diagnosis, files: GivenFiles) -> NextStep:
-    if not any(effect.alternatives for effect in result.effects):
-        if result.gap.confirm_before is None:
-            words = "No other name fits as well, but one log is not enough to be sure: record a second one with other "
-            return NextStep(words + "motion.", _diagnose(files, "--confirm", "OTHER_LOG.csv"))
-        words = "No other name fits as well, but these logs do not make it sure: a motion that shows more of it will."
-        return NextStep(words, _experiment(files))
-    if not files.result:
-        words = "Measure what tells the candidates apart: write the result as a file; cogging experiment computes the "
-        return NextStep(words + "motion from it.", _diagnose(files, "--json", "RESULT.json"))
-    words = "Measure what tells the candidates apart, with this motion, and diagnose both logs together."
-    return NextStep(words, _experiment(files, "--result", files.result))
+    return _adopt(files, _is_confirmed(result, files), "Write the model with what was found in it")
 
 
 def _look_where_it_sits(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = "What is left has no name: look at where it sits, and repeat the motion with that alone changed. "
-    if files.patched:
-        words += "A log of other motion says whether it comes back."
-        return NextStep(words, _diagnose(files, "--confirm", "OTHER_LOG.csv"))
-    words += "To work with it meanwhile, let a force of that shape be added to the model."
-    return NextStep(words, _diagnose(files, "--empirical", "--out", "PATCHED.toml"))
+    words = "What is left has no name: look at where it sits, and repeat the motion with that alone changed. To work "
+    words += "with it meanwhile, let a force of that shape be added to the model"
+    return _adopt(files, _is_confirmed(result, files), words, empirical=True)
+
+
+def _is_confirmed(result: Diagnosis, files: GivenFiles) -> bool:
+    return bool(files.confirm) or result.gap.confirm_before is not None
+
+
+def _adopt(files: GivenFiles, confirmed: bool, words: str, *, empirical: bool = False) -> NextStep:
+    """A patched model is written, checked on other motion, then used."""
+    more = ["--empirical"] if empirical else []
+    if not confirmed and len(files.logs) > 1:
+        *logs, last = files.logs
+        one = replace(files, logs=logs, confirm=[last])
+        words += ", and let the last of these logs confirm what the others say."
+        return NextStep("confirm_by_last", words, _diagnose(one, *more, "--out", files.patched or "PATCHED.toml"))
+    if not files.patched or (empirical and not files.empirical):
+        words += ", and use that from now on." if confirmed else "; then check it on a log of other motion."
+        return NextStep("write_model", words, _diagnose(files, *more, "--out", files.patched or "PATCHED.toml"))
+    if not confirmed:
+        words = "Check the new model before you use it: record a second log with other motion (other speeds, other "
+        words += "strokes), and give it as a confirm log."
+        one = replace(files, confirm=[*files.confirm, "OTHER_LOG.csv"])
+        return NextStep("confirm", words, _diagnose(one, *more, "--out", files.patched))
+    words = "Use the model with what was found in it: it foretells the error that the machine will have."
+    return NextStep("use", words, _predict(files.patched))
+
+
+def _tell_apart(result: Diagnosis, files: GivenFiles) -> NextStep:
+    words = "No other name fits as well, but these logs do not make it sure: a motion that shows more of it will"
+    if any(effect.alternatives for effect in result.effects):
+        words = "Measure what tells the candidates apart"
+    if not files.result:
+        words += ". Write the result as a file: cogging experiment computes the motion from it."
+        return NextStep("write_result", words, _diagnose(files, "--json", "RESULT.json"))
+    words += ": run this motion, and diagnose both logs together."
+    return NextStep("tell_apart", words, _experiment(files, "--result", files.result))
 
 
 def _state_the_controller(result: Diagnosis, files: GivenFiles) -> NextStep:
     words = "State the controller that was running, its gains and its sample rate; or none, to be judged without. The "
     words += "audit says which gains would have given the logged command."
-    return NextStep(words, ("cogging", "audit", *files.logs, *files.options, "--model", files.model))
+    return NextStep("audit", words, _line("audit", *files.logs, *files.confirm, "--model", files.model))
 
 
 def _move_more(result: Diagnosis, files: GivenFiles) -> NextStep:
     words = "Move the axis over its travel, in both directions, at several speeds, for ten seconds or more. A motion "
-    return NextStep(words + "within the limits of the machine can be computed.", _experiment(files))
+    return NextStep("move", words + "within the limits of the machine can be computed.", _experiment(files))
 
 
-def _diagnose(files: GivenFiles, *more: str) -> tuple[str, ...]:
-    """The same call with more words; a further confirm log stands beside those that there are."""
-    confirm, words = list(files.confirm), list(more)
-    if words[:1] == ["--confirm"]:
-        confirm, words = [*confirm, *words[1:]], []
-    others = ("--confirm", *confirm) if confirm else ()
-    return ("cogging", "diagnose", *files.logs, *files.options, "--model", files.model, *others, *words)
+def _line(*words: str) -> str:
+    return shlex.join(("cogging", *words))
 
 
-def _experiment(files: GivenFiles, *more: str) -> tuple[str, ...]:
-    return ("cogging", "experiment", "--model", files.model, *more, "--limits", "LIMITS.toml", "--out", "NEXT.toml")
+def _diagnose(files: GivenFiles, *more: str) -> str:
+    """The same call with more words."""
+    others = ("--confirm", *files.confirm) if files.confirm else ()
+    return _line("diagnose", *files.logs, "--model", files.model, *others, *more)
+
+
+def _experiment(files: GivenFiles, *more: str) -> str:
+    return _line("experiment", "--model", files.model, *more, "--limits", "LIMITS.toml", "--out", "NEXT.toml")
+
+
+def _predict(model: str) -> str:
+    return _line("predict", model, "--reference", "REF.toml")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cogging import plot
 from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
 from cogging.diagnosis.location import Location
-from cogging.diagnosis.next_step import GivenFiles
+from cogging.diagnosis.next_step import NextStep
 from cogging.diagnosis.report.page import html
 from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
@@ -120,17 +120,17 @@ class Diagnosis(ByValue):
         """What re-tuning made of mass and friction, in words; empty where nothing was measured."""
         return "; ".join(_parameter_text(path, told) for path, told in self._retuned_parameters().items())
 
-    def html(self, *, title: str = "", files: GivenFiles | None = None) -> str:
+    def html(self, *, title: str = "", step: NextStep | None = None) -> str:
         """The report as a text: one HTML page with its figures inside.
 
         Args:
             title: name of what was diagnosed, such as those of the logs.
-            files: what logs and model are called in the command of the next step; placeholders by default.
+            step: what to do next, in the user's own files (next_step); by default with placeholders.
 
         Raises:
             ValueError: Jinja2, of the extra `report`, is not installed.
         """
-        return html(self, title=title, files=files)
+        return html(self, title=title, step=step)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "") -> None:
         """Write one HTML file that opens offline: what disagrees, where, why, what else it could be, what to do next.

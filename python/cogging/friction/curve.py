@@ -129,13 +129,15 @@ class FrictionCurve(ByValue):
             raise ValueError(f"what: must be parameters or points, got {what!r}")
         rows = [
             {"law": law.name, "best": law.name == self.best.name, "parameter": path, **vars(parameter)}
+            | {"unit": self.units.of(parameter.unit)}
             for law in self.models
             for path, parameter in law.parameters.items()
         ]
         return frame_of(rows, {})
 
     def _repr_html_(self) -> str:
-        rows = [[path, p.value, p.low, p.high, p.unit.replace("1", "")] for path, p in self.best.parameters.items()]
+        found = self.best.parameters.items()
+        rows = [[path, p.value, p.low, p.high, "" if p.unit == "1" else self.units.of(p.unit)] for path, p in found]
         headers = ["parameter", "value", "from", "to", "unit"]
         return html_table(f"FrictionCurve: {self._brief()}", headers, rows, self.notes)
 

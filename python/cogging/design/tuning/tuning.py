@@ -140,7 +140,8 @@ class Tuning(ByValue):
         if what not in ("trials", "front"):
             raise ValueError(f"what: must be trials or front, got {what!r}")
         units = {"error_rms": "m", "error_max": "m", "command_max": "V", "command_rms": "V", "delay_margin": "s"}
-        return frame_of(self.trials if what == "trials" else self.front, units)
+        told = {name: self.units.of(unit) for name, unit in units.items()}
+        return frame_of(self.trials if what == "trials" else self.front, told)
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging tune --json` writes; null stands for infinite and for what was not measured."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.next_step import GivenFiles, next_step
+from cogging.diagnosis.next_step import NextStep, next_step
 from cogging.diagnosis.report.pictures import pictures_of, term_picture
 from cogging.diagnosis.report.sentences import capital, certainty_text, explained_text, headline, meaning, standing_text
 from cogging.diagnosis.report.words import (
@@ -33,13 +33,13 @@ TEMPLATE = Path(__file__).with_name("page.html.j2")
 STYLE = Path(__file__).with_name("page.css")
 
 
-def html(result: Diagnosis, *, title: str = "", files: GivenFiles | None = None) -> str:
+def html(result: Diagnosis, *, title: str = "", step: NextStep | None = None) -> str:
     """The report as a text.
 
     Args:
         result: result that is shown.
         title: name of what was diagnosed, such as those of the logs.
-        files: what its logs and model are called, for the next command; placeholders where nothing is said.
+        step: what to do next, in the user's own files; by default with placeholders.
 
     Raises:
         ValueError: Jinja2, of the extra `report`, is not installed.
@@ -50,11 +50,11 @@ def html(result: Diagnosis, *, title: str = "", files: GivenFiles | None = None)
         raise ValueError(f"a report needs {error.name}: pip install 'cogging[report]'") from None
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    page: str = template.render(style=STYLE.read_text(encoding="utf-8"), **_content(result, title, files))
+    page: str = template.render(style=STYLE.read_text(encoding="utf-8"), **_content(result, title, step))
     return page
 
 
-def _content(result: Diagnosis, title: str, files: GivenFiles | None) -> dict[str, Any]:
+def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, Any]:
     units = result.model.units
     return {
         "title": title,
@@ -62,7 +62,7 @@ def _content(result: Diagnosis, title: str, files: GivenFiles | None) -> dict[st
         "verdict": result.verdict,
         "headline": headline(result),
         "meaning": meaning(result),
-        "step": next_step(result, files),
+        "step": step or next_step(result),
         "gap": result.gap,
         "bars": _bars(result),
         "micro": units.of("µm"),
