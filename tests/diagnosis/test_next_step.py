@@ -44,7 +44,7 @@ def test_the_next_command_is_one_that_the_program_takes(verdict, files):
 
 
 def test_a_name_that_is_sure_is_written_checked_then_used(found):
-    """The model is written, confirmed by other motion, then used; and where one of several logs can confirm, it does."""
+    """The model is written, confirmed by other motion, then used; one of several logs can confirm."""
     alone = replace(found, gap=replace(found.gap, confirm_before=None, confirm_after=None))
     patched = GivenFiles(patched="new.toml")
     assert next_step(alone).kind == "write_model"
