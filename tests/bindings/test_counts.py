@@ -220,6 +220,29 @@ def test_a_reader_may_read_on_behind_take():
     np.testing.assert_array_equal(np.concatenate(found), table)
 
 
+def test_a_reader_with_decimal_commas_in_blocks_of_any_length():
+    table = np.random.default_rng(5).normal(size=(40, 2))
+    for separator, form in ((";", "{};{}\n"), (",", '"{}","{}"\n'), ("\t", "{}\t{}\n"), (" ", "{}  {}\r\n")):
+        lines = [form.format(*(repr(value).replace(".", ",") for value in row)) for row in table.tolist()]
+        text = "".join(lines).encode()
+        one = reader(separator=separator, decimal=",")
+        for cut in range(0, len(text), 13):
+            one.feed(text[cut : cut + 13])
+        one.finish()
+        np.testing.assert_array_equal(np.stack(one.take(), axis=1), table)
+
+
+@pytest.mark.parametrize("cell", ["1.5", "1,5,2", "1.000,5", ",", "1,5x", "1e5,2"])
+def test_what_is_no_number_with_a_decimal_comma(cell):
+    with pytest.raises(ValueError, match=f"line 1: b: must be a finite number, got '{cell}'"):
+        reader(separator=";", decimal=",").feed(f"1;{cell}\n".encode())
+
+
+def test_a_decimal_mark_is_a_point_or_a_comma():
+    with pytest.raises(ValueError, match="decimal: must be a point or a comma"):
+        reader(decimal=";")
+
+
 def test_a_refused_line_ends_the_reading():
     one = reader()
     with pytest.raises(ValueError, match="line 2: b: must be a finite number"):
