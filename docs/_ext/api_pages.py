@@ -79,6 +79,9 @@ def rooms() -> dict[str, list[str]]:
 def write_api(folder: Path) -> None:
     """One page a room, and the data sets."""
     folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.md"):
+        if old.stem not in (*rooms(), "datasets"):
+            old.unlink()
     for room, names in rooms().items():
         _put(folder / f"{room}.md", page(room, names))
     _put(folder / "datasets.md", "# Data sets\n\n```{eval-rst}\n.. automodule:: cogging.datasets\n```\n" + _loaders())
@@ -104,12 +107,23 @@ def entry(name: str) -> str:
         listed = "\n".join(f"- `{key}`: `{kind.__name__}`" for key, kind in value.items())
         return f"## `{name}`\n\nEvery name of a model or reference file, and its class:\n\n{listed}"
     if inspect.ismodule(value):
-        own = [word for word in ("Custom", "Parameter", "Effect") if hasattr(value, word)]
-        classes = "\n".join(f".. autoclass:: {value.__name__}.{word}\n   :members:\n" for word in own)
-        return f"## `{value.__name__}`\n\n```{{eval-rst}}\n.. automodule:: {value.__name__}\n\n{classes}```"
+        own = [word for word, thing in vars(value).items() if _is_own(value, word, thing)]
+        told = "\n".join(_documented(f"{value.__name__}.{word}", getattr(value, word)) for word in sorted(own))
+        return f"## `{value.__name__}`\n\n```{{eval-rst}}\n.. automodule:: {value.__name__}\n\n{told}```"
+    return f"## `{name}`\n\n```{{eval-rst}}\n{_documented(f'cogging.{name}', value)}```"
+
+
+def _is_own(module: Any, word: str, thing: Any) -> bool:
+    """Whether a public name of a module is its own, and no effect, which has its page in the catalogue."""
+    known = getattr(thing, "__module__", "") or ""
+    return not word.startswith("_") and callable(thing) and known.startswith(module.__name__)
+
+
+def _documented(place: str, value: Any) -> str:
+    """The directive that shows a function, an error or a class with what it has."""
     kind = "autofunction" if not inspect.isclass(value) else "autoexception" if _raised(value) else "autoclass"
     members = "\n   :members:\n   :inherited-members: object" + _told_by(value) if kind == "autoclass" else ""
-    return f"## `{name}`\n\n```{{eval-rst}}\n.. {kind}:: cogging.{name}{members}\n```"
+    return f".. {kind}:: {place}{members}\n"
 
 
 def _told_by(*classes: Any) -> str:

@@ -60,6 +60,8 @@ def write(folder: Path) -> list[Path]:
     if stamp.exists() and stamp.read_text() == made_from:
         return sorted(folder.glob("*.md"))
     folder.mkdir(parents=True, exist_ok=True)
+    for old in (*folder.glob("*.md"), *folder.glob("*.svg")):
+        old.unlink()
     known = {}
     for name, law in VOCABULARY.items():
         known[name] = signature(law)
