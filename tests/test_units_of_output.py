@@ -74,6 +74,7 @@ RESULTS = {
     "diagnose a rest": lambda log: cogging.diagnose(
         cogging.Log(log.time[:600], log.position[:600], log.command[:600]), ROTARY
     ),
+    "bounds": lambda log: cogging.Bounds.of(ROTARY),
     "predict": lambda log: cogging.predict_error(BOUNDED, MOVE, ["own"], samples=4, duration=0.2),
     "tune": lambda log: cogging.tune(BOUNDED, MOVE, GAINS, limits={"command_max": 9.0, "error_max": 1e-3}, **FEW),
     "experiment": lambda log: cogging.plan_experiment(ROTARY, LIMITS, goal="fit"),

@@ -28,15 +28,12 @@ def report():
     return result.html(title="DATA_EMPS.csv", files=FILES)
 
 
-def main():
-    """Write the pictures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("docs/pictures"))
-    out = parser.parse_args().out
+def take(text, out):
+    """Write the pictures of a page."""
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as started:
         path = Path(folder) / "report.html"
-        path.write_text(report(), encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
         for width, height in WINDOWS.items():
             page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light")
@@ -46,6 +43,13 @@ def main():
             picture.convert("P", palette=Image.Palette.ADAPTIVE, colors=COLOURS).save(file, optimize=True)
             print(f"{file}: {file.stat().st_size / 1024:.0f} kB")
         browser.close()
+
+
+def main():
+    """Diagnose, and write the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("docs/pictures"))
+    take(report(), parser.parse_args().out)
 
 
 if __name__ == "__main__":

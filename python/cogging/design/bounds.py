@@ -78,7 +78,8 @@ class Bounds(ByValue):
 
     def _brief(self) -> str:
         units = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V", "disturbance": "V"}
-        return ", ".join(f"{name} {brief(getattr(self, name), unit)}" for name, unit in units.items())
+        of = self.model.units.of
+        return ", ".join(f"{name} {brief(getattr(self, name), of(unit))}" for name, unit in units.items())
 
     @classmethod
     def of(cls, model: Model, *, default: Mapping[str, Interval] | None = None, velocity_max: float = 1.0) -> Bounds:
