@@ -4,9 +4,11 @@ import contextlib
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -134,6 +136,19 @@ def test_the_keys_stay(command, done):
             else:
                 assert key in value, path
                 value = value[key]
+
+
+def test_the_keys_are_those_of_the_document(done):
+    """Every one that docs/command_line.md names, but for those in brackets, stands in a result."""
+    text = (Path(__file__).parents[2] / "docs" / "command_line.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| (.+) \|$", text.partition("## JSON")[2].partition("##")[0], re.MULTILINE)
+    assert {command for command, _ in rows} == set(RESULTS)
+    for command, told in rows:
+        document = json.loads(done[command, "-"][2])
+        document = document[0] if isinstance(document, list) else document
+        named = re.findall(r"`(\w+)`", re.sub(r"\(.*?\)", "", told))
+        assert len(named) > 1
+        assert set(named) <= set(document), command
 
 
 def numbers(value):

@@ -1,11 +1,14 @@
 """Progress: on a terminal, of whatever takes long; nothing of it in a pipe, with --quiet, or in the end."""
 
 import os
+import random
 import re
 import select
+import signal
 import struct
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -24,26 +27,30 @@ WAITS = {
     "predict": "cogging.design.error_prediction.predict_error",
     "simulate": "cogging.cli.simulate.simulate",
 }
+SLOW_SWEEP = "cogging.simulation.sweep_file.run_sweep"
 BARS = ("identify", "reproduce", "sweep", "tune")  # which know how many steps there are, and show them at once
 #: A command that waits there for half a second, which counts as long; papers are done at once, and tell their steps.
 PROGRAM = """
 import importlib, sys, time
+from cogging_command import run_command, take_signals
+take_signals()
+sys.stderr.isatty() and print("ready", end="", file=sys.stderr, flush=True)
 import cogging.cli.working
 from cogging.cli.main import main
 import cogging.papers.malaize2009.reproduce as paper
 from cogging.papers.result import Reproduction
 
-cogging.cli.working.PATIENCE, cogging.cli.working.BETWEEN = 0.05, 0.05
 paper.reproduce = lambda progress: [*map(progress, paper.STEPS)] and Reproduction("malaize2009", [], {})
 where, name = sys.argv[1].rpartition(".")[::2]
 if where:
+    cogging.cli.working.PATIENCE, cogging.cli.working.BETWEEN = 0.05, 0.05
     module = importlib.import_module(where)
     plain = getattr(module, name)
     def slow(*arguments, **options):
-        time.sleep(0.5)
+        time.sleep(float(sys.argv[2]))
         return plain(*arguments, **options)
     setattr(module, name, slow)
-sys.exit(main(sys.argv[2:]))
+sys.exit(run_command(lambda: main(sys.argv[3:])))
 """
 
 
@@ -61,8 +68,11 @@ def call(command):
     return words if command != "reproduce" else ["reproduce", "malaize2009"]
 
 
-def on_a_terminal(words, folder, slow="", **environment):
-    """Run with a terminal as standard error; status, standard output, and what the terminal got."""
+def on_a_terminal(words, folder, slow="", interrupted=None, seconds="0.5", **environment):
+    """Run with a terminal as standard error; status, standard output, and what the terminal got.
+
+    interrupted: s from when signals are taken to SIGINT.
+    """
     import fcntl
     import pty
     import termios
@@ -70,10 +80,14 @@ def on_a_terminal(words, folder, slow="", **environment):
     leader, follower = pty.openpty()
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
     settings = {**os.environ, "TERM": "xterm", **environment}
-    words = [sys.executable, "-c", PROGRAM, slow, *words]
+    words = [sys.executable, "-c", PROGRAM, slow, seconds, *words]
     seen = b""
     with subprocess.Popen(words, cwd=folder, env=settings, stdout=subprocess.PIPE, stderr=follower) as process:
         os.close(follower)
+        assert read(leader, 5) == b"ready"
+        if interrupted is not None:
+            time.sleep(interrupted)
+            process.send_signal(signal.SIGINT)
         while part := read(leader):
             seen += part
         text = process.stdout.read().decode()
@@ -82,10 +96,10 @@ def on_a_terminal(words, folder, slow="", **environment):
     return status, text, seen.decode()
 
 
-def read(terminal):
+def read(terminal, most=65536):
     """What a terminal got; nothing at its end."""
     try:
-        return os.read(terminal, 65536) if select.select([terminal], [], [], 60)[0] else b""
+        return os.read(terminal, most) if select.select([terminal], [], [], 60)[0] else b""
     except OSError:  # the other end is closed
         return b""
 
@@ -138,7 +152,7 @@ def test_what_takes_a_moment_shows_nothing(folder):
 
 @pytest.mark.parametrize("command", ["diagnose", "map", "reproduce", "sweep"])
 def test_a_pipe_gets_none(command, folder):
-    words = [sys.executable, "-c", PROGRAM, WAITS.get(command, ""), *call(command)]
+    words = [sys.executable, "-c", PROGRAM, WAITS.get(command, ""), "0.5", *call(command)]
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert "\r" not in done.stdout
@@ -151,3 +165,42 @@ def test_an_error_takes_the_progress_off(folder):
     assert status == 2
     assert "map [00:0" in seen
     assert re.fullmatch(r"cogging: scan.csv: [^\n]+", left_on_the_screen(seen))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_ctrl_c_leaves_one_line_on_the_terminal(seed, folder):
+    """At any time: while it imports, while the line is shown, while it moves."""
+    draw = random.Random(seed)
+    command = draw.choice([*WAITS, "sweep"])
+    status, out, seen = on_a_terminal(
+        call(command), folder, WAITS.get(command, SLOW_SWEEP), interrupted=draw.uniform(0.0, 0.5), seconds="30"
+    )
+    assert (status, out) == (130, "")
+    assert left_on_the_screen(seen) == "cogging: interrupted; no file was left half written"
+    assert not list(folder.glob(".*.part"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--help"],
+        ["schema"],
+        ["completion", "zsh"],
+        ["audit", "log.csv", "--json", "-"],
+        ["init", "log.csv", "--out", "draft.toml", "--reference", "draft_reference.toml"],
+        ["diagnose", "log.csv", "--model", "model.toml", "--rows", "0:500", "--out", "whole.toml"],
+        ["simulate", "model.toml", "--reference", "ref.toml", "--out", "whole.csv"],
+    ],
+)
+def test_the_head_of_an_answer(words, folder):
+    """Who reads one line ends nothing: all is written, nothing is said on standard error."""
+    script = '"$0" -m cogging "$@" | head -1; exit ${PIPESTATUS[0]}'
+    done = subprocess.run(
+        ["bash", "-c", script, sys.executable, *words], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.count("\n") == 1
+    for output in (
+        words[i + 1] for i, word in enumerate(words) if word in ("--out", "--reference") and "--out" in words
+    ):
+        assert (folder / output).exists()

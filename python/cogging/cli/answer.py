@@ -66,11 +66,12 @@ def give(
     Raises:
         InputError: a file or standard output cannot be written.
     """
-    content = dict(files or {})
     asked = getattr(arguments, "json", None)
     told = "" if asked is None else to_json(document, indent=indent)
+    content: dict[str, Iterable[bytes]] = {}
     if asked is not None and asked != STANDARD_OUTPUT:
         content[asked] = [told.encode()]
+    content |= files or {}
     write_files(content)
     if asked == STANDARD_OUTPUT:
         say(told.rstrip("\n"), plain=True)
