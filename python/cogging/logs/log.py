@@ -23,6 +23,7 @@ from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
 from cogging.outputs import sidecar, target_of, to_toml, write_files
+from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -154,6 +155,31 @@ class Log(ByValue):
         """The columns of a log file that this log has, by name."""
         values = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL)}
         return {name: value for name, value in values.items() if value is not None}
+
+    def to_frame(self) -> Any:
+        """All columns as a pandas DataFrame, with their units in `attrs["units"]`; estimates as `estimates[0]` and on.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        columns = self.columns()
+        columns |= {name: value for name in TRUE if (value := getattr(self, name)) is not None}
+        if self.estimates is not None:
+            columns |= {f"estimates[{i}]": column for i, column in enumerate(self.estimates.T)}
+        return frame_of(columns, self._column_units())
+
+    def _column_units(self) -> dict[str, str]:
+        units = self.units
+        return {name: units.of(unit) for name, unit in COLUMN_UNITS.items()}
+
+    def _repr_html_(self) -> str:
+        units = self._column_units()
+        columns = self.columns() | ({"error": self.error} if self.reference is not None else {})
+        rows = [
+            [name, units[name], float(values.min()), float(values.max()), float(np.sqrt(np.mean(values**2)))]
+            for name, values in columns.items()
+        ]
+        return html_table(f"Log: {self._brief()}", ["column", "unit", "least", "largest", "rms"], rows)
 
     def plot(self, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Figure:
         """Draw columns over time, a panel each (cogging.plot.log).

@@ -81,8 +81,10 @@ def cogging_map(
             dots = {**look(place), "linestyle": "none", "marker": "os"[place], "markersize": 2.5, "alpha": 0.6}
             axes.plot(along(points[0][kept]), up(points[1][kept]), label=f"measured, {name}", **dots)
     if half is not None:
-        axes.fill_between(along(x), up(y - half), up(y + half), color=GREY, alpha=0.45, linewidth=0, label="95 %")
-    axes.plot(along(x), up(y), color=FITTED, label="map", linewidth=1.0)
+        # Over the points, which would hide it, and under the map.
+        band: dict[str, Any] = {"color": GREY, "alpha": 0.6, "linewidth": 0, "zorder": 2.2}
+        axes.fill_between(along(x), up(y - half), up(y + half), label="95 %", **band)
+    axes.plot(along(x), up(y), color=FITTED, label="map", linewidth=1.0, zorder=2.3)
     axes.set(xlabel=along.label("position"), ylabel=up.label("cogging force"))
     legend(axes)
     return axes
