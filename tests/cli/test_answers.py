@@ -56,6 +56,7 @@ KEYS = {
     "tune": ["present", "tuned", "improved", "front", "trials", "limits", "machines", "notes"],
     "simulate": ["log", "rows", "duration", "seed", "error_max", "error_rms", "error_final_max", "command_rms"],
     "sweep": ["out", "runs", "failed", "varied", "indexes.error_rms.median"],
+    "export": ["form", "files", "said"],
     "reproduce": ["[].paper", "[].tables"],
 }
 RESULTS = [name for name in COMMANDS if name in KEYS]

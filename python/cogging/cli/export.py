@@ -9,27 +9,33 @@ import argparse
 from typing import Any
 
 from cogging.calls import did_you_mean
-from cogging.cli.parser import Commands
-from cogging.cli.screen import say
+from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.next_command import after_an_export
+from cogging.cli.parser import Commands, add_command
+from cogging.cli.working import working
 from cogging.export.forms import FORMS, Form, Option, option_of, shown_forms, to
 from cogging.files import InputError
-from cogging.outputs import check_outputs, write_files
-from cogging.shown import printable, quoted
+from cogging.outputs import check_outputs
+from cogging.shown import quoted
 
 
 def add_parser(commands: Commands) -> None:
     """Add the command, its arguments, and the options of all forms."""
-    command = commands.add_parser(
+    command = add_command(
+        commands,
         "export",
         help="write a map as a drive takes it, a controller or the axis as code",
-        description="Write a model, or a part of it, in a form that another machine takes, and say what it will take "
-        "of it and what it cannot.",
+        description="Write a model, or a part of it, in a form that another machine takes. Printed are what it will "
+        "take of it, what it cannot, and what is assumed of it.",
+        examples=(
+            "cogging export motor.toml --to csv --out map.csv",
+            "cogging export motor.toml --to akd --scale 0.8 --out akd.csv",
+            "cogging export model.toml --to cpp --out controller.hpp --json export.json",
+        ),
         epilog=f"forms:\n{shown_forms()}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
     command.add_argument("--to", required=True, metavar="FORM", help="one of the forms below")
-    command.add_argument("--out", required=True, metavar="FILE", help="where it is written")
     maps = [form.name for form in FORMS.values() if form.of_map]
     for option, forms in _options():
         taken = f"{option.help} ({'all maps' if forms == maps else ', '.join(forms)})"
@@ -38,6 +44,9 @@ def add_parser(commands: Commands) -> None:
         else:
             how: dict[str, Any] = {"choices": option.choices} if option.choices else {"metavar": option.metavar}
             command.add_argument(option_of(option.name), help=taken, type=option.kind, **how)
+    group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--out", required=True, metavar="FILE", help="where it is written")
+    add_answer_options(group, json="what is printed")
     command.set_defaults(run=run)
 
 
@@ -50,13 +59,15 @@ def run(arguments: argparse.Namespace) -> None:
     form = FORMS[arguments.to]
     options = _given(arguments, form)
     read = [options[option.name] for option in form.options if option.reads and option.name in options]
-    check_outputs({"--out": arguments.out}, [arguments.model, *read])
-    made = to(arguments.model, arguments.to, **options)
+    asked = {"--json": json_file(arguments)}
+    check_outputs({"--out": arguments.out, **asked}, [arguments.model, *read])
+    with working(arguments, "export"):
+        made = to(arguments.model, arguments.to, **options)
     files = made.files(arguments.out)
-    check_outputs({name: name for name in files}, [arguments.model, *read])
-    write_files(files)
-    say(made.text)
-    say(f"{', '.join(map(printable, files))} written")
+    check_outputs({**{name: name for name in files}, **asked}, [arguments.model, *read])
+    document = {"form": form.name, "files": list(files), "said": made.text.splitlines()}
+    following = after_an_export(arguments, of_map=form.of_map)
+    give(arguments, made.text, document=document, files=files, next_command=following)
 
 
 def _options() -> list[tuple[Option, list[str]]]:

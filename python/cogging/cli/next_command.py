@@ -131,6 +131,14 @@ def after_a_map(arguments: argparse.Namespace) -> str:
     return command_line("map", again, option("--out", free_name(arguments.scan, "map")))
 
 
+def after_an_export(arguments: argparse.Namespace, *, of_map: bool) -> str:
+    """With the map in its drive the axis is logged again; code is held against a run of its model."""
+    if of_map:
+        return _init("NEW_LOG.csv")
+    out = option("--out", free_name("run.csv"))
+    return command_line("simulate", files([arguments.model]), "--reference", "REF.toml", out)
+
+
 def after_a_paper(arguments: argparse.Namespace) -> str:
     """Papers are compared on one axis; after that comes a machine of one's own."""
     if arguments.compare:
