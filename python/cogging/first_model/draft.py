@@ -37,6 +37,7 @@ from cogging.values import ByValue
 
 FILE = Kind((Log, *PATH), "a Log or the path of a log file")
 ROWS_OF_REFERENCE = 20_000  # of a sampled motion that are kept
+ROWS_OF_CONTROLLER = 50_000  # in which its gains are sought
 FEWEST = 10  # rows
 SMOOTHED = 0.002  # of its length, over which readings make a reference
 
@@ -136,11 +137,13 @@ class ModelDraft(ByValue):
         Args:
             samples: file of the samples where the motion is told by nothing less.
         """
-        head = f"# The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
-        lines = [head, f"# {self.units.of(self.motion.told)}", ""]
+        head = f"## The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
+        lines = [head, f"## {self.units.of(self.motion.told)}", ""]
         if self.motion.kind in ("sampled", "rest"):
             lines += ['type = "sampled"', f"file = {_quoted(samples)}   # time (s), reference"]
             return "\n".join(lines) + "\n"
+        if self.motion.kind == "sine":
+            lines.insert(2, "## It begins at the center, moving forward: the log may begin elsewhere in the period.")
         lines.append(f'type = "{self.motion.kind}"')
         unit = {"velocity": "m/s", "acceleration": "m/s^2", "jerk": "m/s^3", "dwell": "s", "repeats": "there and back"}
         unit |= {"frequency": "Hz"}
@@ -325,7 +328,7 @@ def _drafted(
         seen_in=source_of_motion,
         sizes=sizes,
         wave=next(filter(None, waves), None),
-        controller=recover_controller(log),
+        controller=recover_controller(_beginning(log)),
         units=Units(**labels),
         scale=dict(scale),
         rows=rows,
@@ -335,6 +338,13 @@ def _drafted(
     unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]
     unsure += hints(found, draft.model)
     return replace(draft, unsure=tuple(unsure))
+
+
+def _beginning(log: Log) -> Log:
+    """As many rows as tell a controller's gains."""
+    if len(log) <= ROWS_OF_CONTROLLER:
+        return log
+    return Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
 
 
 def _guessed(guesses: ColumnGuesses | None, sure: str) -> list[str]:

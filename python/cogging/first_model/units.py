@@ -77,6 +77,8 @@ def unit_of_position(header: Header, time: FloatArray, position: FloatArray) -> 
         told = "in counts of an encoder, and how long one is is not told: 1e-06 m assumed, give its own"
         return Unit(COUNT, "m", told, UNKNOWN)
     fitting = [unit for unit, factor in TRIED.items() if _plausible(motion, factor)]
+    if header.label == "position" and "m" in fitting:
+        return Unit(1.0, "m", "in m, as a log of this name has it; give a factor if it is not", LIKELY)
     unit = min(fitting or TRIED, key=lambda unit: _strangeness(motion, TRIED[unit]))
     factor = TRIED[unit]
     travel, speed = factor * motion[0], factor * motion[1]
