@@ -27,7 +27,10 @@ exclude_patterns = ["README.md", "_generated/*/cards.md"]
 nb_execution_mode = "off"  # the notebooks hold what they gave when the tests ran them
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
-suppress_warnings = ["myst.header"]  # an included part of a page may begin below the first level
+suppress_warnings = [
+    "myst.header",  # an included part of a page may begin below the first level
+    "ref.python",  # a word such as "velocity" in a list of attributes, which several classes have, leads nowhere
+]
 
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False

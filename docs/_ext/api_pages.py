@@ -29,6 +29,9 @@ ROOMS = {
     "design": "Design and tune",
     "papers": "Papers",
     "effects": "Effects",
+    "plot": "Pictures",
+    "export": "Out to the machine",
+    "first_model": "A first model from a log",
     "files": "Files and errors",
     "cpp_library": "The core from C++",
 }
@@ -128,12 +131,11 @@ def _documented(place: str, value: Any) -> str:
 
 def _told_by(*classes: Any) -> str:
     """The option that leaves out what the docstrings of classes tell: their fields."""
-    fields = {
-        name
-        for one in classes
-        for name in (*getattr(one, "__dataclass_fields__", ()), *getattr(one, "_fields", ()))
-        if re.search(rf"^ *[\w, ]*\b{name}\b[\w, ]*:", inspect.getdoc(one) or "", re.MULTILINE)
-    }
+    fields = set()
+    for one in classes:
+        section = re.search(r"^Attributes:\n((?: {4}.*\n?|\n)+)", inspect.getdoc(one) or "", re.MULTILINE)
+        for line in re.findall(r"^ {4}(\w[\w, ]*?)(?: \(.*?\))?:", section[1] if section else "", re.MULTILINE):
+            fields |= {name.strip() for name in line.split(",")}
     return f"\n   :exclude-members: {', '.join(sorted(fields))}" if fields else ""
 
 
