@@ -146,11 +146,11 @@ def doubt_text(effect: NamedEffect, vocabulary: Mapping[str, Effect]) -> str:
     if is_sure(effect):
         return ""
     if not effect.alternatives:
-        return f"{capital(name)}: no other known effect fits as well, but the name is right with {sure} only."
+        return f"{capital(name)}: no other known effect fits as well, but the name has a chance of {sure} only."
     others = [plain(other) for other in effect.alternatives]
     return (
-        f"{capital(joined([name, *others], 'or'))}: these logs cannot tell which. It is {name} with {sure}; "
-        f"{shared_text(effect, vocabulary)}."
+        f"{capital(joined([name, *others], 'or'))}: these logs cannot tell which. "
+        f"{capital(name)} has a chance of {sure}; {shared_text(effect, vocabulary)}."
     )
 
 
