@@ -108,7 +108,7 @@ def test_every_command_that_computes_has_keys():
 def test_standard_output_is_json_alone_and_that_of_the_file(command, done):
     folder, status, out, err = done[command, "file"]
     assert (status, err) == (0, "")
-    assert "told.json written\nnext: cogging " in out
+    assert re.search(r"^(.*, )?told\.json(, .*)? written\nnext: cogging ", out, re.MULTILINE)
     written = (folder / "told.json").read_text()
     _, status, printed, err = done[command, "-"]
     assert (status, err) == (0, "")
@@ -160,7 +160,7 @@ def numbers(value):
         yield value
 
 
-@pytest.mark.parametrize("command", [name for name in RESULTS if name not in ("reproduce", "sweep")])
+@pytest.mark.parametrize("command", [name for name in RESULTS if name not in ("export", "reproduce", "sweep")])
 def test_numbers_have_all_their_digits(command, done):
     """Not those of a text: most of a result's numbers need more than twelve to come back."""
     found = [value for value in numbers(json.loads(done[command, "-"][2])) if value != round(value, 3)]

@@ -1,6 +1,9 @@
 """What each picture shows: the lines are the numbers that were given, in the units that the labels say."""
 
+import doctest
+import inspect
 import itertools
+import re
 import subprocess
 import sys
 import threading
@@ -579,3 +582,30 @@ def test_pyplot_has_a_figure_only_where_a_window_shows_it(shown_by, figures):
     program = WINDOW.format(backend="agg", shown_by=shown_by, figures=figures)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_what_is_written_opens_no_window(monkeypatch, tmp_path):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.setattr(plt, "get_backend", lambda: "qtagg")
+    EXAMPLES["MapFit"].write(tmp_path / "map.toml")
+    EXAMPLES["Tuning"].write_figure(tmp_path / "tuning.png")
+    assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
+    assert plt.get_fignums() == []
+    figure = EXAMPLES["MapFit"].plot()  # while one that is shown does
+    assert plt.get_fignums() == [figure.number]
+    plt.close(figure)
+
+
+@EVERY
+def test_every_function_says_what_it_takes_and_shows_it(name):
+    function = getattr(cogging.plot, name)
+    text = inspect.getdoc(function)
+    arguments = text[text.index("Args:") : text.index("Returns:")]
+    assert set(re.findall(r"^ {4}(\w+):", arguments, re.MULTILINE)) == set(inspect.signature(function).parameters)
+    space = {"cogging": cogging, "np": np, "model": MODEL, "move": MOVE, "log": LOG}
+    test = doctest.DocTestParser().get_doctest(text, space, name, None, 0)
+    assert test.examples
+    told = []
+    doctest.DocTestRunner(verbose=False).run(test, out=told.append)
+    assert not told, "".join(told)

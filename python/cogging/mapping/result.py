@@ -16,7 +16,8 @@ from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
 from cogging.model.units import Units
 from cogging.outputs import same_file, to_toml, write_files
-from cogging.plot.results import whole_map_fit
+from cogging.plot.canvas import grid_to_write
+from cogging.plot.results import WHOLE_MAP, whole_map_fit
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
@@ -222,7 +223,7 @@ class MapFit(ByValue):
             InputError: a file cannot be written, or both are one: a model called `.png`.
         """
         picture = io.BytesIO()
-        self.plot().savefig(picture, format="png", dpi=120)
+        self.plot(ax=grid_to_write(3, 1, WHOLE_MAP)).savefig(picture, format="png", dpi=120)
         labels = {} if self.units == Units() else {"units": self.units.to_dict()}
         text = to_toml({"cogging": cogging_to_dict(self.cogging), **labels})
         figure = os.fspath(Path(path).with_suffix(".png"))

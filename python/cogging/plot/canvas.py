@@ -66,17 +66,16 @@ def drawn(function: F) -> F:
     return takes()(asked)  # type: ignore[return-value]
 
 
-def new_figure(size: tuple[float, float] | None = None) -> Figure:
-    """An empty figure of a size (inches).
+def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
+    """An empty figure of a size (inches), which pyplot does not know.
 
-    Where a script has pyplot and a window, it is pyplot's, so that `plt.show()` shows it. Anywhere else (notebooks,
-    servers, other threads than the main one, no window) pyplot neither knows nor keeps it: it is freed when nobody
-    holds it any more.
+    It is freed when nobody holds it any more. With `window`, where a script has pyplot and a window, it is pyplot's, so
+    that `plt.show()` shows it; not in notebooks, servers, or other threads than the main one.
     """
     from cogging.plot.shown_figure import ShownFigure
 
     pyplot = sys.modules.get("matplotlib.pyplot")
-    if pyplot is not None and threading.current_thread() is threading.main_thread() and _has_windows(pyplot):
+    if window and pyplot is not None and threading.current_thread() is threading.main_thread() and _has_windows(pyplot):
         figure: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
         return figure
     return ShownFigure(figsize=size, layout="constrained")
@@ -104,7 +103,14 @@ def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
     return ax
 
 
-def grid_of(ax: Any, rows: int, columns: int, size: tuple[float, float] | None = None, sharex: bool = False) -> Panels:
+def grid_of(
+    ax: Any,
+    rows: int,
+    columns: int,
+    size: tuple[float, float] | None = None,
+    sharex: bool = False,
+    window: bool = True,
+) -> Panels:
     """The axes that are given, rows times columns of them in any shape, or those of a new figure.
 
     Raises:
@@ -115,7 +121,7 @@ def grid_of(ax: Any, rows: int, columns: int, size: tuple[float, float] | None =
         from cogging.plot.shown_figure import ShownAxes
 
         keywords: dict[str, Any] = {"axes_class": ShownAxes}
-        figure = new_figure(size)
+        figure = new_figure(size, window=window)
         return Panels(
             np.ravel(figure.subplots(rows, columns, squeeze=False, sharex=sharex, subplot_kw=keywords)).tolist()
         )
@@ -124,6 +130,12 @@ def grid_of(ax: Any, rows: int, columns: int, size: tuple[float, float] | None =
     if len(panels) != rows * columns:
         raise ValueError(f"ax: must be {rows * columns} axes for as many panels, got {len(panels)}")
     return panels
+
+
+def grid_to_write(rows: int, columns: int, size: tuple[float, float]) -> Panels:
+    """Axes of a figure that is written to a file: in the style of this package, and in no window."""
+    with styled():
+        return grid_of(None, rows, columns, size=size, window=False)
 
 
 def figure_of(ax: Axes) -> Figure:

@@ -13,6 +13,7 @@ from cogging.plot.scales import scale_of, units_of
 from cogging.plot.series import look
 from cogging.plot.spectra import spectrum
 
+WHOLE_MAP, WHOLE_TUNING = (7.2, 8.0), (9.0, 4.2)  # inches
 MOTION = ("reference", "reference_velocity", "reference_acceleration")
 
 
@@ -20,7 +21,7 @@ MOTION = ("reference", "reference_velocity", "reference_acceleration")
 def whole_map_fit(fit: Any, *, units: Any = None, ax: Any = None) -> Panels:
     """The map of a MapFit with its points, what is left of them over position, and their spectrum."""
     units = units or units_of(fit)
-    panels = grid_of(ax, 3, 1, size=(7.2, 8.0))
+    panels = grid_of(ax, 3, 1, size=WHOLE_MAP)
     cogging_map(fit, units=units, ax=panels[0])
     left = fit.force - fit.fitted
     along, up = scale_of("m", fit.position, units=units), scale_of("V", left, units=units)
@@ -51,7 +52,7 @@ def whole_model(model: Any, *, units: Any = None, ax: Any = None) -> Panels:
 def whole_tuning(tuning: Any, *, units: Any = None, ax: Any = None) -> Panels:
     """The trade-off of a tuning, and its points over the delay margin, or the chatter where that is what it costs."""
     units = units or units_of(tuning)
-    panels = grid_of(ax, 1, 2, size=(9.0, 4.2))
+    panels = grid_of(ax, 1, 2, size=WHOLE_TUNING)
     beside = "delay_margin" if tuning.against != "delay_margin" else "command_chatter"
     for panel, index in zip(panels, (tuning.against, beside), strict=True):
         trade_off(tuning, index, units=units, ax=panel)

@@ -14,7 +14,8 @@ from cogging.design.tuning.reached import INDEXES, MARGINS, Reached
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.outputs import write_bytes
-from cogging.plot.results import whole_tuning
+from cogging.plot.canvas import grid_to_write
+from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -189,7 +190,7 @@ class Tuning(ByValue):
             InputError: the file cannot be written.
         """
         picture = io.BytesIO()
-        self.plot().savefig(picture, format="png", dpi=120)
+        self.plot(ax=grid_to_write(1, 2, WHOLE_TUNING)).savefig(picture, format="png", dpi=120)
         write_bytes(path, picture.getvalue())
 
 
