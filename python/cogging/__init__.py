@@ -52,7 +52,8 @@ from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.design.predicted_error import ErrorPrediction
 from cogging.design.error_prediction import predict_error
 from cogging.files import InputError
-from cogging.first_model.draft import ModelDraft, draft_model
+from cogging.first_model.draft import draft_model
+from cogging.first_model.model_draft import ModelDraft
 from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
 from cogging.friction.law import FrictionParameter
 from cogging.design.pid import pid_gains, pid_poles

@@ -2,92 +2,34 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.files import InputError
+from cogging.first_model.column_guess import ColumnGuess, ColumnGuesses, placed
 from cogging.first_model.headers import Header, header_of
+from cogging.first_model.references import references
+from cogging.first_model.table import Table, numbers
 from cogging.first_model.units import (
     LIKELY,
     STATED,
     TRIED,
-    UNKNOWN,
     Unit,
     unit_of_command,
     unit_of_position,
     unit_of_time,
 )
-from cogging.logs.columns import read_columns, survey_columns
-from cogging.logs.readers.request import is_si, listed, split_unit
+from cogging.logs.columns import survey_columns
+from cogging.logs.readers.request import listed
 from cogging.shown import nearest, printable
 
-GLANCE = slice(0, 64)  # rows in which a column is seen to be one of numbers
 ROUGHER = 3.0  # of second differences over the span, from which a command is told from a position
-ALIKE = 0.3  # of the position's span: rms by which a reference may leave it
-DERIVATIVE = 0.1  # of its rms, by which a reference's derivative may differ from its difference
 FOLLOWED = 0.99  # correlation of a position with a reference that tells its unit
 NEAR = 0.03  # of a known factor, from which that is meant
 EVEN = 0.5  # of their median, by which the steps of a time may scatter
-
-Table = dict[str, FloatArray]
-
-
-@dataclass(frozen=True)
-class ColumnGuess:
-    """One column of a log, and where it stands in the file.
-
-    Attributes:
-        name: in a log: time, position, command, reference, ...
-        label: header in the file.
-        unit: factor to the unit of the log, that unit's label, and how it is known.
-        told: why it is this column.
-        sure: STATED (its name says so, or its owner), LIKELY or UNKNOWN.
-        called: what the option `--columns` calls it; the whole header where the name alone may be another's.
-        scaled: whether `--scale` must be given, also for a factor of 1.
-    """
-
-    name: str
-    label: str
-    unit: Unit
-    told: str
-    sure: str
-    called: str
-    scaled: bool
-
-    def text(self) -> str:
-        """One line."""
-        factor = f" x {self.unit.factor:.6g}" if self.unit.factor != 1.0 else ""
-        return f"{self.name} is {printable(self.label)!r}{factor} ({self.told}); {self.unit.told}"
-
-
-@dataclass(frozen=True)
-class ColumnGuesses:
-    """All columns of a log's file.
-
-    Attributes:
-        used: by their names in a log.
-        unused: headers of the others.
-        notes: what else is to be said.
-    """
-
-    used: dict[str, ColumnGuess]
-    unused: tuple[str, ...]
-    notes: tuple[str, ...]
-
-    @property
-    def columns(self) -> dict[str, str]:
-        """What `--columns` must say."""
-        return {name: guess.called for name, guess in self.used.items() if guess.called != name}
-
-    @property
-    def scale(self) -> dict[str, float]:
-        """What `--scale` must say."""
-        return {name: guess.unit.factor for name, guess in self.used.items() if guess.scaled}
 
 
 def guess_columns(
@@ -107,13 +49,13 @@ def guess_columns(
     surveyed = survey_columns(path)
     headers = {label: header_of(label, apart) for label, apart in surveyed}
     labels = [label for label, _ in surveyed]
-    table = _numbers(path, [label for label in headers if labels.count(label) == 1 and label], rows)
+    table = numbers(path, [label for label in headers if labels.count(label) == 1 and label], rows)
     own = {name: _meant(path, label, headers) for name, label in columns.items()}
     found = {name: (label, "as stated", STATED) for name, label in own.items()}
     _required(path, found, headers, table)
     notes: list[str] = []
     used = {name: _guess(name, headers, table, found, scale) for name in ("time", "position", "command")}
-    _references(used, found, headers, table, scale, notes)
+    references(used, found, headers, table, scale, notes)
     taken = {guess.label for guess in used.values()}
     for guess in used.values():
         others = [
@@ -133,41 +75,6 @@ def _meant(path: str | os.PathLike[str], label: str, headers: Mapping[str, Heade
             return header.label
     known = [header.bare for header in headers.values()]
     raise InputError(f"{path}: column {label}: must be in the header, which has {listed(known)}{nearest(label, known)}")
-
-
-def _numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
-    """The columns of numbers of the length that most of them have."""
-    with contextlib.suppress(InputError):  # a text, a scalar, a hole among them
-        return _columns(path, labels, rows) if labels else {}
-    start = (rows.start or 0) if rows is not None else 0
-    glance: dict[str, int] = {}
-    for label in labels:
-        try:
-            found = _columns(path, [label], slice(start, start + GLANCE.stop))
-        except InputError:  # text, or nothing
-            continue
-        glance[label] = len(found[label])
-    longest = max(glance.values(), default=0)
-    kept = [label for label, length in glance.items() if length == longest]
-    try:
-        return _columns(path, kept, rows) if kept else {}
-    except InputError:  # one that is cut short or has a hole: each by itself
-        tables = [table for label in kept if (table := _whole(path, label, rows)) is not None]
-    lengths = [len(values) for table in tables for values in table.values()]
-    usual = max(lengths, key=lengths.count, default=0)
-    return {label: values for table in tables for label, values in table.items() if len(values) == usual}
-
-
-def _whole(path: str | os.PathLike[str], label: str, rows: slice | None) -> Table | None:
-    try:
-        return _columns(path, [label], rows)
-    except InputError:
-        return None
-
-
-def _columns(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
-    same = {label: label for label in labels}
-    return read_columns(path, labels, columns=same, scale=dict.fromkeys(labels, 1.0), rows=rows)
 
 
 def _required(
@@ -259,7 +166,7 @@ def _guess(
         unit = unit_of_position(header, _time(headers[found["time"][0]], time, scale), table[label])
         if unit.sure != STATED:
             unit = _unit_by_reference(unit, headers, table, label)
-    return _placed(name, header, headers, unit, told, sure)
+    return placed(name, header, headers, unit, told, sure)
 
 
 def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, label: str) -> Unit:
@@ -281,95 +188,3 @@ def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, 
 
 def _time(header: Header, time: FloatArray, scale: Mapping[str, float]) -> FloatArray:
     return time * (scale["time"] if "time" in scale else unit_of_time(header, time).factor)
-
-
-def _placed(name: str, header: Header, headers: Mapping[str, Header], unit: Unit, told: str, sure: str) -> ColumnGuess:
-    """A guess with what the options must say of it."""
-    alike = [h for h in headers.values() if h.label != header.label and name.casefold() == _bare(h).casefold()]
-    plain = _bare(header)
-    shared = [h for h in headers.values() if h.label != header.label and _bare(h).casefold() == plain.casefold()]
-    called = name if plain == name and not alike and not shared else (header.label if shared else plain)
-    bracketed = _stated(header)
-    scaled = unit.factor != 1.0 or bool(bracketed and not is_si(name, bracketed))
-    return ColumnGuess(name, header.label, unit, told, sure, called.strip(), scaled)
-
-
-def _bare(header: Header) -> str:
-    """The name by which the readers know a column: without a unit in brackets."""
-    return split_unit(header.label)[0].strip()
-
-
-def _stated(header: Header) -> str:
-    """The unit that the readers see: in brackets, or apart from the name."""
-    inside = split_unit(header.label)[1]
-    return inside or (header.unit if header.bare == header.label else "")
-
-
-def _references(
-    used: dict[str, ColumnGuess],
-    found: dict[str, tuple[str, str, str]],
-    headers: Mapping[str, Header],
-    table: Table,
-    scale: Mapping[str, float],
-    notes: list[str],
-) -> None:
-    """Add the reference and its derivatives, where the position follows it."""
-    named = [h for h in headers.values() if h.kind == "reference" and h.label in table]
-    named = [headers[found["reference"][0]]] if "reference" in found else sorted(named, key=lambda h: h.rank)
-    position = used["position"]
-    x = position.unit.factor * table[position.label]
-    for header in named:
-        unit, told = _unit_of_reference(header, position, x, table[header.label], scale)
-        if unit is None:
-            notes.append(f"{header.label!r} is named like a reference, but the position does not follow it: not used")
-            continue
-        used["reference"] = _placed("reference", header, headers, unit, told, STATED)
-        break
-    if "reference" not in used:
-        return
-    reference = used["reference"]
-    t = used["time"].unit.factor * table[used["time"].label]
-    x = reference.unit.factor * table[reference.label]
-    for name in ("reference_velocity", "reference_acceleration"):
-        x = np.gradient(x, t)
-        named = [h for h in headers.values() if h.kind == name and h.label in table]
-        for header in named[:1]:
-            factor = _factor_of_derivative(x, table[header.label])
-            if factor is None:
-                break
-            unit = Unit(factor, "", f"the {'first' if name.endswith('y') else 'second'} derivative of it", LIKELY)
-            used[name] = _placed(name, header, headers, unit, "by its name", STATED)
-
-
-def _unit_of_reference(
-    header: Header, position: ColumnGuess, x: FloatArray, values: FloatArray, scale: Mapping[str, float]
-) -> tuple[Unit | None, str]:
-    """The unit in which a position follows a reference; None where it follows in none."""
-    label = position.unit.label
-    stated = LIKELY
-    if "reference" in scale:
-        return Unit(scale["reference"], label, f"times {scale['reference']:g} as stated", STATED), "as stated"
-    own = unit_of_position(header, np.arange(8.0), np.zeros(8)) if header.unit else None
-    factors = [own.factor] if own is not None and own.sure == STATED else [position.unit.factor, 1.0, 1e-3, 1e-6]
-    if own is not None and own.sure == STATED:
-        stated = STATED
-    for sign in (1.0, -1.0):
-        for factor in dict.fromkeys(factors):
-            off = x - sign * factor * values
-            if float(np.std(off)) < ALIKE * float(np.std(x)):
-                told = f"the position follows it{', with the other sign' if sign < 0.0 else ''}"
-                said = (
-                    f"in {header.unit} as its header says"
-                    if stated == STATED
-                    else "in the unit in which it is followed"
-                )
-                return Unit(sign * factor, label, said, stated if sign > 0.0 else UNKNOWN), told
-    return None, ""
-
-
-def _factor_of_derivative(difference: FloatArray, values: FloatArray) -> float | None:
-    size = float(np.sqrt(np.mean(difference**2)))
-    for factor in (1.0, -1.0, 1e-3, -1e-3, 1e-6, -1e-6, 60.0):
-        if float(np.sqrt(np.mean((difference - factor * values) ** 2))) < DERIVATIVE * size:
-            return factor
-    return None
