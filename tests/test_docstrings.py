@@ -23,7 +23,7 @@ CLASSES = [
     and not getattr(cogging, name).__module__.startswith("cogging._core")
 ]
 SECTION = re.compile(r"^(\w+):\n((?:[ ]{4}.*\n?|\n)+)", re.MULTILINE)
-EXTRA = {"design_observer": "cvxpy", "tune": "optuna", "Tuning": "optuna"}
+EXTRA = {"design_observer": "cvxpy", "tune": "optuna", "Tuning": "optuna", "Model.to_control": "control"}
 
 
 def documented():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging import effects
 from cogging.cli.main import main
 from tests.fixtures.drives import READERS
 
@@ -241,9 +242,11 @@ def test_a_period_that_does_not_close_on_a_turn(form, tmp_path, capsys):
         ("moteus", {}, "turn: must be given"),
         ("ax8000", {}, "turn: must be given.*0x32D3"),
         ("novanta", {}, "entries: must be given: as many as register 0x2307"),
-        ("novanta", {"entries": 1}, "entries: must be from 2"),
-        ("akd", {"entries": 8193}, "entries: must be from 2 to 8192, got 8193"),
+        ("novanta", {"entries": 1}, "entries: must be a whole number from 2"),
+        ("akd", {"entries": 8193}, "entries: must be a whole number from 2 to 8192, got 8193"),
         ("akd", {"quantum": 0.0}, "quantum: must be finite and above 0"),
+        ("csv", {"entries": 2.5}, "entries: must be a whole number"),
+        ("sinamics", {"scale": 1e39}, "scale: must keep entries within 32-bit numbers"),
         ("csv", {"sign": 2}, "sign: must be 1 or -1, got 2"),
         ("csv", {"scale": -1.0}, "scale: must be finite and above 0"),
         ("csv", {"zero": float("nan")}, "zero: must be finite"),
@@ -252,7 +255,7 @@ def test_a_period_that_does_not_close_on_a_turn(form, tmp_path, capsys):
         ("csv", {"over": "mile"}, "over: must be one of travel, turn, period"),
         ("csv", {"wave": "sine"}, "wave: must be an option of the form csv"),
         ("sinamics", {"pole_pair_width": 0.0}, "pole_pair_width: must be finite and above 0"),
-        ("novanta", {"entries": 64, "turn": 0.2}, "pole_pairs: must be at least 1"),
+        ("novanta", {"entries": 64, "turn": 0.2}, "pole_pairs: must be a whole number of at least 1"),
         ("odrive", {"turn": 0.2, "quantity": "volt"}, "quantity: must be one of torque, current"),
         ("ax8000", {"turn": 0.2, "channel": "C"}, "channel: must be one of A, B"),
     ],
@@ -281,6 +284,64 @@ def test_a_unit_that_is_not_the_drives_needs_a_scale(form):
     ):
         made(form, machine)
     assert made(form, machine, scale=0.2).content
+
+
+@pytest.mark.parametrize(("form", "unit"), [("akd", "A"), ("sinamics", "N"), ("novanta", "A"), ("csv", None)])
+def test_a_unit_that_nobody_has_told_is_an_assumption(form, unit):
+    machine = drawn(form, "linear", 3)
+    del machine.options["scale"]
+    said = f"assumed: 1 V of the model is 1 {unit} (--scale, or [units] of the model)"
+    assert (said in made(form, machine).text) == (unit is not None)
+    assert "of the model is" not in made(form, machine, scale=1.0).text
+    machine.model = machine.model.replace(units=cogging.Units(command=unit or "N"))
+    assert "of the model is" not in made(form, machine).text
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_effects_that_are_cogging_go_with_the_map(form):
+    """A map whose terms stand in effects, as a diagnosis adds them, is the same map; what else pushes is named."""
+    kinds, _ = FORMS[form]
+    machine = drawn(form, kinds[0], 2, waves=3)
+    cog = machine.model.cogging
+    waves = [
+        effects.CoggingHarmonic(period=2 * np.pi / k, sine=a[0], cosine=b[0])
+        for k, a, b in zip(cog.basis.wavenumbers, cog.sine, cog.cosine, strict=True)
+    ]
+    whole = made(form, machine)
+    first = cogging.SplineHarmonics(pitch=machine.pitch, harmonics=cog.basis.harmonics[:1])
+    part = cogging.CoggingModel(first, cog.sine[:1], cog.cosine[:1])
+    machine.model = machine.model.replace(cogging=part, effects=[*waves[1:], effects.CableSpring(stiffness=0.1)])
+    split = made(form, machine)
+    x = machine.positions(5000)
+    one, other = (machine.feedforward(READERS[form](each, machine), x) for each in (whole, split))
+    np.testing.assert_allclose(one, other, atol=2e-2 * rms(one) if form == "akd" else 1e-5 * rms(one))
+    assert "not in it, as no cogging: cable_spring" in split.text
+    machine.model = machine.model.replace(cogging=None, effects=waves)
+    alone = machine.feedforward(READERS[form](made(form, machine), machine), x)
+    np.testing.assert_allclose(one, alone, atol=2e-2 * rms(one) if form == "akd" else 1e-5 * rms(one))
+
+
+def test_a_wave_that_the_drive_does_not_have():
+    cog = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[7, 240]), [[1.0], [0.5]], [[0.0], [0.0]])
+    model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)
+    text = cogging.export.to(model, "ax8000", turn=1.0).text
+    assert "cannot hold waves of more than 200 a turn: 240" in text
+    assert float(re.search(r"removes (\S+) %", text)[1]) == pytest.approx(100 * (1 - 0.5 / np.sqrt(1.25)), rel=1e-3)
+
+
+def test_a_long_motion_of_many_periods():
+    machine = drawn("novanta", "linear", 2)
+    axis = cogging.AxisParameters(mass=1.0, travel=[0.0, 1e6])
+    exported = cogging.export.to(machine.model.replace(axis=axis), "novanta", entries=64)
+    assert float(re.search(r"removes (\S+) %", exported.text)[1]) > 90.0
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_map_of_nothing(form):
+    cog = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[3]), [[0.0]], [[0.0]])
+    model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)
+    with pytest.raises(ValueError, match="cogging: must have an amplitude other than 0"):
+        cogging.export.to(model, form, turn=1.0, **{"entries": 9} if form == "novanta" else {})
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -6,7 +6,6 @@ The forms and their options stand in cogging.export.forms, which says how one is
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from cogging.calls import did_you_mean
@@ -31,13 +30,14 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
     command.add_argument("--to", required=True, metavar="FORM", help="one of the forms below")
     command.add_argument("--out", required=True, metavar="FILE", help="where it is written")
+    maps = [form.name for form in FORMS.values() if form.of_map]
     for option, forms in _options():
-        taken = f"{option.help} ({', '.join(forms)})"
+        taken = f"{option.help} ({'all maps' if forms == maps else ', '.join(forms)})"
         if option.kind is bool:
             command.add_argument(option_of(option.name), action="store_true", default=None, help=taken)
         else:
-            how: dict[str, Any] = {"type": option.kind, "metavar": option.metavar}
-            command.add_argument(option_of(option.name), help=taken, choices=option.choices or None, **how)
+            how: dict[str, Any] = {"choices": option.choices} if option.choices else {"metavar": option.metavar}
+            command.add_argument(option_of(option.name), help=taken, type=option.kind, **how)
     command.set_defaults(run=run)
 
 
@@ -52,9 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
     read = [options[option.name] for option in form.options if option.reads and option.name in options]
     check_outputs({"--out": arguments.out}, [arguments.model, *read])
     made = to(arguments.model, arguments.to, **options)
-    files = {arguments.out: [made.content]}
-    for suffix, content in made.beside.items():
-        files[str(Path(arguments.out)) + suffix] = [content]
+    files = made.files(arguments.out)
     check_outputs({name: name for name in files}, [arguments.model, *read])
     write_files(files)
     say(made.text)

@@ -38,6 +38,11 @@ class Exported:
     text: str
     beside: Mapping[str, bytes] = field(default_factory=dict)
 
+    def files(self, path: str | os.PathLike[str]) -> dict[str, list[bytes]]:
+        """What is written, by its path, as write_files takes it."""
+        name = os.fspath(path)
+        return {name: [self.content], **{name + suffix: [content] for suffix, content in self.beside.items()}}
+
 
 @dataclass(frozen=True)
 class Option:

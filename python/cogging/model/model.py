@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,9 +27,12 @@ from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
-from cogging.outputs import to_toml, write_text
+from cogging.outputs import to_toml, write_files, write_text
 from cogging.shown import quoted
 from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from cogging.export.control import ControlLoop
 
 #: Controllers by the name that a model file gives them: parameter struct and class.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
@@ -131,6 +135,71 @@ class Model(ByValue):
             raise ValueError("controller: must be given to simulate, got a model without [controller]")
         controller: ListedController = CONTROLLERS[self.controller_type][1](self.controller)
         return controller
+
+    def export(self, form: str, path: str | os.PathLike[str], **options: Any) -> str:
+        """Write the model, or its map, in a form that another machine takes, as `cogging export` does.
+
+        Args:
+            form: "csv", "akd", "moteus" or another key of cogging.export.FORMS.
+            path: of the file; what stands beside it has its name and one more suffix.
+            **options: of that form.
+
+        Returns:
+            What the other machine takes of it, and what it cannot.
+
+        Raises:
+            ValueError: there is no such form, or the model cannot be expressed in it.
+            InputError: the file cannot be written.
+
+        Example:
+            >>> said = model.export("akd", "table.csv")
+            >>> print(said.splitlines()[0])
+            Kollmorgen AKD, cogging compensation table: 8192 entries, steps of 0.001 A, largest 0.104 A
+        """
+        # By its name: the room that exports stands behind this one, and uses it.
+        made = importlib.import_module("cogging.export.forms").to(self, form, **options)
+        write_files(made.files(path))
+        return str(made.text)
+
+    def to_control(
+        self,
+        *,
+        speed: float | None = None,
+        position: float | None = None,
+        sample_rate: float | None = None,
+        pade: int = 3,
+    ) -> ControlLoop:
+        """The axis and its loop, linearised, as python-control objects (extra `control`).
+
+        The plant is M x'' = u - friction - cogging + effects about a place and a speed, with its delay, current loops
+        and flexible mode, behind a command that is held over a sample: exact at the samples. The controller is the
+        part of `pid`, `cascade`, `speed`, `arc` or `dcarc` that is linear in the error.
+
+        Args:
+            speed: m/s, at which friction is taken; None: of friction the viscous alone, as of a fast motion.
+            position: m, at which cogging and all that depends on the place are taken; None: springs alone.
+            sample_rate: Hz, of a model without a controller; None: the controller's own.
+            pade: order of the delay's approximation in continuous time; 0 leaves the delay out there.
+
+        Returns:
+            Plant, controller, loop, sensitivities, and what was left out.
+
+        Raises:
+            ImportError: python-control is not there; names the extra.
+            ValueError: the controller is not linear in the error, friction has no slope there, or a number is out of
+                its range.
+
+        Example:
+            >>> loop = model.to_control(speed=0.05)
+            >>> loop.left_out
+            ('cogging (no position given)',)
+            >>> loop.margins().stable, len(loop.plant.poles())
+            (True, 2)
+        """
+        made: ControlLoop = importlib.import_module("cogging.export.control").to_control(
+            self, speed=speed, position=position, sample_rate=sample_rate, pade=pade
+        )
+        return made
 
     def replace(self, **changes: Any) -> Model:
         """Make a copy with the given attributes changed."""

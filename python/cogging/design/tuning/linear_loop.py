@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from cogging._core import effects
+from cogging._core import effects, smooth_sign
 from cogging.arrays import FloatArray
+from cogging.design.linear_plant import held, linear_plant
 from cogging.model.model import Model
 
 FREQUENCIES = 2000  # at which the sensitivity is looked at, up to half the sample rate
@@ -40,13 +43,14 @@ def modulus_margin(model: Model) -> float | None:
     return float(np.abs(np.polyval(characteristic, z) / open_loop).min())
 
 
-def linear_controller(model: Model) -> Polynomials | None:
+def linear_controller(model: Model, *, speed: float | None = None) -> Polynomials | None:
     """Numerator and denominator in z of u = -C(z) e, or None where the controller has no such form.
 
     PID: kp + ki Ts z/(z - 1) + kd (z - 1)/(Ts z). Cascade: kv (kp + (z - 1)/(Ts z)). Speed: kp (z - 1)/(Ts z), later by
     its delay. Both adaptive robust ones: (k_s1 + Gamma_d Ts/(z - 1)) (k_1 + (z - 1)/(Ts z)), Gamma_d that of the
-    disturbance; what else adapts is held. Less viscous (z - 1)/(Ts z) where viscous friction is compensated at the
-    measured velocity; `arc` also computes the acceleration that it asks for from it: plus mass k_1 (z - 1)/(Ts z).
+    disturbance; what else adapts is held. Less viscous (z - 1)/(Ts z) where friction is compensated at the measured
+    velocity, and less the slope of its Coulomb part at a speed (m/s) that is given; `arc` also computes the
+    acceleration that it asks for from it: plus mass k_1 (z - 1)/(Ts z).
     """
     p = model.controller
     if p is None:
@@ -54,7 +58,7 @@ def linear_controller(model: Model) -> Polynomials | None:
     ts = 1.0 / p.sample_rate
     of = p.to_dict()
     difference = np.array([1.0, -1.0]) / ts  # over z
-    measured = -of["viscous"] if of.get("feedforward_velocity") == "measured" else 0.0
+    measured = -_compensated(of, speed) if of.get("feedforward_velocity") == "measured" else 0.0
     if model.controller_type == "pid":
         proportional = np.polymul([of["kp"], 0.0], [1.0, -1.0])
         integral = of["ki"] * ts * np.array([1.0, 0.0, 0.0])
@@ -64,9 +68,10 @@ def linear_controller(model: Model) -> Polynomials | None:
         damping = (of["kv"] + measured) * difference
         return np.polyadd([of["kv"] * of["kp"], 0.0], damping), np.array([1.0, 0.0])
     if model.controller_type == "speed":
-        later = np.zeros(round(of["delay"] / ts) + 2)
+        whole, part = divmod(of["delay"] / ts, 1.0)
+        later = np.zeros(int(whole) + 3)
         later[0] = 1.0
-        return (of["kp"] + measured) * difference, later
+        return (of["kp"] + measured) * np.polymul(difference, [1.0 - part, part]), later
     if model.controller_type in ("arc", "dcarc"):
         switching = np.polyadd([of["error_gain"], 0.0], difference)
         feedback, adaptation = of["feedback_gain"], of["disturbance_adaptation"]
@@ -77,41 +82,23 @@ def linear_controller(model: Model) -> Polynomials | None:
     return None
 
 
+def _compensated(of: Mapping[str, float], speed: float | None) -> float:
+    """Slope of the friction that a controller makes up for, V/(m/s)."""
+    if speed is None or of["coulomb"] == 0.0:
+        return of["viscous"]
+    step = 1e-6 * max(abs(speed), of["coulomb_width"])
+    above, below = (float(smooth_sign(speed + way * step, of["coulomb_width"])) for way in (1.0, -1.0))
+    return of["viscous"] + of["coulomb"] * (above - below) / (2.0 * step)
+
+
 def _plant(model: Model, sample_time: float) -> Polynomials:
-    """Numerator and denominator in z of the reading over the command."""
-    from scipy.linalg import expm
+    """Numerator and denominator in z of the reading over the command: the rigid axis, its delays and current loops."""
     from scipy.signal import ss2tf
 
-    delay = sum(one.delay for one in model.effects if isinstance(one, effects.CommandDelay))
-    lags = [one.time_constant for one in model.effects if isinstance(one, effects.ActuatorLag)]
-    lags = [lag for lag in lags if lag > 0.0]
-    order = 2 + len(lags)
-    a, b = np.zeros((order, order)), np.zeros((order, 1))
-    a[0, 1], a[1, 1] = 1.0, -model.axis.viscous / model.axis.mass
-    drives = 1
-    for place, lag in enumerate(lags, start=2):  # each the input of the one before
-        a[drives, place] = 1.0 / model.axis.mass if drives == 1 else 1.0 / lags[place - 3]
-        a[place, place] = -1.0 / lag
-        drives = place
-    b[drives, 0] = 1.0 / lags[-1] if lags else 1.0 / model.axis.mass
-    whole, part = divmod(delay / sample_time, 1.0)
-    late, early = _held(a, b, (1.0 - part) * sample_time), _held(a, b, part * sample_time)
-    # The command of the sample before acts for the first part of a sample, that of the sample for the rest.
-    transition = expm(a * sample_time)
-    before = expm(a * (1.0 - part) * sample_time) @ early
-    output, none = np.eye(1, order), np.zeros((1, 1))
-    now, denominator = ss2tf(transition, late, output, none)
-    old, _ = ss2tf(transition, before, output, none)
+    kept = [one for one in model.effects if isinstance(one, effects.CommandDelay | effects.ActuatorLag)]
+    plant = held(linear_plant(model.replace(effects=kept)), sample_time)
+    none = np.zeros((1, 1))
+    now, denominator = ss2tf(plant.transition, plant.now, plant.output, none)
+    old, _ = ss2tf(plant.transition, plant.before, plant.output, none)
     numerator = np.polyadd(np.polymul(now[0], [1.0, 0.0]), old[0])
-    return numerator, np.polymul(denominator, np.eye(1, int(whole) + 2)[0])
-
-
-def _held(a: FloatArray, b: FloatArray, time: float) -> FloatArray:
-    """What a command of 1 that is held for a time leaves in the state."""
-    from scipy.linalg import expm
-
-    size = a.shape[0]
-    both = np.zeros((size + 1, size + 1))
-    both[:size, :size], both[:size, size:] = a, b
-    held: FloatArray = expm(both * time)[:size, size:]
-    return held
+    return numerator, np.polymul(denominator, np.eye(1, plant.whole + 2)[0])

@@ -17,10 +17,11 @@ SHEET = Sheet(
     entries="8192, evenly over one revolution (rotary) or over a range that the user gives (linear: "
     "COGCOMP.RANGELOW to "
     "COGCOMP.RANGEHIGH); fewer by `--entries`",
-    quantum="0.001 A (`--quantum`)",
-    between="linear (`--between hold`)",
+    quantum="0.001 A, assumed (`--quantum`)",
+    between="linear, assumed (`--between hold`)",
     sign="added to the current command as a feedforward",
-    zero="entry 0 at position 0 of the homed or absolute feedback, or at the low end of the range; entries go with the "
+    zero="assumed: entry 0 at position 0 of the homed or absolute feedback, or at the low end of the range; "
+    "entries go with the "
     "drive's own count",
     loading="WorkBench, Current Loop, Cogging Compensation: import from csv while the drive is disabled; then "
     "COGCOMP.EN. "
@@ -71,7 +72,9 @@ def make(
     else:
         low, high = travel_of(frame)
         law = Law(entries, low, high - low, False, between)
-        unit = model.units.position
-        notes.append(f"set COGCOMP.RANGELOW to {low:.9g} {unit} and COGCOMP.RANGEHIGH to {high:.9g} {unit}")
+        ends = " and ".join(
+            f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in (("LOW", low), ("HIGH", high))
+        )
+        notes.append(f"set {ends}, in the drive's own unit")
     table = table_of(frame, law, quantum=require_positive("quantum", quantum))
     return exported(model, SHEET, table, "A", [f"{value:.{DIGITS}g}" for value in table.values.tolist()], notes)

@@ -11,7 +11,7 @@ from cogging.export.drives.form import require_turn, single
 from cogging.export.drives.frame import Frame, frame_of, looked_at
 from cogging.export.drives.sheet import Sheet
 from cogging.export.drives.table import Rest
-from cogging.export.drives.told import SHOWN, frame_line, rest_lines
+from cogging.export.drives.told import SHOWN, assumed_lines, frame_line, left_out_lines, rest_lines
 from cogging.export.forms import Exported
 from cogging.model.model import Model
 from cogging.shown import quoted
@@ -29,7 +29,7 @@ SHEET = Sheet(
     quantum="n whole; phi and r 32-bit floating point numbers",
     between="waves, no entries",
     sign="a torque beside the controller's own (3241:0C shows it), times the gain 32CB:02",
-    zero="angle 0 at the mechanical zero of the feedback; angles go with the drive's count",
+    zero="assumed: angle 0 at the mechanical zero of the feedback; angles go with the drive's count",
     loading="startup list: the file's objects (index:subindex, type, value), 32CB:01 = 3 "
     "(Use_startuplist_cogging_comp_para)",
     source="Beckhoff Information System, AX8xxx objects: 32CB:x SynchronousMotor cogging compensation, 32CB:01, :02, "
@@ -145,4 +145,4 @@ def _told(model: Model, frame: Frame, found: list[Wave], wave: str) -> str:
     mean = float(wanted.mean()) / gain
     if abs(mean) > 1e-3 * rest.cogging:
         lines.append(f"cannot hold the mean, {mean:.3g} {unit}")
-    return "\n".join([*lines, *(f"assumed: {one}" for one in SHEET.assumed)])
+    return "\n".join([*lines, *left_out_lines(frame), *assumed_lines(frame, model.units, "Nm", SHEET.assumed)])

@@ -75,5 +75,5 @@ def _range(frame: Frame, over: str | None) -> tuple[float, float, bool]:
     if over == "travel":
         low, high = travel_of(frame)
         return low, high - low, False
-    longest = frame.cogging.basis.pitch or float(frame.periods.max())
+    longest = frame.pitch or float(frame.periods.max())
     return 0.0, longest, True

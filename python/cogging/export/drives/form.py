@@ -49,8 +49,8 @@ def require_entries(entries: int, most: int = MOST_ENTRIES) -> int:
     Raises:
         ValueError: names the rule and the value.
     """
-    if not 2 <= entries <= most:
-        raise ValueError(f"entries: must be from 2 to {most}, got {quoted(entries)}")
+    if not isinstance(entries, int) or not 2 <= entries <= most:
+        raise ValueError(f"entries: must be a whole number from 2 to {most}, got {quoted(entries)}")
     return entries
 
 

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cogging._core import CoggingModel
+from cogging._core import CoggingModel, effects
 from cogging.arrays import FloatArray
+from cogging.design.linear_plant import OF_SPEED
+from cogging.effects.effect import Effect, laws_of
 from cogging.model.model import Model
 from cogging.shown import quoted
 
+CoggingEffect = effects.CoggingHarmonic | effects.CoggingModulation
 CLOSES = 0.01  # of a period: by how much a whole number of them may miss a turn, 4 degrees of phase
 MANY_SPANS = 20  # that are looked at where neither travel nor turn says how far the axis moves
 POSITIONS = 100_000  # at which law and map are compared
@@ -26,16 +29,21 @@ class Frame:
     the other way also pushes the other way: hence the direction in front.
 
     Attributes:
-        cogging: F_cogging(x), in the command unit of the model.
+        cogging: F_cogging(x), in the command unit of the model; None where all stands in `waves`.
+        waves: effects of the model that are cogging, too: periods or changing amplitudes that a diagnosis has added.
+        left_out: names of effects that push with the place and are no cogging.
         direction: 1, or -1 where the drive counts down as x rises.
         sign: 1, or -1 where the drive subtracts its table, or the map has the sign of the motor's push.
         scale: units of the drive per command unit of the model.
         zero: x at the drive's position 0.
         low, high: ends of the motion, x; infinite where they are not known.
         turn: x of one mechanical revolution; 0 = a linear axis.
+        scale_said: whether somebody said the scale, by number or by the model's units.
     """
 
-    cogging: CoggingModel
+    cogging: CoggingModel | None
+    waves: tuple[CoggingEffect, ...]
+    left_out: tuple[str, ...]
     direction: int
     sign: int
     scale: float
@@ -43,6 +51,7 @@ class Frame:
     low: float
     high: float
     turn: float
+    scale_said: bool
 
     @property
     def bounded(self) -> bool:
@@ -52,12 +61,28 @@ class Frame:
     @property
     def periods(self) -> FloatArray:
         """The spatial periods of the map, (terms,)."""
-        return 2.0 * np.pi / np.asarray(self.cogging.basis.wavenumbers, dtype=np.float64)
+        known = [] if self.cogging is None else [2.0 * math.pi / k for k in self.cogging.basis.wavenumbers]
+        return np.array([*known, *(one.period for one in self.waves)], dtype=np.float64)
+
+    @property
+    def pitch(self) -> float:
+        """That of the map; 0 where it has none."""
+        return 0.0 if self.cogging is None else float(self.cogging.basis.pitch)
 
     @property
     def modulated(self) -> bool:
         """Whether amplitudes change along the travel."""
-        return bool(self.cogging.basis.spline.control_points > 1)
+        known = self.cogging is not None and self.cogging.basis.spline.control_points > 1
+        return known or any(isinstance(one, effects.CoggingModulation) for one in self.waves)
+
+    def force(self, position: FloatArray) -> FloatArray:
+        """F_cogging at x with those effects, in the command unit of the model."""
+        total = np.zeros(position.shape)
+        if self.cogging is not None:
+            total += self.cogging.force(position)
+        for one in self.waves:
+            total -= laws_of(one).force_at(position=position)
+        return total
 
     def place(self, position: FloatArray) -> FloatArray:
         """The drive's position p where the axis is at x."""
@@ -69,7 +94,7 @@ class Frame:
 
     def wanted(self, position: FloatArray) -> FloatArray:
         """What the drive should add to its command at x, in its unit."""
-        return self.gain * np.asarray(self.cogging.force(position), dtype=np.float64)
+        return self.gain * self.force(position)
 
     @property
     def gain(self) -> float:
@@ -86,38 +111,51 @@ def frame_of(
     zero: float = 0.0,
     reverse: bool = False,
     turn: float | None = None,
-    rotary: bool = True,
 ) -> Frame:
     """See the map of a model as a drive does.
 
     Args:
-        model: with `[cogging]`.
+        model: with `[cogging]`, or effects that are cogging.
         unit: what the drive takes.
         scale: units of the drive per command unit of the model; None where they are the same.
         sign: 1 or -1.
         zero: x at the drive's position 0.
         reverse: whether the drive counts and pushes the other way.
         turn: x of one revolution; None: 2 pi where the model's position is in rad, else a linear axis.
-        rotary: whether the drive may sit on a rotary axis.
 
     Raises:
         ValueError: the model has no map; a number is out of its range; the units differ and no scale says by how much;
             a period does not close on the turn.
     """
-    if model.cogging is None:
+    known = [one.resolved(model.axis, model.cogging) for one in model.effects]
+    waves = tuple(one for one in known if isinstance(one, CoggingEffect))
+    if model.cogging is None and not waves:
         raise ValueError("cogging: must be given to export a map, got a model without [cogging]")
+    sizes = [] if model.cogging is None else [model.cogging.coefficients]
+    if not any(np.any(size) for size in (*sizes, *(value for one in waves for value in (one.sine, one.cosine)))):
+        raise ValueError("cogging: must have an amplitude other than 0, got a map without any: nothing to compensate")
     if sign not in (1, -1):
         raise ValueError(f"sign: must be 1 or -1, got {quoted(sign)}")
     if not math.isfinite(zero):
         raise ValueError(f"zero: must be finite, got {quoted(zero)}")
     if turn is None:
-        turn = 2.0 * math.pi if model.units.position == "rad" and rotary else 0.0
+        turn = 2.0 * math.pi if model.units.position == "rad" else 0.0
     if turn < 0.0 or not math.isfinite(turn):
         raise ValueError(f"turn: must be finite and at least 0, got {quoted(turn)}")
     low, high = model.axis.travel
-    frame = Frame(model.cogging, -1 if reverse else 1, sign, _scale(model, unit, scale), zero, low, high, turn)
+    said = scale is not None or model.units.command == unit
+    factor = _scale(model, unit, scale)
+    left_out = tuple(one.NAME for one in known if _pushes(one))
+    frame = Frame(model.cogging, waves, left_out, -1 if reverse else 1, sign, factor, zero, low, high, turn, said)
     require_closed(frame)
     return frame
+
+
+def _pushes(effect: Effect) -> bool:
+    """Whether an effect that is no cogging acts by its place."""
+    if isinstance(effect, (*OF_SPEED, CoggingEffect, effects.DisturbanceStep, effects.DisturbanceTone)):
+        return False
+    return bool({"force", "command_gain"} & set(effect.HOOKS))
 
 
 def _scale(model: Model, unit: str, scale: float | None) -> float:

@@ -15,10 +15,10 @@ SHEET = Sheet(
     entries="as many as the range of register 0x2307 has in the drive's dictionary (`--entries`, to be given), "
     "over one "
     "electrical period",
-    quantum="24 bits of a number",
-    between="linear (`--between hold`)",
+    quantum="24 bits of a number, assumed",
+    between="linear, assumed (`--between hold`)",
     sign="an offset at the output of the torque loop",
-    zero="index 0 at electrical angle 0; the electrical angle chooses the index",
+    zero="the electrical angle chooses the index; assumed: index 0 at angle 0",
     loading="write each index to 0x2307 and its value to 0x2308 (the file: index, value), 0x2306 = 1, then store all",
     source='Novanta, Summit series documentation, "Cogging compensation" '
     "(drives.novantamotion.com/summit/cogging-compensation)",
@@ -74,11 +74,13 @@ def _electrical_period(frame: Frame, pole_pairs: int | None, width: float | None
         ValueError: it is not given, or is none.
     """
     if frame.turn > 0.0:
-        if pole_pairs is None or pole_pairs < 1:
-            raise ValueError(f"pole_pairs: must be at least 1 on a rotary axis, got {pole_pairs or 'nothing'}")
+        if not isinstance(pole_pairs, int) or pole_pairs < 1:
+            raise ValueError(
+                f"pole_pairs: must be a whole number of at least 1 on a rotary axis, got {pole_pairs or 'nothing'}"
+            )
         return frame.turn / pole_pairs
     if width is None:
-        width = frame.cogging.basis.pitch
+        width = frame.pitch
         if width == 0.0:
             raise ValueError("pole_pair_width: must be given for a map of periods without a pitch, got nothing")
     return require_positive("pole_pair_width", width)

@@ -19,14 +19,13 @@ SHEET = Sheet(
     quantum="24 bits of a number",
     between="held: index = (int)(turns * 3600), no line between",
     sign="added to the torque (current) command",
-    zero="index 0 at pos_estimate 0, which an index pulse or an absolute encoder must fix; below 0 the index is "
-    "one too high",
-    loading="the firmware reads single values (controller.get_anticogging_value) and sets none over USB: the "
-    "file is the "
-    "initialiser of config.anticogging.cogging_map for a build of one's own, with pre_calibrated and "
+    zero="index 0 where the encoder's position in turns is 0, which an index pulse or an absolute encoder must fix; "
+    "below 0 the index is one too high, as (int) rounds towards 0",
+    loading="over USB single values are read (controller.get_anticogging_value, from 0.5.6 on) and none is set: the "
+    "file is the initialiser of config.anticogging.cogging_map for a build of one's own, with pre_calibrated and "
     "anticogging_enabled set",
     source="github.com/odriverobotics/ODrive, Firmware/MotorControl/controller.cpp (anticogging_calibration, update), "
-    "encoder.hpp (getCoggingRatio), CHANGELOG.md (get_anticogging_value)",
+    "encoder.hpp (getCoggingRatio), CHANGELOG.md (0.5.1: units of torque; 0.5.6)",
     assumed=("firmware of its own line; forks keep other numbers of entries",),
 )
 

@@ -16,10 +16,10 @@ SHEET = Sheet(
     entries="4096 over one period of the table: p5253 mechanical revolutions, or p5253 pole pair widths (p0315) "
     "of a linear "
     "motor, for which the whole travel is recommended",
-    quantum="24 bits of a number",
-    between="held (`--between linear`)",
+    quantum="24 bits of a number, assumed",
+    between="held, assumed (`--between linear`)",
     sign="added to the torque setpoint (r5255[1] shows the precontrolled torque)",
-    zero="index 0 at position 0 of an encoder that knows its place within the period; indices go with the "
+    zero="assumed: index 0 at position 0 of an encoder that knows its place within the period; indices go with the "
     "drive's count",
     loading="write the parameters p5260[i] (the file: parameter, index, value), p5253 as said beside it, then "
     "activate by "
@@ -63,7 +63,7 @@ def make(
         law, factor = Law(ENTRIES, 0.0, frame.turn, True, between), 1.0
     else:
         low, high = travel_of(frame)
-        width = pole_pair_width if pole_pair_width is not None else frame.cogging.basis.pitch or high - low
+        width = pole_pair_width if pole_pair_width is not None else frame.pitch or high - low
         # The table repeats, and its index 0 need not be where the travel begins: two entries beside the travel keep its
         # ends apart.
         span = (high - low) * ENTRIES / (ENTRIES - 2)

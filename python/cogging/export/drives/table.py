@@ -11,6 +11,7 @@ from cogging.export.drives.frame import Frame, ends, looked_at
 from cogging.shown import quoted
 
 BETWEEN = ("linear", "hold")
+MOST_SPANS = 100  # that a mean is taken over: of a longer motion so many, evenly spread
 ALONE = 1e-12  # of the map's rms: below it a rest is none
 
 
@@ -115,14 +116,20 @@ def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int 
         law: how it reads its table.
         quantum: of an entry, in the drive's unit; 0 = rounded to 24 bits; None = not rounded.
         steps: where entries are whole numbers from -steps to steps and a factor of 24 bits: that number.
+
+    Raises:
+        ValueError: an entry is too large for the drive's numbers.
     """
     values = folded(frame, law, law.places)
     if steps:
         quantum = float(np.float32(np.abs(values).max(initial=0.0) / steps)) or 1.0
     if quantum == 0.0:
-        values = values.astype(np.float32).astype(np.float64)
+        with np.errstate(over="ignore"):
+            values = values.astype(np.float32).astype(np.float64)
     elif quantum is not None:
         values = quantum * np.round(values / quantum)
+    if not np.isfinite(values).all():
+        raise ValueError(f"scale: must keep entries within 32-bit numbers, got {frame.scale:g} for this map")
     return Table(frame, law, values, quantum, rest_of(frame, law, values))
 
 
@@ -133,7 +140,7 @@ def folded(frame: Frame, law: Law, places: FloatArray) -> FloatArray:
     low, high = np.sort(frame.place(np.array(ends(frame, law.span))))
     first, last = np.floor((low - law.start) / law.span), np.ceil((high - law.start) / law.span)
     total, met = np.zeros(places.shape), np.zeros(places.shape)
-    for turn in np.arange(first, last + 1.0):
+    for turn in np.unique(np.round(np.linspace(first, last, int(min(last - first + 1.0, MOST_SPANS))))):
         at = places + turn * law.span
         inside = (at >= low) & (at <= high)
         total += np.where(inside, frame.wanted(frame.axis_position(at)), 0.0)

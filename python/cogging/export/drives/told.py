@@ -30,9 +30,21 @@ def told(sheet: Sheet, table: Table, units: Units, unit: str, assumed: tuple[str
         f"{'repeated' if law.wraps else 'nothing outside'}; {frame_line(frame, units, unit)}",
         *rest_lines(table.rest, units.command),
         *cannot(frame, law.span, table.rest, units, wraps=law.wraps),
-        *(f"assumed: {one}" for one in assumed),
+        *left_out_lines(frame),
+        *assumed_lines(frame, units, unit, assumed),
     ]
     return "\n".join(lines)
+
+
+def left_out_lines(frame: Frame) -> list[str]:
+    """Effects of the model that are in no table of cogging."""
+    return [f"not in it, as no cogging: {', '.join(frame.left_out)}"] if frame.left_out else []
+
+
+def assumed_lines(frame: Frame, units: Units, unit: str, assumed: tuple[str, ...]) -> list[str]:
+    """What nobody has told: of the drive, and of the model's unit."""
+    own = [] if frame.scale_said else [f"1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)"]
+    return [f"assumed: {one}" for one in (*own, *assumed)]
 
 
 def rest_lines(rest: Rest, unit: str) -> list[str]:

@@ -1,0 +1,216 @@
+"""The axis as a linear system about a place and a speed, and the same behind a command that is held over a sample."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cogging._core import effects, smooth_sign
+from cogging.arrays import FloatArray
+from cogging.effects.effect import Effect, laws_of
+from cogging.model.model import Model
+
+STEP = 1e-6  # of the derivatives of a law, in units of the place and of the speed
+LINEAR_EVERYWHERE = (
+    effects.ConstantForce,
+    effects.CableSpring,
+    effects.CommandDelay,
+    effects.ActuatorLag,
+    effects.FlexibleMode,
+    effects.EncoderScaleError,
+)
+#: Forces and levels of friction that are the same at every place.
+OF_SPEED = (effects.StribeckFriction, effects.CoulombAsymmetry, effects.ViscousAsymmetry, effects.QuadraticDrag)
+
+
+class LinearPlant(NamedTuple):
+    """x' = a x + b u(t - delay), reading = c x: deviations from the place and the speed.
+
+    Attributes:
+        a: (n, n); states: position m, velocity m/s, of a flexible mode its deflection m and rate m/s, of each current
+            loop its command V.
+        b: (n, 1).
+        c: (1, n).
+        delay: s.
+        left_out: what is not linear and has no part in it, in words.
+    """
+
+    a: FloatArray
+    b: FloatArray
+    c: FloatArray
+    delay: float
+    left_out: tuple[str, ...]
+
+
+class HeldPlant(NamedTuple):
+    """The plant from sample to sample: x[k+1] = transition x[k] + now u[k - whole] + before u[k - whole - 1].
+
+    Attributes:
+        transition: (n, n).
+        now: (n, 1), of the command that acts in the rest of a sample.
+        before: (n, 1), of the one before, which acts in its first part.
+        output: (1, n).
+        whole: samples of delay.
+    """
+
+    transition: FloatArray
+    now: FloatArray
+    before: FloatArray
+    output: FloatArray
+    whole: int
+
+
+def linear_plant(model: Model, *, speed: float | None = None, position: float | None = None) -> LinearPlant:
+    """Linearise M x'' = gain u - friction(x, v) - F_cogging(x) + effects about a place and a speed.
+
+    Args:
+        model: of the axis.
+        speed: m/s, at which friction is taken; None: of friction the viscous alone.
+        position: m, at which cogging and all that depends on the place are taken; None: springs and a scale of the
+            encoder alone, which are the same everywhere.
+
+    Raises:
+        ValueError: at this speed friction has no slope.
+    """
+    axis = model.axis
+    known = [one.resolved(axis, model.cogging) for one in model.effects]
+    if speed is not None and axis.coulomb_width == 0.0 and speed == 0.0:
+        raise ValueError("speed: must be other than 0 where coulomb_width is 0: sticking has no slope, got 0")
+    stiffness = _stiffness(model, known, speed or 0.0, position)
+    if speed is None:
+        damping = axis.viscous
+    else:
+        there = [one for one in known if position is not None or isinstance(one, OF_SPEED)]
+        damping = _damping(model, there, speed, position or 0.0)
+    a, c = _rigid(axis.mass, stiffness, damping, _reading_slope(known, position))
+    gain = 1.0 / axis.mass
+    for one in known:
+        if isinstance(one, effects.FlexibleMode) and one.mass_ratio > 0.0 and math.isfinite(one.frequency):
+            a, c, gain = _flexible(one, axis.mass, stiffness, damping, c)
+    gain *= _command_gain(known, position)
+    b = np.zeros((a.shape[0], 1))
+    b[1:, 0] = [gain, *([0.0, -gain] if a.shape[0] == 4 else [])]
+    for one in known:
+        if isinstance(one, effects.ActuatorLag) and one.time_constant > 0.0:
+            a, b, c = _behind_lag(a, b, c, one.time_constant)
+    delay = sum(one.delay for one in known if isinstance(one, effects.CommandDelay))
+    return LinearPlant(a, b, c, delay, _left_out(model, speed, position))
+
+
+def held(plant: LinearPlant, sample_time: float) -> HeldPlant:
+    """The plant behind a command that is held over a sample and acts after its delay, exactly.
+
+    Args:
+        plant: continuous in time.
+        sample_time: s.
+    """
+    from scipy.linalg import expm
+
+    whole, part = divmod(plant.delay / sample_time, 1.0)
+    late, early = (_held(plant.a, plant.b, share * sample_time) for share in (1.0 - part, part))
+    # The command of the sample before acts for the first part of a sample, that of the sample for the rest.
+    before = expm(plant.a * (1.0 - part) * sample_time) @ early
+    return HeldPlant(expm(plant.a * sample_time), late, before, plant.c, int(whole))
+
+
+def _held(a: FloatArray, b: FloatArray, time: float) -> FloatArray:
+    """What a command of 1 that is held for a time leaves in the state."""
+    from scipy.linalg import expm
+
+    size = a.shape[0]
+    both = np.zeros((size + 1, size + 1))
+    both[:size, :size], both[:size, size:] = a, b
+    left: FloatArray = expm(both * time)[:size, size:]
+    return left
+
+
+def _rigid(mass: float, stiffness: float, damping: float, reading: float) -> tuple[FloatArray, FloatArray]:
+    return np.array([[0.0, 1.0], [-stiffness / mass, -damping / mass]]), np.array([[reading, 0.0]])
+
+
+def _flexible(
+    mode: effects.FlexibleMode, mass: float, stiffness: float, damping: float, c: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """Motor and load on a spring: m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'; its a, c and 1/m1."""
+    w, motor, load = 2.0 * math.pi * mode.frequency, (1.0 - mode.mass_ratio) * mass, mode.mass_ratio * mass
+    reduced = motor * load / mass
+    spring, damper = w * w * reduced, 2.0 * mode.damping_ratio * w * reduced
+    motor_row = np.array([-stiffness, -damping, spring, damper]) / motor
+    load_row = np.array([0.0, 0.0, -spring, -damper]) / load - motor_row
+    a = np.array([[0.0, 1.0, 0.0, 0.0], motor_row, [0.0, 0.0, 0.0, 1.0], load_row])
+    return a, np.hstack([c, np.zeros((1, 2))]), 1.0 / motor
+
+
+def _behind_lag(a: FloatArray, b: FloatArray, c: FloatArray, time: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The plant behind one more current loop, T u' = command - u, whose u is the last state."""
+    size = a.shape[0]
+    longer = np.zeros((size + 1, size + 1))
+    longer[:size, :size], longer[:size, size:], longer[size, size] = a, b, -1.0 / time
+    into = np.zeros((size + 1, 1))
+    into[size, 0] = 1.0 / time
+    return longer, into, np.hstack([c, np.zeros((1, 1))])
+
+
+def _friction(model: Model, known: list[Effect], position: float, velocity: float) -> float:
+    """What opposes the motion there, V: viscous, Coulomb with what effects add to its level, and their forces."""
+    level, force = model.axis.coulomb, 0.0
+    for one in known:
+        if "friction_level" in one.HOOKS:
+            level += float(laws_of(one).friction_level_at(position=position, velocity=velocity))
+        if "force" in one.HOOKS:
+            force += float(laws_of(one).force_at(position=position, velocity=velocity))
+    sign = float(smooth_sign(velocity, model.axis.coulomb_width))
+    return model.axis.viscous * velocity + level * sign - force
+
+
+def _damping(model: Model, known: list[Effect], speed: float, position: float) -> float:
+    step = STEP * max(abs(speed), model.axis.coulomb_width)
+    above, below = (_friction(model, known, position, speed + way * step) for way in (1.0, -1.0))
+    return (above - below) / (2.0 * step)
+
+
+def _stiffness(model: Model, known: list[Effect], speed: float, position: float | None) -> float:
+    """By how much the force falls a metre, V/m."""
+    if position is None:
+        return sum(one.stiffness for one in known if isinstance(one, effects.CableSpring))
+    above, below = (_friction(model, known, position + way * STEP, speed) for way in (1.0, -1.0))
+    slope = (above - below) / (2.0 * STEP)
+    return slope + (float(model.cogging.slope(position)) if model.cogging is not None else 0.0)
+
+
+def _reading_slope(known: list[Effect], position: float | None) -> float:
+    """By how much the reading rises with the position."""
+    slope = 1.0
+    for one in known:
+        if isinstance(one, effects.EncoderScaleError):
+            slope += one.scale
+        elif "reading" in one.HOOKS and position is not None:
+            above, below = (float(laws_of(one).reading_at(position=position + way * STEP)) for way in (1.0, -1.0))
+            slope += (above - below) / (2.0 * STEP) - 1.0
+    return slope
+
+
+def _command_gain(known: list[Effect], position: float | None) -> float:
+    """By how much the command acts more there, at the start."""
+    if position is None:
+        return 1.0
+    gains = (laws_of(one).gain_at(position=position) for one in known if "command_gain" in one.HOOKS)
+    return 1.0 + sum(map(float, gains))
+
+
+def _left_out(model: Model, speed: float | None, position: float | None) -> tuple[str, ...]:
+    left = []
+    if speed is None and model.axis.coulomb > 0.0:
+        left.append("Coulomb friction (no speed given)")
+    if position is None and model.cogging is not None:
+        left.append("cogging (no position given)")
+    for one in model.effects:
+        if isinstance(one, LINEAR_EVERYWHERE) or (speed is not None and isinstance(one, OF_SPEED)):
+            continue
+        taken = {"force", "friction_level"} if speed is not None and position is not None else set()
+        taken |= {"force", "reading", "command_gain"} if position is not None else set()
+        if not set(one.HOOKS) <= taken or isinstance(one, effects.DisturbanceStep | effects.DisturbanceTone):
+            left.append(one.NAME)
+    return tuple(left)

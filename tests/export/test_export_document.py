@@ -1,0 +1,106 @@
+"""docs/export.md: its sheets are those of the code, its lines run, and its figures are what they print."""
+
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.cli.main import main
+from cogging.datasets import odrive
+from cogging.export.drives.sheets import SHEETS, markdown
+from cogging.export.forms import FORMS, option_of
+from tests.fixtures.drives import READERS, Turning
+from tests.fixtures.measured import FOLDER, needs
+
+DOCUMENT = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+CONSTANT = {"scale": 0.04}  # Nm/A
+SAME_MAP = {
+    "csv": {},
+    "akd": {},
+    "sinamics": CONSTANT,
+    "ax8000": CONSTANT,
+    "novanta": {"entries": 256, "pole_pairs": 7},
+    "odrive": {"quantity": "current"},
+    "moteus": {},
+}
+
+
+def code():
+    return re.findall(r"```python\n(.*?)```", DOCUMENT, flags=re.DOTALL)
+
+
+def row(form, text):
+    """A line of the table of the same map: what it takes, the share removed, what is left and why."""
+    took = re.search(r": (\d.*?)(?:, largest|; its zero)", text)[1]
+    share, left = re.search(r"removes (\S+) % of the cogging's rms, \S+ A to (\S+) A", text).groups()
+    cannot = re.findall(r"cannot hold (.*)", text)
+    return f"| `{form}` | {took} | {share} % | {1e3 * float(left):.3g} mA | {'; '.join(cannot)} |"
+
+
+def test_the_sheets_stand_in_the_document():
+    assert list(SHEETS) == [name for name, form in FORMS.items() if form.of_map]
+    assert markdown() in DOCUMENT
+    for sheet in SHEETS.values():
+        for option in re.findall(r"--([a-z-]+)", sheet.text()):
+            assert f"--{option}" == "--write-config" or any(
+                option_of(one.name) == f"--{option}" for form in FORMS.values() for one in form.options
+            )
+
+
+def test_the_loop_of_the_document(capsys, monkeypatch):
+    pytest.importorskip("control")
+    import matplotlib
+
+    monkeypatch.setattr(matplotlib, "rcParams", matplotlib.rcParams.copy())
+    matplotlib.use("agg")
+    exec(code()[1], {})
+    said = capsys.readouterr().out.strip()
+    assert f"\n    {said}\n" in DOCUMENT
+    matplotlib.pyplot.close("all")
+
+
+@pytest.mark.data
+def test_the_motor_of_the_document(tmp_path, monkeypatch, capsys):
+    needs("odrive")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COGGING_DATA", str(FOLDER))
+    (tmp_path / "lines.py").write_text(code()[0])
+    runpy.run_path("lines.py")
+    capsys.readouterr()
+    called = re.findall(r"^    \$ cogging (export .*)\n((?:    [^$\s].*\n)+)", DOCUMENT, re.MULTILINE)
+    assert len(called) >= 2
+    for words, shown in called:
+        assert main(words.split()) == 0
+        assert [line.strip() for line in shown.splitlines()] == capsys.readouterr().out.splitlines()
+    for form, options in SAME_MAP.items():
+        assert row(form, cogging.export.to("motor.toml", form, **options).text) in DOCUMENT, form
+
+
+def spread(values):
+    return float(np.std(values))
+
+
+@pytest.mark.data
+def test_the_table_on_measured_current(tmp_path, monkeypatch):
+    """The map's own scans, and one after the motor was mounted anew, whose zero is another."""
+    needs("odrive")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COGGING_DATA", str(FOLDER))
+    exec(code()[0], {})
+    drive = READERS["odrive"](cogging.export.to("motor.toml", "odrive", quantity="current"), Turning(odrive.TURN))
+    place = odrive.TURN * np.arange(512) / 512
+    ways = [odrive.scan(name) for name in ("forward", "backward")]
+    mean = 0.5 * sum(np.interp(place, one.position, one.current, period=odrive.TURN) for one in ways)
+    table = drive.adds(place)
+    found = [spread(mean), spread(mean - table), spread(mean + table)]
+    other = odrive.scan("alone")
+    zeros = odrive.TURN * np.arange(4096) / 4096
+    left = np.array([spread(other.current - drive.adds(other.position - zero)) for zero in zeros])
+    found += [spread(other.current), left[0], left.min(), zeros[left.argmin()]]
+    for value in found:
+        assert f"{value:.3f}" in DOCUMENT
+    assert found[1] < 0.5 * found[0] < found[0] < 0.6 * found[2]
+    assert left.min() < 0.65 * found[3] < found[3] < left[0]
