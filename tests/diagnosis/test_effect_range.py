@@ -53,3 +53,12 @@ def test_a_found_spring_acts_along_the_position(quiet_evidence):
     for center in (0.0, 0.2, 5.0):
         spring_far = cogging.effects.CableSpring(stiffness=1.0, center=center)
         assert where_of(spring_far, quiet_evidence)["coordinate"] == "position"
+
+
+def test_an_effect_that_pushes_nowhere_in_these_rows_still_acts_along_its_own_coordinate(quiet_evidence):
+    step = cogging.effects.DisturbanceStep(force=1.0, start=1e6, stop=2e6)
+    told = where_of(step, quiet_evidence)
+    assert told["coordinate"] in ("position", "time")
+    assert told["range"][0] < told["range"][1]
+    friction = cogging.effects.CoulombAsymmetry(difference=0.0)
+    assert where_of(friction, quiet_evidence)["range"][0] < where_of(friction, quiet_evidence)["range"][1]

@@ -7,6 +7,8 @@ import pytest
 from markupsafe import escape
 
 from cogging.diagnosis.entries import NearRest, ShapeTerm
+from cogging.diagnosis.report.pictures import pictures_of
+from tests.fixtures.drawn_results import drawn_result
 
 
 def test_a_report_without_its_library_says_what_to_install(found, monkeypatch):
@@ -62,3 +64,14 @@ def test_a_shape_of_its_own_and_friction_near_rest_stand_on_page_and_screen(foun
         assert words in text, words
         assert words not in found.text()
     assert "Friction near rest" not in found.html()
+
+
+def test_a_way_that_the_axis_did_not_move_has_no_empty_picture():
+    """Of an axis that only moved forward: neither a profile nor a folded period backward."""
+    result = drawn_result(np.random.default_rng(1), "ambiguous")
+    one_way = [np.asarray(result.series["velocity"][0]) > 0.01]
+    pictures = pictures_of(replace(result, series={**result.series, "mask": one_way}))
+    both = pictures_of(result)
+    for part, lost in (("coordinates", 1), ("folded", 1), ("time", 0)):
+        assert len(pictures[part]) == len(both[part]) - lost
+    assert not any("backward" in one.finding for part in pictures.values() for one in part if "Gap" in one.finding)

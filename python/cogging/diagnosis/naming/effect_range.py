@@ -28,16 +28,12 @@ def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
     rows["time"] = source.log.time - source.log.time[0]
     if "force" in hooks or "friction_level" in hooks:
         law = resolved.force_at if "force" in hooks else resolved.friction_level_at
-        told = _held_by(law, rows, source.mask)
-        if told is not None:
-            return told
+        return _held_by(law, rows, source.mask)
     if "reading" in hooks:
         return {"coordinate": "position", "range": [float(along.position.min()), float(along.position.max())]}
     if "command_gain" in hooks:
-        told = _held_by(resolved.gain_at, {name: rows[name] for name in ("position", "time")}, source.mask)
-        if told is not None:
-            return told
-    if "command_gain" in hooks or "shape_command" in hooks:
+        return _held_by(resolved.gain_at, {name: rows[name] for name in ("position", "time")}, source.mask)
+    if "shape_command" in hooks:
         return {"coordinate": "command", "range": [float(source.log.command.min()), float(source.log.command.max())]}
     if "state" in hooks:
         return {"coordinate": "velocity", "range": [-source.rest, source.rest]}
@@ -58,12 +54,13 @@ def depends_on(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> list[
     return told
 
 
-def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray], mask: FloatArray) -> dict[str, Any] | None:
+def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray], mask: FloatArray) -> dict[str, Any]:
     """The coordinate of a law whose range holds its force most tightly; position where it is a function of none."""
     force = np.abs(np.asarray(law(**rows)) * np.ones(len(mask))) * mask
     if not force.sum() > 0:
-        return None
-    best, tightest = None, np.inf
+        force = np.ones(len(mask))  # it pushes in no row that counts: it acts over the whole range
+    best: dict[str, Any] = {}
+    tightest = np.inf
     for name in depends_on(law, rows) or ["position"]:
         values = np.asarray(rows[name])
         # The coordinate whose range holds the force most tightly, against how the rows spread over it.

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from cogging.diagnosis.location import Location
     from cogging.diagnosis.result import Diagnosis
 
+NO_MOTION = "no such motion"
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -86,7 +88,8 @@ def pictures_of(result: Diagnosis) -> dict[str, list[Picture]]:
         told["folded"] = [
             _folded(gaps, units, period, sign) for period in waves[: REPORT.periods_drawn] for sign in (1.0, -1.0)
         ]
-    return told
+    # Of a way that the axis did not move there is nothing to see.
+    return {part: [one for one in pictures if NO_MOTION not in one.finding] for part, pictures in told.items()}
 
 
 def shape_pictures(location: Location) -> list[Picture]:
@@ -140,7 +143,7 @@ def _profile(gaps: Mapping[str, Series], units: Units, name: str, label: str, un
         told = draw_profile(axes, gaps, name, direction_of(way))
         axes.set(xlabel=f"{label} ({units.of(unit)})", ylabel=f"mean gap ({units.of('V')})")
         words = ", ".join(f"{_when(which)} {_extreme(one, unit, units)}" for which, one in told.items())
-        return f"Gap against {label}: {words or 'no such motion'}."
+        return f"Gap against {label}: {words or NO_MOTION}."
 
     return picture(draw)
 
@@ -160,7 +163,7 @@ def _folded(gaps: Mapping[str, Series], units: Units, period: float, sign: float
     def draw(axes: Any) -> str:
         told = draw_folded(axes, gaps, period, sign, units)
         sizes = [f"{size:.2g} {units.of('V')}" for size in told.values() if size is not None]
-        words = f"a wave of {sizes[0]}" if sizes else "no such motion"
+        words = f"a wave of {sizes[0]}" if sizes else NO_MOTION
         words += f", of which {sizes[1]} is left" if len(sizes) > 1 else ""
         return f"Gap within {units.in_words(length_text(period))} of position, moving {way}: {words}."
 
