@@ -577,7 +577,7 @@ if not {figures}:
 """
 
 
-@pytest.mark.parametrize(("shown_by", "figures"), [("agg", []), ("qtagg", [1]), ("inline", []), ("tkagg", [1])])
+@pytest.mark.parametrize(("shown_by", "figures"), [("qtagg", [1]), ("inline", [])])
 def test_pyplot_has_a_figure_only_where_a_window_shows_it(shown_by, figures):
     program = WINDOW.format(backend="agg", shown_by=shown_by, figures=figures)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
