@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Step, Value
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.tables import html_table
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
@@ -74,8 +75,17 @@ def test_frames_hold_what_the_results_hold():
 
 
 def test_frames_of_a_diagnosis():
-    lean = MODEL.replace(effects=[], intervals={})
-    found = cogging.diagnose(LOG, lean)
+    stiffness, period = Value(0.4, "V/m", (0.3, 0.5)), Value(0.05, "m", (0.04, 0.06))
+    effects = [
+        NamedEffect(
+            "cable_spring", (), 0.97, {"stiffness": stiffness, "center": Value(0.1, "m", (0.0, 0.2))}, {}, 9.0, -9.0
+        ),
+        NamedEffect("cogging_harmonic", ("force_constant_ripple",), 0.6, {"period": period}, {}, 9.0, -9.0),
+    ]
+    steps = (Step("cable_spring", True, "", 9.0, 0.5, 0.1, None, None), Step("backlash", False, "", 1.0, *[None] * 4))
+    limits = {"backlash": Limit("gap", "m", 1e-6), "end_effect": Limit("force", "V", None, "not in this motion")}
+    gap = Gap("V", 0.1, 0.5, 0.1, None, None, "command")
+    found = cogging.Diagnosis("named", tuple(effects), None, gap, None, MODEL, MODEL, ledger=steps, limits=limits)
     frame = found.to_frame()
     told = [(effect.name, name) for effect in found.effects for name in effect.parameters]
     assert list(zip(frame["name"], frame["parameter"], strict=True)) == told

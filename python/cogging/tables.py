@@ -15,7 +15,8 @@ from cogging.shown import printable, shortened
 EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
 LONGEST_CELL = 80  # characters
 #: No colours of its own: it takes those of the page, light or dark.
-STYLE = "border-collapse: collapse; text-align: left"
+STYLE = "border-collapse: collapse; text-align: left; font-size: inherit"
+SPACED = "padding: 0 1em 0 0; text-align: left"
 RULE = "border-bottom: 1px solid currentColor; opacity: 0.75"
 
 
@@ -60,11 +61,15 @@ def html_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[Any]]
         rows: numbers (six digits), texts, None or nan for what is not known.
         notes: lines below the table.
     """
-    head = "".join(f'<th style="{RULE}; text-align: left">{_cell(name)}</th>' for name in headers)
-    body = "".join(f"<tr>{''.join(f'<td>{_cell(value)}</td>' for value in row)}</tr>" for row in rows)
+    head = "".join(f'<th style="{RULE}; {SPACED}">{_cell(name)}</th>' for name in headers)
+    body = "".join(f"<tr>{''.join(_spaced(value) for value in row)}</tr>" for row in rows)
     below = "".join(f"<div>{_text(note)}</div>" for note in notes)
     table = f'<table style="{STYLE}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
     return f'<div class="cogging"><div><b>{_text(title)}</b></div>{table}{below}</div>'
+
+
+def _spaced(value: Any) -> str:
+    return f'<td style="{SPACED}">{_cell(value)}</td>'
 
 
 def _text(text: str) -> str:

@@ -597,8 +597,11 @@ def test_what_is_written_opens_no_window(monkeypatch, tmp_path):
     plt.close(figure)
 
 
-@EVERY
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.study] * (name == "ledger")) for name in sorted(PICTURES)]
+)
 def test_every_function_says_what_it_takes_and_shows_it(name):
+    """Run here; that of `ledger` takes a diagnosis of some ten seconds."""
     function = getattr(cogging.plot, name)
     text = inspect.getdoc(function)
     arguments = text[text.index("Args:") : text.index("Returns:")]
