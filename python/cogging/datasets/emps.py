@@ -21,6 +21,7 @@ from cogging.files import InputError
 from cogging.logs.columns import read_columns
 from cogging.logs.log import Log, read_log
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.shown import nearest
 
 SOURCE = Source("emps", "nonlinearbenchmark.org", "no licence stated: cite Janot, Gautier and Brunot 2019")
@@ -123,6 +124,7 @@ def published() -> Model:
         effects=(effects.ConstantForce(force=PUBLISHED["effects.constant_force.force"]),),
         controller=controller(),
         controller_type="cascade",
+        units=Units(command="N"),
     )
 
 
