@@ -72,7 +72,8 @@ def test_text_and_page_say_them(found):
     assert "would have been shown with 95 % chance" in text
     told = found.limits["cable_spring"]
     assert f"cable_spring                 stiffness {told.value:.4g} V/m" in text
-    assert f'<td>cable spring</td><td>stiffness</td><td class="n">{told.value:.4g}</td><td>V/m</td>' in page
+    row = f'cable spring</td><td>stiffness</td><td class="n">{told.value:.4g}</td><td>V/m</td>'
+    assert f'<td class="name">{row}' in page
     unseen = [name for name, one in found.limits.items() if one.value is None]
     assert unseen
     assert f"cannot be seen in this motion: {', '.join(unseen)}" in text

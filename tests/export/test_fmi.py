@@ -148,7 +148,10 @@ def test_the_guide_s_lines_run(tmp_path, monkeypatch, capsys):
     model, log, _ = simulated("constant_force", 1)
     (lines,) = re.findall(r"```python\n(.*?)```", (SOURCES.parent / "docs" / "fmi.md").read_text(), re.DOTALL)
     monkeypatch.chdir(tmp_path)
-    exec(lines, {"model": model, "log": log})
+    model.write("model.toml")
+    with monkeypatch.context() as patch:
+        patch.setattr(cogging, "simulate", lambda *_, **__: log)
+        exec(lines, {})
     assert capsys.readouterr().out == "True\n"
 
 

@@ -169,10 +169,15 @@ EXCEPTIONS = {
     "simulation/sweep": {"start", "stop"},  # the same
     "simulation/reductions.py": {"start", "stop", "period"},  # the same, and of a wave that is asked for
     "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
+    "mapping/result.py": {"order"},  # of the splines
     "mapping/request.py": {"pitch", "order", "origin"},  # the same
     "simulation/reference.py": {"sine"},  # of a motion
     "core_values.py": SECTION,  # what classes of the core are made of
     "log_check/": {"start"},  # columns of a fit
+    "first_model/": {"sine", "center", "start"},  # of a motion
+    "datasets/": COGGING,
+    "export/": {"period", "start", *COGGING},  # of a map in a drive; a variable of a unit
+    "plot/": {"center", "periods", *COGGING},  # of a text in a figure; of the known cogging
 }
 
 

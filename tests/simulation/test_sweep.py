@@ -255,9 +255,10 @@ def test_a_disk_that_is_full_indeed(tmp_path):
     status, left, pieces, again, whole, *lines = done.stdout.splitlines()
     assert (status, left, again, whole) == ("2", "runs.csv.pieces", "0", "runs.csv")
     assert 3 < int(pieces) < 100
-    first, second = done.stderr.splitlines()
+    first, second, *_, following = done.stderr.splitlines()
     assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs stand in .*", first)
     assert "800 runs over axis.mass" in second
+    assert following.startswith("next: cogging ")
     cogging.sweep(SMALL, MOVE, MANY, **DRAWN).write(tmp_path / "alone.csv")
     assert (tmp_path / "alone.csv").read_text().splitlines() == lines
 

@@ -162,8 +162,7 @@ def _of_result(found: Any) -> dict[str, Rows]:
             f"found: must be a Diagnosis, a Location or coordinates with a residual, got {described(found)}"
         )
     gaps = {"gap_before": "as re-tuned", "gap_after": "with what was found", "gap": "as re-tuned"}
-    logs = series.get("logs") or ([series] if "gap" in series else [])
-    if not logs:
+    if not any(name in series for name in gaps):
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")
     same = "gap_after" in series and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None)
     names = [name for name in gaps if name in series and not (same and name == "gap_after")]
