@@ -1,11 +1,12 @@
 """What the tests of the documentation site share: the code that makes it, the built site, and a browser."""
 
 import os
-import shutil
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.fixtures.browser import browser  # noqa: F401 - a fixture of these tests
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "docs" / "_ext"))  # the code that makes the site is no part of the package
@@ -19,16 +20,3 @@ def site():
         assert "COGGING_SITE" not in os.environ, f"no site in {folder}"
         pytest.skip("the site is not built: python -m sphinx -W --keep-going docs build/site (extra docs)")
     return folder.resolve()
-
-
-@pytest.fixture(scope="session")
-def browser():
-    """Chromium as the system has it."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright (extra docs)")
-    path = os.environ.get("COGGING_CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
-    if path is None:
-        pytest.skip("no chromium: neither $COGGING_CHROMIUM nor chromium nor google-chrome")
-    with playwright.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield running
-        running.close()

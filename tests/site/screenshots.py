@@ -1,11 +1,12 @@
 """Pages of the built site as pictures: `python -m tests.site.screenshots build/site docs/pictures`."""
 
-import shutil
 import sys
 from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
+
+from tests.fixtures.browser import chromium
 
 #: Name of the picture, which ends in its scheme: page, width, height, and what is moved to the top.
 VIEWS = {
@@ -21,7 +22,7 @@ def main(site, folder):
     """Write one picture a view."""
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        browser = driver.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
         for view, (name, width, height, top) in VIEWS.items():
             page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=view.rpartition("_")[2])
             page.goto((site / name).resolve().as_uri())
