@@ -32,3 +32,25 @@ def test_what_changed_is_measured_against_the_model_as_stated():
     assert effect.parameters["change"].value == pytest.approx(1.0 / 3.0, abs=0.02)
     assert result.nominal.axis.mass == MODEL.axis.mass
     assert result.gap.after < 0.6 * result.gap.before
+
+
+@pytest.mark.parametrize("confirm", [False, True])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        effects.CableSpring(stiffness=0.6, center=0.25),
+        effects.CoggingHarmonic(period=0.03, sine=0.05),
+        effects.ViscousAsymmetry(difference=0.15),
+        effects.DisturbanceTone(frequency=17.0, sine=0.05),
+    ],
+    ids=lambda effect: effect.NAME,
+)
+def test_what_was_seen_is_a_gap_though_adding_it_does_not_pay(effect, confirm, monkeypatch):
+    """Refused all together, it is told as what no effect explains: the logs do differ from the model."""
+    monkeypatch.setattr("cogging.diagnosis.assembly.growth", lambda measured: "it grows")
+    result = cogging.diagnose(run(effect), MODEL, confirm=[run(effect, seed=5)] if confirm else [])
+    assert result.effects == ()
+    assert [step.reason for step in result.ledger if step.name == effect.NAME] == ["it grows"]
+    assert result.verdict == "unlisted"
+    assert result.unlisted["coordinate"]
+    assert result.gap.before > 2.0 * result.gap.floor

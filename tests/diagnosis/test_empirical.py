@@ -44,7 +44,7 @@ def test_a_term_that_has_no_function_or_does_not_pay_is_not_added():
     found = search_logs([log], MODEL)
     with pytest.raises(NoTerm, match="no empirical term is a function of command: it is described, not added"):
         with_term(found, {"coordinate": "command", "places": [0.0, 1.0], "force": [0.0, 1.0]}, MODEL, [log], [])
-    with pytest.raises(NoTerm, match="stands for bursts: they are described, not added"):
+    with pytest.raises(NoTerm, match="stands for what has no places: it is described, not added"):
         with_term(found, {"coordinate": "time", "shape": "bursts"}, MODEL, [log], [])
     rest = {"coordinate": "time", "places": [0.0, 4.0], "force": [0.02, 0.02]}
     assert with_term(found, rest, MODEL, [log], [])[1]["gap_after"] < 0.01

@@ -1,6 +1,7 @@
 """A first model from drawn logs as users have them: right, or an honest "cannot tell"; and the command that follows."""
 
 import math
+import re
 import shlex
 
 import numpy as np
@@ -236,6 +237,8 @@ def test_units_of_other_kinds(label, column, factor, tmp_path):
     draft = cogging.draft_model(path)
     assert draft.scale.get("position", 1.0) == pytest.approx(factor)
     assert draft.units.command == "Nm"
+    assert " Nm" in draft.audit.text()
+    assert not re.search(r"[\d] V\b", draft.text())
     if column == "UNKNOWN":
         assert any("counts of an encoder" in entry for entry in draft.unsure)
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from cogging.diagnosis.naming.near_rest import near_rest
 from cogging.diagnosis.naming.parameter_changes import changes, look_alikes
 from cogging.diagnosis.naming.shape_terms import with_shape_terms
 from cogging.diagnosis.naming.sizes import largest_first
-from cogging.diagnosis.naming.verdict import unlisted, verdict
+from cogging.diagnosis.naming.verdict import seen_and_refused, unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
@@ -56,13 +57,14 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
     there = as_there_each(models, found)
     measured = measure(logs, models, there, found.nominal.model, model, replay=replay, balance=found.large is not None)
     if found.added and (why := growth(measured)):
-        return assemble(without_what_was_added(found, why), logs, model, replay)
+        result = assemble(without_what_was_added(found, why), logs, model, replay)
+        return replace(result, **told_all_the_same(result, found))
     if measured.given[0] is measured.stated:
         nominal = model  # re-tuning does not pay
     effects, gap = _effects(found, model, beyond, terms), gap_of(measured, logs.given, final)
     if found.large is not None:
         effects = unsettled(largest_first(effects, found.large.balances, final, model), gap)
-    residual_shape = unlisted(found, effects, checked=bool(logs.confirm))
+    residual_shape = unlisted(found, effects, checked=bool(logs.confirm) and found.confirm_evidence is not None)
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
     final, effects = with_curves(final, effects, found, logs)
     return Diagnosis(
@@ -85,6 +87,13 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         limits=limits(found, model, bool(logs.confirm)),
         near_rest=friction,
     )
+
+
+def told_all_the_same(result: Diagnosis, found: Search) -> dict[str, Any]:
+    """Verdict and entry where what was added made the model worse, all together: there is a gap all the same."""
+    if result.verdict != "no_gap":
+        return {}
+    return {"verdict": "unlisted", "unlisted": seen_and_refused(found)}
 
 
 # Models ---------------------------------------------------------------------------------------------------------------
@@ -134,7 +143,13 @@ def without_what_was_added(found: Search, why: str) -> Search:
     """The search as if nothing had been added: together, what was found makes the model worse."""
     refused = [*((added.finding, why) for added in found.added), *found.refused]
     return replace(
-        found, added=[], refused=refused, estimate=found.nominal, evidence=found.nominal_evidence, confirm_evidence=None
+        found,
+        added=[],
+        refused=refused,
+        estimate=found.nominal,
+        evidence=found.nominal_evidence,
+        confirm_evidence=None,
+        residual_shapes=found.nominal_shapes,  # all that was seen is left
     )
 
 

@@ -94,25 +94,26 @@ def _drafted(
     labels = {"command": "V", "position": "m"}
     if guesses is not None:
         labels = {name: guesses.used[name].unit.label for name in labels}
+    units = Units(**labels)
     waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
     draft = ModelDraft(
         source=source,
         log=log,
         columns=guesses,
-        audit=found,
+        audit=replace(found, units=units),
         motion=motion,
         seen_in=source_of_motion,
         sizes=sizes,
         wave=next(filter(None, waves), None),
         controller=recover_controller(_beginning(log)),
-        units=Units(**labels),
+        units=units,
         scale=dict(scale),
         rows=rows,
         likely=tuple(_guessed(guesses, LIKELY)),
         unsure=(),
     )
-    unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]
-    unsure += hints(found, draft.model)
+    unsure += [f"{name}: {units.in_words(size.told)}" for name, size in sizes.sizes.items() if size.uncertainty is None]
+    unsure += map(units.in_words, hints(found, draft.model))
     return replace(draft, unsure=tuple(unsure))
 
 

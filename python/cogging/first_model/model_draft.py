@@ -17,7 +17,7 @@ from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.files import InputError, parse_toml
 from cogging.first_model.column_guess import ColumnGuesses
-from cogging.first_model.model_text import MARGIN, model_lines, number, units_in
+from cogging.first_model.model_text import MARGIN, model_lines, number
 from cogging.first_model.moves import Motion
 from cogging.first_model.pitch import Wave
 from cogging.first_model.sizes import Sizes
@@ -180,7 +180,7 @@ class ModelDraft(ByValue):
             size = self.sizes.sizes[name]
             value = f"{size.value:.4g} {self.units.of(unit)}, "
             sure = f"+- {100.0 * size.uncertainty:.0f} %, " if size.uncertainty is not None else ""
-            lines.append(f"  {name} {value if size.value else ''}{sure}{units_in(self.units, size.told)}")
+            lines.append(f"  {name} {value if size.value else ''}{sure}{self.units.in_words(size.told)}")
         if self.sizes.explained is not None:
             lines.append(
                 f"  together they explain {100.0 * self.sizes.explained:.3g} % of the command's power in motion"

@@ -63,7 +63,7 @@ def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit)
     lines = [f"[axis]                      # {law}"]
     for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
         size = sizes.sizes[name]
-        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {units_in(units, size.told)}"))
+        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {units.in_words(size.told)}"))
     width = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3
     lines += [
         _line("coulomb_width", number(width), f"{units.of('m/s')}; assumed: {100 * WIDTH:g} % of the top speed"),
@@ -113,7 +113,7 @@ def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> li
     return [
         *lines,
         f"# pitch = {number(wave.period):<18} # {units.of('m')}; found: the strongest wave over position, {share};",
-        "##                           a harmonic of the magnets' pitch as well may be: compare with the data sheet",
+        "##                           it may as well be a harmonic of the magnets' pitch: compare with the data sheet",
         "# harmonics = [1]",
         f"# sine = [[{number(wave.sine)}]]          # {units.of('V')}; found",
         f"# cosine = [[{number(wave.cosine)}]]        # {units.of('V')}; found",
@@ -149,12 +149,6 @@ def number(value: float, digits: int = 4) -> str:
     """A number as TOML reads it back, to so many digits, always a float."""
     text = f"{value:.{digits}g}"
     return text if any(mark in text for mark in ".en") else f"{text}.0"
-
-
-def units_in(units: Units, text: str) -> str:
-    """A sentence whose units V/(m/s^2), V/(m/s), V at its end are in these labels."""
-    head, mark, unit = text.rpartition(" ")
-    return f"{head}{mark}{units.of(unit)}" if unit in ("V/(m/s^2)", "V/(m/s)", "V") else text
 
 
 def _value(value: object) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from cogging.diagnosis.entries import NamedEffect
+from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import shape_text
@@ -40,6 +41,21 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
         if confidence[added.finding.name] < VERDICT.doubted and shape.score > added.finding.score + NAME.formless:
             return _entry(shape, None)
     return _bursts(found, checked, factor)
+
+
+def seen_and_refused(found: Search) -> dict[str, Any]:
+    """What stood most out of the noise, where adding what it is most like makes the model worse."""
+    strongest = max((added.finding for added in found.added), key=lambda one: one.score)
+    coordinate = where_of(strongest.effect(), found.nominal_evidence)["coordinate"]
+    name = strongest.name.replace("_", " ")
+    return {
+        "coordinate": coordinate,
+        "shape": f"something acts along the {coordinate} (T = {strongest.test.statistic:.0f}), most like "
+        f"{name}, but the model is worse with that added",
+        "share": None,
+        "statistic": strongest.test.statistic,
+        "confirmed": None,
+    }
 
 
 def weakened(shape: Shape, factor: float) -> Shape:

@@ -52,7 +52,7 @@ def with_term(
     if law is None or knots is None:
         raise NoTerm(f"no empirical term is a function of {coordinate}: it is described, not added")
     if "places" not in residual_shape:
-        raise NoTerm("no empirical term stands for bursts: they are described, not added")
+        raise NoTerm("no empirical term stands for what has no places: it is described, not added")
     places = np.asarray(residual_shape["places"], dtype=float)
     shape = np.asarray(residual_shape["force"], dtype=float)
     if len(shape) == 2 * len(places):  # told apart by direction, of which the term knows nothing
