@@ -9,6 +9,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 
 from cogging.diagnosis.evidence.null import fit_null
+from tests.fixtures.browser import browser  # noqa: F401 - a fixture, of which there can be one in a process
 from tests.fixtures.moving_axis import machine, record
 
 

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
-from tests.fixtures.browser import WIDTHS, Seen, browser  # noqa: F401 (a fixture)
+from tests.fixtures.browser import WIDTHS, Seen
 from tests.fixtures.drawn_results import drawn_result
 
 #: Verdicts and seeds, so that lists of values, names of 240 letters, other shapes and no effect at all are among them.
@@ -16,7 +16,7 @@ TITLE = "axis_of_the_third_machine_in_hall_2_measured_on_monday_before_the_rail_
 
 
 @pytest.fixture(scope="module", params=CASES, ids=lambda case: f"{case[0]}-{case[1]}")
-def report(request, tmp_path_factory, browser):  # noqa: F811
+def report(request, tmp_path_factory, browser):
     """A drawn result and its page, open."""
     verdict, seed = request.param
     result = drawn_result(np.random.default_rng(seed), verdict)
@@ -85,7 +85,7 @@ def test_the_print_loses_no_column(report, tmp_path):
     assert result.verdict.replace("_", " ") in words
 
 
-def test_a_page_that_sticks_out_pale_and_asks_the_net_is_seen(browser, tmp_path):  # noqa: F811
+def test_a_page_that_sticks_out_pale_and_asks_the_net_is_seen(browser, tmp_path):
     """What the tests ask for can fail."""
     path = tmp_path / "bad.html"
     wide = '<div style="overflow-x: auto"><p style="white-space: nowrap">' + "wide " * 99 + "</p></div>"

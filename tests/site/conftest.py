@@ -1,12 +1,10 @@
-"""What the tests of the documentation site share: the code that makes it, the built site, and a browser."""
+"""What the tests of the documentation site share: the code that makes it and the built site."""
 
 import os
 import sys
 from pathlib import Path
 
 import pytest
-
-from tests.fixtures.browser import browser  # noqa: F401 - a fixture of these tests
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "docs" / "_ext"))  # the code that makes the site is no part of the package
