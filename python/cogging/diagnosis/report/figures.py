@@ -18,8 +18,6 @@ from cogging.model.intervals import SIGMAS_95
 from cogging.model.units import Units
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cogging.diagnosis.entries import ShapeTerm
 
 #: The largest of a curve and where it is; None where nothing stands out.
@@ -27,6 +25,7 @@ Extreme = tuple[float, float] | None
 COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
 
 
+NO_MOTION = "no such motion"  # of a way that the axis did not move
 PANELS = (  # coordinate, what the axis is called, its unit, direction of motion
     ("position", "position, moving forward", "m", "forward"),
     ("position", "position, moving backward", "m", "backward"),
@@ -34,26 +33,6 @@ PANELS = (  # coordinate, what the axis is called, its unit, direction of motion
     ("acceleration", "acceleration", "m/s²", ""),
     ("command", "command", "V", ""),
 )
-
-
-def coordinates_figure(gaps: Mapping[str, Series], units: Units | None = None) -> Figure:
-    """The gap against position (each direction), velocity, acceleration, command, time and frequency.
-
-    Args:
-        gaps: label -> rows of logs by name: gap (V), mask, time, position, velocity, acceleration, command.
-        units: labels of the axes.
-    """
-    from matplotlib.figure import Figure
-
-    units = units or Units()
-    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
-    axes = figure.subplots(3, 2)
-    for panel, (name, label, unit, way) in zip(axes.flat, PANELS, strict=False):
-        draw_profile(panel, gaps, name, direction_of(way))
-        panel.set(xlabel=f"{label} ({units.of(unit)})", ylabel=f"mean gap ({units.of('V')})")
-    draw_spectrum(axes.flat[5], gaps, units)
-    axes.flat[0].legend(loc="best", fontsize=8)
-    return figure
 
 
 def direction_of(way: str) -> float:
@@ -68,7 +47,7 @@ def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: fl
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         values, gap, block = rows_of(series, name, direction)
         if len(values) < REPORT.profile_rows:
-            axes.text(0.5, 0.5, "no such motion", transform=axes.transAxes, ha="center")
+            axes.text(0.5, 0.5, NO_MOTION, transform=axes.transAxes, ha="center")
             continue
         places, mean, half = binned(values, gap, block, bins_of(values, name))
         axes.fill_between(places, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from cogging.diagnosis.report.binning import Series
 from cogging.diagnosis.report.figures import (
+    NO_MOTION,
     PANELS,
     Extreme,
-    coordinates_figure,
     direction_of,
     draw_folded,
     draw_profile,
@@ -28,13 +28,9 @@ from cogging.diagnosis.thresholds import REPORT
 from cogging.model.units import Units
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cogging.diagnosis.entries import NamedEffect
     from cogging.diagnosis.location import Location
     from cogging.diagnosis.result import Diagnosis
-
-NO_MOTION = "no such motion"
 
 
 @dataclass(frozen=True)
@@ -60,18 +56,6 @@ def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
     if result.effects:
         labels["after: with what was found"] = "gap_after"
     return {label: {**shared, "gap": series[name]} for label, name in labels.items()}
-
-
-def overview(result: Diagnosis) -> Figure:
-    """What `Diagnosis.plot` shows: the gap before and after against every coordinate.
-
-    Raises:
-        ValueError: nothing was measured.
-    """
-    gaps = gaps_of(result)
-    if not gaps:
-        raise ValueError(f"plot: needs a gap that was measured, got the verdict {result.verdict}")
-    return coordinates_figure(gaps, result.model.units)
 
 
 def pictures_of(result: Diagnosis) -> dict[str, list[Picture]]:
