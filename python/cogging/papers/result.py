@@ -53,13 +53,96 @@ class Row:
         }
 
 
+#: Shares of the printed number within which a simulated one is counted.
+WITHIN = (0.05, 0.15, 0.40)
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How many numbers of a table come near the paper's.
+
+    Attributes:
+        numbers: that the paper prints.
+        calibrated, predicted: of these, by their status.
+        within: how many lie within each of WITHIN of the paper's.
+        predicted_within: likewise of those that are predicted.
+        free: parameters that were calibrated.
+    """
+
+    numbers: int
+    calibrated: int
+    predicted: int
+    within: tuple[int, ...]
+    predicted_within: tuple[int, ...]
+    free: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """As the result file has it, the shares in percent."""
+        return {
+            "numbers": self.numbers,
+            "calibrated": self.calibrated,
+            "predicted": self.predicted,
+            "within": _by_percent(self.within),
+            "predicted_within": _by_percent(self.predicted_within),
+            "free_parameters": self.free,
+        }
+
+    def text(self) -> str:
+        """One line for the screen."""
+        shares = ", ".join(f"{100 * share:.0f} %" for share in WITHIN)
+        predicted = f", of the {self.predicted} predicted {_of(self.predicted_within)}" if self.predicted else ""
+        fitted = f"{self.calibrated} calibrated by {self.free} free parameter{'s' * (self.free != 1)}"
+        return f"{self.numbers} numbers, {fitted}; within {shares}: {_of(self.within)}{predicted}"
+
+
+def _by_percent(counts: Sequence[int]) -> dict[str, int]:
+    return {f"{100 * share:.0f}": count for share, count in zip(WITHIN, counts, strict=True)}
+
+
+def _of(counts: Sequence[int]) -> str:
+    return ", ".join(str(count) for count in counts)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Table(ByValue):
-    """A table of the paper with ours beside it."""
+    """A table of the paper with ours beside it.
+
+    Attributes:
+        id: its name in the result file.
+        title: for the screen.
+        rows: its numbers.
+        free: names of the parameters that its calibrated numbers were fitted by; empty: no counts are given.
+        before: the same numbers under the conditions that were assumed before, shown beside; None: there are none.
+    """
 
     id: str
     title: str
     rows: Sequence[Row]
+    free: Sequence[str] = ()
+    before: Table | None = None
+
+    def counts(self) -> Counts:
+        """How many of the printed numbers ours come near to."""
+        errors = {
+            status: [abs(row.simulated / row.paper - 1.0) for row in self.rows if row.paper and row.status == status]
+            for status in ("calibrated", "predicted")
+        }
+        both = [*errors["calibrated"], *errors["predicted"]]
+        return Counts(
+            len(both),
+            len(errors["calibrated"]),
+            len(errors["predicted"]),
+            tuple(sum(error <= share for error in both) for share in WITHIN),
+            tuple(sum(error <= share for error in errors["predicted"]) for share in WITHIN),
+            len(self.free),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The table as the result file has it."""
+        found: dict[str, Any] = {"id": self.id, "rows": [row.to_dict() for row in self.rows]}
+        if self.free:
+            found |= {"free_parameters": list(self.free), "counts": self.counts().to_dict()}
+        return found
 
     def _brief(self) -> str:
         return f"{self.id}, {len(self.rows)} rows"
@@ -79,16 +162,36 @@ class Table(ByValue):
     def text(self) -> str:
         """The table for the screen."""
         width = max([15, *(len(self._name(row)) + 2 for row in self.rows)])
-        lines = [self.title, f"{'':4}{'controller':<{width}}{'index':<8}{'paper':>12}{'simulated':>12}{'ratio':>8}  "]
+        earlier = {(self._name(row), row.index): row for row in self.before.rows} if self.before else {}
+        head = f"{'before':>12}{'ratio':>8}" if earlier else ""
+        lines = [
+            self.title,
+            f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ",
+        ]
         for row in self.rows:
-            scale, unit = (1e6, "um") if row.unit == "m" else (1.0, row.unit.removeprefix("1"))
-            printed = f"{row.paper * scale:.4g} {unit}" if row.paper is not None else "-"
-            ratio = f"{row.simulated / row.paper:.3f}" if row.paper else "-"
-            simulated = f"{row.simulated * scale:.4g} {unit}"
+            name, before = self._name(row), ""
+            if earlier:
+                found = earlier.get((name, row.index))
+                before = f"{_shown(found):>12}{_ratio(found):>8}" if found else f"{'-':>12}{'-':>8}"
             lines.append(
-                f"{'':4}{self._name(row):<{width}}{row.index:<8}{printed:>12}{simulated:>12}{ratio:>8}  {row.status}"
+                f"{'':4}{name:<{width}}{row.index:<13}{_shown(row, printed=True):>12}{before}{_shown(row):>14}"
+                f"{_ratio(row):>8}  {row.status}"
             )
+        if self.before is not None and self.before.free:
+            lines.append(f"{'':4}before: {self.before.counts().text()}")
+        if self.free:
+            lines += [f"{'':4}{self.counts().text()}", f"{'':4}free: {', '.join(self.free)}"]
         return "\n".join(lines)
+
+
+def _shown(row: Row, printed: bool = False) -> str:
+    value = row.paper if printed else row.simulated
+    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, row.unit.removeprefix("1"))
+    return f"{value * scale:.4g} {unit}".rstrip() if value is not None else "-"
+
+
+def _ratio(row: Row) -> str:
+    return f"{row.simulated / row.paper:.3f}" if row.paper else "-"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,7 +217,7 @@ class Reproduction(ByValue):
         """The content of `<paper>.json`."""
         return {
             "paper": self.paper,
-            "tables": [{"id": table.id, "rows": [row.to_dict() for row in table.rows]} for table in self.tables],
+            "tables": [table.to_dict() for table in self.tables],
         }
 
     def to_frame(self) -> Any:

@@ -220,6 +220,11 @@ def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: f
     )
 
 
+def controllers(motor: Motor, gains: Calibrated) -> dict[str, ListedController]:
+    """PID and observer of Table I."""
+    return {"PID": pid(), "observer": observer(motor, gains)}
+
+
 def run(machine: Plant, controller: ListedController, motor: Motor) -> Log:
     """Run a controller along the motor's strokes."""
     return Log.of(closed_loop(machine, controller, reference(motor)))
