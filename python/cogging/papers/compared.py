@@ -71,7 +71,8 @@ def compared(
     figure.suptitle(title)
     for row, trace in zip(panels, traces, strict=True):
         _draw(row[0], trace, scale, over, trace.time >= -np.inf)
-        row[0].set(ylabel=scale.label(f"{trace.name}: {quantity}"), ylim=(-scale(end), scale(end)))
+        row[0].set(ylabel=scale.label(quantity), ylim=(-scale(end), scale(end)))
+        row[0].set_title(trace.name, fontsize="small", loc="left", pad=3.0)
         if zoom is not None:
             _draw(row[1], trace, scale, over, (trace.time >= zoom[0]) & (trace.time <= zoom[1]))
     for axes in panels[-1]:
@@ -89,4 +90,4 @@ def _draw(axes: Axes, trace: Trace, scale: Scale, over: Scale, shown: Any) -> No
     for side in (-size, size):
         axes.axhline(side, color=LIMIT, linestyle=(0, (6, 3)), linewidth=1.0)
     if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-        axes.set_title(f"dashed: the paper's table, {size:.3g} {scale.unit}", fontsize="small", loc="right", pad=2.0)
+        axes.set_title(f"dashed: the paper's table, {size:.3g} {scale.unit}", fontsize="small", loc="right", pad=3.0)
