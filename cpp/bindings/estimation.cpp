@@ -20,6 +20,13 @@ py::array_t<double> rows_of(const Predictor& predictor, std::size_t count, const
   return to_array(std::move(values), {py::ssize_t(count), py::ssize_t(predictor.rows())});
 }
 
+// What is looked at lives as long. py::keep_alive would do it for a result, but ends the process where an argument has
+// the wrong type (pybind11 3.1 runs it on the mark of a failed conversion, too).
+struct BoundPlantAlong {
+  py::object predictor, prediction;
+  std::unique_ptr<PlantAlong> plant;
+};
+
 void bind_predictor(py::module_& module) {
   py::class_<Prediction>(module, "Prediction", "A prediction along a log, with its slopes: what `propagate` needs.")
       .def_property_readonly(
@@ -39,16 +46,16 @@ void bind_predictor(py::module_& module) {
           "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
           "1, or 0 where the axis sticks");
 
-  py::class_<PlantAlong>(module, "PlantAlong", R"(A plant along its prediction on a log, to which effects are added.
+  py::class_<BoundPlantAlong>(module, "PlantAlong", R"(A plant along its prediction on a log, to which effects are added.
 
 What all effects need of the plant is worked out once, when the first asks for it.)")
       .def(
           "added",
-          [](const PlantAlong& self, const std::vector<Effect<>>& effects, const std::vector<double>& sizes,
+          [](const BoundPlantAlong& self, const std::vector<Effect<>>& effects, const std::vector<double>& sizes,
              unsigned threads) {
             std::vector<double> rows =
-                without_gil([&](StopRequest* stop) { return self.added(effects, sizes, threads, stop); });
-            return to_array(std::move(rows), {py::ssize_t(effects.size()), py::ssize_t(self.rows())});
+                without_gil([&](StopRequest* stop) { return self.plant->added(effects, sizes, threads, stop); });
+            return to_array(std::move(rows), {py::ssize_t(effects.size()), py::ssize_t(self.plant->rows())});
           },
           py::arg("effects"), py::arg("sizes"), py::kw_only(), py::arg("threads") = 0, "As Predictor.added.");
 
@@ -141,8 +148,13 @@ Args:
 
 Raises:
     ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.)")
-      .def("plant_along", &Predictor::plant_along, py::arg("along"), py::arg("plant"), py::keep_alive<0, 1>(),
-           py::keep_alive<0, 2>(), "A plant along its prediction on this log, for many calls of `added`.")
+      .def(
+          "plant_along",
+          [](const Predictor& self, const Prediction& along, const Plant& plant) {
+            const auto look_at = [](const auto& one) { return py::cast(&one, py::return_value_policy::reference); };
+            return BoundPlantAlong{look_at(self), look_at(along), self.plant_along(along, plant)};
+          },
+          py::arg("along"), py::arg("plant"), "A plant along its prediction on this log, for many calls of `added`.")
       .def(
           "propagate_transposed",
           [](const Predictor& self, const Prediction& along, double mass, const Array& weight) {

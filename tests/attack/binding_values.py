@@ -1,0 +1,186 @@
+"""Arguments for the core: sound ones by annotation and name, and ones that no careful caller would give."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import cogging
+from cogging import _core
+
+Random = np.random.Generator
+#: Sizes stay below this, so that what is asked for fits into memory: what does not is another test.
+MOST = 300
+KIND = re.compile(r"\b(?:effects\.)?([A-Z]\w+)\b")
+FLOATS = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-3, 1e3, 1e-300, 5e-324, 1e300, 1.7e308, math.inf, -math.inf, math.nan, 2.0**63)
+INTEGERS = (0, 1, -1, 2, 3, 7, 64, 255, 2**15, 2**31 - 1, 2**31, -(2**31) - 1, 2**32, 2**63 - 1, 2**63, 2**64, 10**30)
+TEXTS = ("", "position", "error_rms", "x" * 5000, "\0", "é\u202e", "%s%n", "nan", "1", "reference", "measured", "euler")
+DTYPES = ("<f8", ">f8", "<f4", "<i8", "<u1", "?", "<c16", "O", "<M8[s]", "U3", "<f2")
+
+
+class Hostile:
+    """An object whose every conversion fails in its own way."""
+
+    def __init__(self, error: type[Exception] = ValueError) -> None:
+        self.error = error
+
+    def _fail(self, *_: Any, **__: Any) -> Any:
+        raise self.error("no such value")
+
+    __float__ = __index__ = __int__ = __len__ = __iter__ = __getitem__ = __call__ = __array__ = __bool__ = _fail
+
+
+class Odd(float):
+    """A float that says that it is another each time."""
+
+    def __float__(self) -> float:
+        return float(np.random.default_rng().normal())
+
+
+def array(random: Random) -> Any:
+    """An array of any shape, kind and layout."""
+    dimensions = int(random.choice([0, 1, 1, 1, 1, 2, 2, 3]))
+    shape = tuple(int(size) for size in random.choice([0, 1, 2, 3, 4, 7, 50, MOST], dimensions))
+    if math.prod(shape) > 20_000:
+        shape = shape[:1]
+    values = random.normal(size=shape) * 10.0 ** random.integers(-6, 6)
+    if random.random() < 0.3:
+        values = np.asarray(values)
+        values[random.random(shape) < 0.2] = random.choice([np.nan, np.inf, -np.inf, 1e308])
+    with np.errstate(all="ignore"):
+        kind = str(random.choice(DTYPES)) if random.random() < 0.3 else "<f8"
+        try:
+            values = np.asarray(values).astype(kind)
+        except (TypeError, ValueError, OverflowError):
+            values = np.asarray(values)
+    layout = random.integers(0, 6)
+    if layout == 0 and values.ndim:
+        values = values[::-1]
+    elif layout == 1 and values.ndim:
+        values = np.repeat(values, 2, axis=0)[::2]
+    elif layout == 2:
+        values = values.T
+    elif layout == 3:
+        values.flags.writeable = False
+    elif layout == 4 and values.size:
+        values = np.broadcast_to(values.ravel()[:1], (7,))
+    return values
+
+
+def hostile(random: Random, pool: dict[str, Any]) -> Any:
+    """Anything but what is asked for, and now and then that."""
+    choices: list[Callable[[], Any]] = [
+        lambda: None,
+        lambda: bool(random.integers(2)),
+        lambda: FLOATS[random.integers(len(FLOATS))],
+        lambda: INTEGERS[random.integers(len(INTEGERS))],
+        lambda: TEXTS[random.integers(len(TEXTS))],
+        lambda: TEXTS[random.integers(len(TEXTS))].encode("utf-8", "surrogatepass"),
+        lambda: array(random),
+        lambda: array(random),
+        lambda: [FLOATS[i] for i in random.integers(len(FLOATS), size=random.integers(0, 9))],
+        lambda: [[1.0, 2.0], [3.0]],
+        lambda: {},
+        lambda: 1j,
+        lambda: range(int(random.integers(0, 40))),
+        lambda: Hostile([ValueError, TypeError, KeyboardInterrupt, RuntimeError, StopIteration][random.integers(5)]),
+        lambda: Odd(1.0),
+        lambda: pool[str(random.choice(list(pool)))],
+        lambda: [pool[str(random.choice(list(pool)))]] * int(random.integers(0, 4)),
+        lambda: raw(type(pool[str(random.choice(list(pool)))])),
+        lambda: type(pool[str(random.choice(list(pool)))]),
+        lambda: memoryview(np.arange(int(random.integers(1, 9)), dtype=float)),
+        lambda: (value for value in (1.0, 2.0)),
+        lambda: ctypes.c_double(1.0),
+        lambda: lambda *_: math.nan,
+    ]
+    return choices[random.integers(len(choices))]()
+
+
+def raw(kind: type) -> Any:
+    """An object whose __init__ never ran, where there may be one."""
+    try:
+        return kind.__new__(kind)
+    except TypeError:
+        return None
+
+
+def sound(name: str, annotation: str, random: Random, pool: dict[str, Any]) -> Any:
+    """What an argument of this name and annotation may be."""
+    for known in KIND.findall(annotation):
+        if known in pool:
+            return [pool[known]] * int(random.integers(0, 3)) if "Sequence[" in annotation else pool[known]
+    if name in ("controller", "controllers"):
+        one = pool[str(random.choice(["Pid", "Cascade", "Arc", "ObserverBased", "CompiledController"]))]
+        return [one] * int(random.integers(1, 3)) if name.endswith("s") else one
+    if "ndarray" in annotation.lower() or "ArrayLike" in annotation:
+        if name in ("time",):
+            return np.cumsum(random.uniform(1e-4, 2e-4, 50))
+        return random.normal(size=50) * 1e-3
+    if "Sequence[" in annotation:
+        return (random.normal(size=int(random.integers(0, 5))) * 0.1).tolist()
+    if "bytes" in annotation:
+        return b"1.0,2.0\n"
+    if annotation == "str":
+        return "own"
+    if annotation == "bool":
+        return bool(random.integers(2))
+    if "SupportsInt" in annotation and "SupportsFloat" not in annotation:
+        return int(random.integers(0, 5))
+    return float(10.0 ** random.uniform(-3, 1))
+
+
+def make_pool() -> dict[str, Any]:
+    """One sound object of each class of the core by its name, made anew: a case may leave it in any state."""
+    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2], order=2, control_points=4)
+    time = np.linspace(0.0, 0.1, 50)
+    plant = _core.Plant(
+        _core.AxisParameters(mass=0.1, coulomb=0.1),
+        cogging=cogging.CoggingModel(basis, np.full((2, 4), 0.1), np.zeros((2, 4))),
+        effects=[cogging.effects.CableSpring(stiffness=0.4), cogging.effects.CommandDelay(delay=2e-4)],
+    )
+    predictor = _core.Predictor(time, 0.1 * time, time)
+    prediction = predictor.predict(plant)
+    values = [basis, basis.spline, plant, plant.cogging, predictor, prediction]
+    values += [_core.Sampled([0.0, 0.1, 0.3], [0.0, 0.01, 0.02]), _core.StopFlag(), _compiled()]
+    values.append(cogging.performance(time, time, time))
+    pool = {type(value).__name__: value for value in values}
+    pool |= {kind.__name__: kind() for kind in _classes() if hasattr(kind, "FIELDS") and kind.__name__ not in pool}
+    for parameters, kind in (
+        ("PidParameters", _core.Pid),
+        ("CascadeParameters", _core.Cascade),
+        ("SpeedParameters", _core.Speed),
+        ("AdaptiveRobustParameters", _core.Arc),
+        ("AdaptiveRobustParameters", _core.Dcarc),
+        ("OutputFeedbackArcParameters", _core.OutputFeedbackArc),
+        ("ObserverBasedParameters", _core.ObserverBased),
+        ("SineParameters", _core.Sine),
+        ("FilteredSineParameters", _core.FilteredSine),
+        ("PointToPointParameters", _core.PointToPoint),
+    ):
+        pool[kind.__name__] = kind(pool[parameters])
+    return pool | {"Reference": pool["Sine"]}
+
+
+def _classes() -> list[type]:
+    return [
+        value
+        for module in (_core, _core.effects)
+        for value in vars(module).values()
+        if isinstance(value, type) and not issubclass(value, BaseException)
+    ]
+
+
+@ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3, ctypes.c_double)
+def _proportional(state: Any, parameters: Any, reference: Any, reading: float) -> float:
+    state[0] += reading - reference[0]
+    return float(-parameters[0] * (reading - reference[0]) - parameters[1] * state[0])
+
+
+def _compiled() -> cogging.CompiledController:
+    return cogging.CompiledController(_proportional, sample_rate=5000.0, state=[0.0], parameters=[960.0, 20.0])
