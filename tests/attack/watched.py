@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import multiprocessing
+import os
 import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
@@ -38,7 +39,7 @@ class Tally:
     def text(self) -> str:
         """One line, and one for each of the first faults."""
         lines = [
-            f"{self.name}: {self.cases} cases, {len(self.crashes)} crashes, {len(self.hangs)} hangs over {HANG:.0f} s, "
+            f"{self.cases} cases, {len(self.crashes)} crashes, {len(self.hangs)} hangs over {HANG:.0f} s, "
             f"{len(self.faults)} tracebacks or nonsense accepted"
         ]
         lines += [f"    seed {seed}: the process ended" for seed in self.crashes[:10]]
@@ -94,6 +95,7 @@ class _Worker:
 
 
 def _go(module: str, arguments: dict[str, Any], seeds: list[int], current: Any, began: Any, queue: Any) -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # libraries say much about broken files
     run_case: Callable[..., str | None] = importlib.import_module(module).run_case
     for seed in seeds:
         current.value, began.value = seed, time.monotonic()
