@@ -46,7 +46,8 @@ void bind_predictor(py::module_& module) {
           "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
           "1, or 0 where the axis sticks");
 
-  py::class_<BoundPlantAlong>(module, "PlantAlong", R"(A plant along its prediction on a log, to which effects are added.
+  py::class_<BoundPlantAlong>(module, "PlantAlong",
+                              R"(A plant along its prediction on a log, to which effects are added.
 
 What all effects need of the plant is worked out once, when the first asks for it.)")
       .def(

@@ -21,7 +21,8 @@ void refuse_uninitialised_objects(const py::module_& module) {
 // pybind11 object: that throws where nothing catches, and ends the process.
 void refuse_pickles(const py::module_& module) {
   for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
-    if (!PyType_Check(value.ptr()) || !py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(value.ptr()))) continue;
+    if (!PyType_Check(value.ptr()) || !py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(value.ptr())))
+      continue;
     const py::object kind = py::reinterpret_borrow<py::object>(value);
     if (!kind.attr("__reduce__").is(py::module_::import("builtins").attr("object").attr("__reduce__"))) continue;
     const std::string text = "cannot pickle '" + kind.attr("__name__").cast<std::string>() + "' object";

@@ -78,9 +78,7 @@ def _subject(owner: Any, target: Target, random: np.random.Generator, pool: dict
     return value
 
 
-def _arguments(
-    target: Target, random: np.random.Generator, pool: dict[str, Any]
-) -> tuple[list[Any], dict[str, Any]]:
+def _arguments(target: Target, random: np.random.Generator, pool: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
     positional: list[Any] = []
     named: dict[str, Any] = {}
     wrong = random.random() < 0.7

@@ -6,8 +6,34 @@ import random
 from collections.abc import Callable
 
 NUMBERS = ("nan", "inf", "-inf", "1e309", "-1e309", "1e300", "5e-324", "0x10", "1_000", "1,5", "1.2.3", "+-1", "", " ")
-NUMBERS += ("9" * 400, "\u0663", "1e", "e5", ".", "-", "true", "None", "=1+1", "@SUM(A1)", "\x00", "1\x1b[31m", "\u202e1")
-WORDS = ("time", "position", "command", "", "time", " time", "position [mm]", "command [mV]", "x" * 5000, "\x1b[2J", "é")
+NUMBERS += (
+    "9" * 400,
+    "\u0663",
+    "1e",
+    "e5",
+    ".",
+    "-",
+    "true",
+    "None",
+    "=1+1",
+    "@SUM(A1)",
+    "\x00",
+    "1\x1b[31m",
+    "\u202e1",
+)
+WORDS = (
+    "time",
+    "position",
+    "command",
+    "",
+    "time",
+    " time",
+    "position [mm]",
+    "command [mV]",
+    "x" * 5000,
+    "\x1b[2J",
+    "é",
+)
 WORDS += ("=cmd|' /C calc'!A0", "+time", "-time", "@time", "position\u202e", "reference", "nan", "1", '"', "time time")
 PARTS = (",", ";", "\t", " ", "|", "\0")
 

@@ -45,7 +45,9 @@ def targets() -> list[Target]:
             if isinstance(node, ast.FunctionDef):
                 found.append(_target(module, "", node))
             elif isinstance(node, ast.ClassDef):
-                found += [_target(module, node.name, inner) for inner in node.body if isinstance(inner, ast.FunctionDef)]
+                found += [
+                    _target(module, node.name, inner) for inner in node.body if isinstance(inner, ast.FunctionDef)
+                ]
     return found
 
 
