@@ -85,7 +85,7 @@ def hostile(random: Random, pool: dict[str, Any]) -> Any:
         lambda: array(random),
         lambda: [FLOATS[i] for i in random.integers(len(FLOATS), size=random.integers(0, 9))],
         lambda: [[1.0, 2.0], [3.0]],
-        lambda: {},
+        dict,
         lambda: 1j,
         lambda: range(int(random.integers(0, 40))),
         lambda: Hostile([ValueError, TypeError, KeyboardInterrupt, RuntimeError, StopIteration][random.integers(5)]),

@@ -1,7 +1,7 @@
 """Calls of the bindings: arguments of wrong shape, kind, layout and life, from several threads, drawn by a seed.
 
-A case is sound when it returns, or raises one of ERRORS with words of ours. What counts as a fault: a crash (the process
-is watched from outside), a hang, SystemError, and an exception that shows the insides of a library.
+A case is sound when it returns, or raises one of ERRORS with words of ours. What counts as a fault: a crash (the
+process is watched from outside), a hang, SystemError, and an exception that shows the insides of a library.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Calls of the command with hostile options, models, references, headers, names: one line and status 2, or a sound answer."""
+"""Calls of the command with hostile options, models, references, names: one line and status 2, or a sound answer."""
 
 from __future__ import annotations
 

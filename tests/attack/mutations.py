@@ -34,7 +34,7 @@ WORDS = (
     "\x1b[2J",
     "é",
 )
-WORDS += ("=cmd|' /C calc'!A0", "+time", "-time", "@time", "position\u202e", "reference", "nan", "1", '"', "time time")
+WORDS += ("é", "=cmd|' /C calc'!A0", "+time", "-time", "@time", "position\u202e", "reference", "nan", "1", '"')
 PARTS = (",", ";", "\t", " ", "|", "\0")
 
 

@@ -13,7 +13,7 @@ STUBS = Path(cogging.__file__).parent / "_core"
 
 @dataclass(frozen=True)
 class Parameter:
-    """One argument: its name, the annotation of the stub, whether it has a default, and whether it goes by name only."""
+    """One argument: its name, the annotation, whether it has a default and goes by name only."""
 
     name: str
     annotation: str

@@ -1,4 +1,4 @@
-"""Cases run in processes that are watched from outside: what crashes or hangs is told by its seed, and the rest goes on."""
+"""Cases run in watched processes: what crashes or hangs is told by its seed, and the rest goes on."""
 
 from __future__ import annotations
 
