@@ -151,7 +151,7 @@ Raises:
     ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.)")
       .def(
           "plant_along",
-          [](const Predictor& self, const Prediction& along, const Plant& plant) {
+          [](const Predictor& self, const Prediction& along, const Plant<>& plant) {
             const auto look_at = [](const auto& one) { return py::cast(&one, py::return_value_policy::reference); };
             return BoundPlantAlong{look_at(self), look_at(along), self.plant_along(along, plant)};
           },

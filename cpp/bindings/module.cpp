@@ -17,20 +17,6 @@ void refuse_uninitialised_objects(const py::module_& module) {
   }
 }
 
-// Without a way of its own to be pickled, an object falls to Python's for protocols 0 and 1, which makes a bare
-// pybind11 object: that throws where nothing catches, and ends the process.
-void refuse_pickles(const py::module_& module) {
-  for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
-    if (!PyType_Check(value.ptr()) || !py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(value.ptr())))
-      continue;
-    const py::object kind = py::reinterpret_borrow<py::object>(value);
-    if (!kind.attr("__reduce__").is(py::module_::import("builtins").attr("object").attr("__reduce__"))) continue;
-    const std::string text = "cannot pickle '" + kind.attr("__name__").cast<std::string>() + "' object";
-    const auto refuse = [text](const py::args&) -> py::object { throw py::type_error(text); };
-    py::setattr(kind, "__reduce__", py::cpp_function(refuse, py::name("__reduce__"), py::is_method(kind)));
-  }
-}
-
 void tell_of_memory(std::exception_ptr thrown) {
   constexpr const char* text = "more memory was asked for than there is: fewer rows, points or runs must be enough";
   try {
@@ -95,8 +81,6 @@ PYBIND11_MODULE(_core, module) {
   bind_table(module);
   tell_calls_in_one_line(module);
   tell_calls_in_one_line(module.attr("effects"));
-  refuse_pickles(module);
-  refuse_pickles(module.attr("effects"));
   refuse_uninitialised_objects(module);
   refuse_uninitialised_objects(module.attr("effects"));
 }

@@ -6,6 +6,7 @@ which the core keeps and gives back. None of them has a hash.
 
 from __future__ import annotations
 
+import copyreg
 from typing import Any
 
 from cogging import _core
@@ -137,11 +138,27 @@ def _reduced(self: Any) -> Any:
     return _remade, (kind, {name: getattr(self, name) for name in MADE_OF[kind.__name__]})
 
 
+def _restated(self: Any) -> Any:
+    return copyreg.__newobj__, (type(self),), self.__getstate__()  # type: ignore[attr-defined]
+
+
+def _refused(self: Any) -> Any:
+    raise TypeError(f"cannot pickle {type(self).__name__!r} object")
+
+
 def as_values() -> None:
-    """Let the classes of the core be compared, shown, copied and pickled."""
+    """Let the classes of the core be compared, shown, copied and pickled.
+
+    Each is told how it is pickled, or that it is not: Python's own way for protocols 0 and 1 would make a bare object of
+    pybind11, which ends the process.
+    """
     for kind in (*vars(_core).values(), *vars(_core.effects).values()):
-        if not isinstance(kind, type) or issubclass(kind, Exception) or kind is _core.CompiledController:
-            continue  # the last is compared by the core, which alone sees its functions
+        if not isinstance(kind, type) or issubclass(kind, Exception):
+            continue
+        if kind.__reduce__ is object.__reduce__:
+            setattr(kind, "__reduce__", _restated if hasattr(kind, "__setstate__") else _refused)  # noqa: B010
+        if kind is _core.CompiledController:
+            continue  # this one is compared by the core, which alone sees its functions
         struct, parameters = hasattr(kind, "FIELDS"), hasattr(kind, "parameters")
         if not (struct or parameters or kind.__name__ in MADE_OF):
             continue

@@ -22,7 +22,8 @@ from tests.attack.stub_signatures import Target, targets
 ERRORS = (TypeError, ValueError, OverflowError, IndexError, KeyError, AttributeError, RuntimeError, StopIteration)
 ERRORS = (*ERRORS, MemoryError, KeyboardInterrupt, NotImplementedError)
 INSIDES = re.compile(r"std::|vector::|basic_string|bad_alloc|map::at|_M_|Eigen|assert")
-TARGETS = targets()
+#: A thread that heeds a flag which is set does nothing more in the core: that is what heed() is for.
+TARGETS = [target for target in targets() if str(target) != "StopFlag.heed"]
 
 
 def run_case(seed: int) -> str | None:

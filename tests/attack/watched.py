@@ -44,7 +44,7 @@ class Tally:
         ]
         lines += [f"    seed {seed}: the process ended" for seed in self.crashes[:10]]
         lines += [f"    seed {seed}: no end" for seed in self.hangs[:10]]
-        lines += [f"    seed {seed}: {fault}" for seed, fault in list(self.faults.items())[:20]]
+        lines += [f"    seed {seed}: {fault[:300]}" for seed, fault in list(self.faults.items())[:20]]
         return "\n".join(lines)
 
 
