@@ -15,6 +15,7 @@ from cogging.papers.malaize2009.figures import (
     figure_spectrum,
     figure_velocity,
 )
+from cogging.papers.malaize2009.imperfections import table_2
 from cogging.papers.malaize2009.setup import (
     MOTORS,
     accuracy,
@@ -23,7 +24,7 @@ from cogging.papers.malaize2009.setup import (
     run,
     shipped,
 )
-from cogging.papers.malaize2009.tables import table_1, table_2
+from cogging.papers.malaize2009.tables import table_1
 from cogging.papers.result import Reproduction
 
 
