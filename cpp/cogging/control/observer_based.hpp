@@ -115,7 +115,11 @@ class ObserverBased {
 
 Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
 Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
-were refused x_hat and nu_hat start anew from the readings at both ends.)";
+were refused x_hat and nu_hat start anew from the readings at both ends.
+
+lambda_0 holds the dry friction. Of its reset the paper only says that it needs care; here it begins each motion with the
+last estimate in motion of that direction (of the other, turned, where that is the first), and each rest with the mean
+of both, which is without friction. What is learned at rest ends with it.)";
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})

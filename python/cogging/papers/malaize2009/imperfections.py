@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from cogging import effects
 from cogging._core import Plant
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
+from cogging.model.controller import ListedController
 from cogging.papers.malaize2009.setup import (
     CONTROLLERS,
     MOTORS,
     REPEATS,
     Calibrated,
     Motor,
-    accuracies,
     controllers,
     observer,
     pid,
@@ -25,6 +27,7 @@ from cogging.papers.malaize2009.setup import (
     true_error,
 )
 from cogging.papers.result import Row, Table
+from cogging.simulation.batch import closed_loop_batch
 
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
 FRICTION_WIDTHS = (0.0, 1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
@@ -47,6 +50,11 @@ def with_friction(machine: Plant, width: float, excess: float = 0.0, velocity: f
     return Plant(axis, cogging=machine.cogging, effects=listed, encoder=machine.encoder, noise=machine.noise)
 
 
+def cogging_rms(motor: Motor, amplitude: float) -> float:
+    """rms (m/s^2) of the cogging that the observer knows; amplitude: of the first period, m/s^2."""
+    return amplitude * float(np.sqrt(0.5 * np.sum(np.square(motor.shape))))
+
+
 def by_stroke(log: Log, motor: Motor) -> FloatArray:
     """Max |x - x*| (m) of each stroke with the rest behind it, (strokes,)."""
     half = 0.5 * reference(motor).period
@@ -55,23 +63,39 @@ def by_stroke(log: Log, motor: Motor) -> FloatArray:
     return np.array([error[stroke == each].max() for each in range(2 * REPEATS)])
 
 
+def largest_errors(
+    motor: Motor, machines: Sequence[Plant], controllers: Sequence[Mapping[str, ListedController]]
+) -> dict[str, FloatArray]:
+    """setup.accuracy (m) of each machine under its own PID and observer, (n,) each; infinite where a run diverged."""
+    found = {}
+    for name in CONTROLLERS:
+        run = closed_loop_batch(
+            machines,
+            [pair[name] for pair in controllers],
+            reference(motor),
+            start=0.5 * reference(motor).period,
+            reductions=["true_error_max"],
+        )
+        found[name] = np.nan_to_num(run.indexes["true_error_max"], nan=np.inf)
+    return found
+
+
 def imperfections(motor: Motor, gains: Calibrated) -> dict[str, dict[str, float]]:
     """Accuracies (m) of PID and observer where something is not as believed, by what it is."""
-    both = controllers(motor, gains)
     machines = machines_not_as_believed(motor, gains.amplitude)
-    found = {name: accuracies(machine, both, motor) for name, machine in machines.items()}
+    cases = {name: (machine, controllers(motor, gains)) for name, machine in machines.items()}
     exact = machines["as believed"]
     for share in (0.005, 0.02):
         pair = {"PID": pid(1.0 + share), "observer": observer(motor, gains, thrust=1.0 + share)}
-        found[f"thrust + {100 * share:g} %"] = accuracies(exact, pair, motor)
-    stretched = {"PID": pid(), "observer": observer(motor, gains, stretch=1.02)}
-    found["periods 2 % too long"] = accuracies(exact, stretched, motor)
-    return found
+        cases[f"thrust + {100 * share:g} %"] = (exact, pair)
+    cases["periods 2 % too long"] = (exact, {"PID": pid(), "observer": observer(motor, gains, stretch=1.02)})
+    errors = largest_errors(motor, *zip(*cases.values(), strict=True))
+    return {name: {each: float(errors[each][i]) for each in CONTROLLERS} for i, name in enumerate(cases)}
 
 
 def machines_not_as_believed(motor: Motor, amplitude: float) -> dict[str, Plant]:
     """Machines that their controllers know nothing of, by what they have; amplitude: of the first period, m/s^2."""
-    rms = amplitude * float(np.sqrt(0.5 * np.sum(np.square(motor.shape))))
+    rms = cogging_rms(motor, amplitude)
     exact, excess = plant(motor, amplitude), STRIBECK_EXCESS * motor.friction
     found = {"as believed": exact}
     for share in (0.04, 0.20):
@@ -83,8 +107,8 @@ def machines_not_as_believed(motor: Motor, amplitude: float) -> dict[str, Plant]
     found["encoder 10 times coarser"] = plant(motor, amplitude, resolution=10 * motor.resolution)
     for width in FRICTION_WIDTHS[1:]:
         found[f"friction {1e3 * width:g} mm/s wide"] = with_friction(exact, width)
-    for width in (0.0, 5e-5):
-        found[f"Stribeck friction {1e3 * width:g} mm/s wide"] = with_friction(exact, width, excess)
+    found["Stribeck friction that sticks"] = with_friction(exact, 0.0, excess)
+    found["Stribeck friction 0.05 mm/s wide"] = with_friction(exact, 5e-5, excess)
     return found
 
 
