@@ -7,7 +7,6 @@ how the errors with smooth friction go from stroke to stroke, and what Theorem 3
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable
 
 from cogging.mapping.error_spectrum import tracking_spectrum
@@ -28,7 +27,7 @@ from cogging.papers.malaize2009.setup import (
     shipped,
 )
 from cogging.papers.malaize2009.tables import table_1
-from cogging.papers.malaize2009.theorem_3 import theorem_3
+from cogging.papers.malaize2009.theorem_3 import further_tables
 from cogging.papers.result import Reproduction
 
 
@@ -56,9 +55,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     progress("ripple")
     figures["malaize2009_robustness"] = figure_robustness()
     progress("robustness")
-    solver = importlib.util.find_spec("cvxpy") is not None
-    if solver:
-        tables.append(theorem_3())
+    theorem, note = further_tables()
     progress("theorem 3")
     cold = ", ".join(
         f"{motor.name} {1e6 * accuracy(logs[motor.name]['observer'], motor, cold=True):.2f} um"
@@ -73,9 +70,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
         f"Periods proposed by the spectrum of the PID's error: {proposed}.",
         "lambda* reports the bound on the poles, which the paper does not state: it was fitted to lambda*.",
     ]
-    if not solver:
-        notes.append("The table of Theorem 3 is left out: it needs cvxpy, pip install 'cogging[design]'.")
-    return Reproduction("malaize2009", tables, figures, notes)
+    return Reproduction("malaize2009", [*tables, *theorem], figures, [*notes, *note])
 
 
 #: What reproduce() tells its progress.

@@ -7,7 +7,7 @@ range of velocities it is not feasible.
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import warnings
 from dataclasses import dataclass, replace
 from typing import Any
@@ -136,6 +136,13 @@ def theorem_3() -> Table:
         label = {"velocity_min": "0 m/s", "alpha": f"{alpha:g} 1/s", "solver": status}
         rows.append(Row("as printed", "unobserved", "1", None, float(unobserved(task, 0.0)), "exploratory", label))
     return Table("theorem_3", "Theorem 3 (ironcore): no minimum as printed, none at all from rest on", rows)
+
+
+def further_tables() -> tuple[list[Table], list[str]]:
+    """The table of Theorem 3; without cvxpy none, and a note that names the extra."""
+    if importlib.util.find_spec("cvxpy") is None:
+        return [], ["The table of Theorem 3 is left out: it needs cvxpy, pip install 'cogging[design]'."]
+    return [theorem_3()], []
 
 
 def _fastest(vertices: list[FloatArray], gain: FloatArray) -> float:
