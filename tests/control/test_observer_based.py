@@ -182,7 +182,7 @@ def test_what_smooth_friction_costs(name):
 
 
 # um: the largest error from the second stroke on where the motor pushes more or less than believed, with exact
-# friction. What was learned while slowing down would begin the next start with the wrong sign: 4.05 and 4.21 (ironcore).
+# friction. What is learned while slowing down has the wrong sign at the next start: 4.05 and 4.21 (ironcore).
 BY_THRUST = {"ironcore": {1.02: 2.59, 0.98: 2.70}, "ironless": {1.02: 2.56, 0.98: 2.60}}
 
 
