@@ -174,7 +174,7 @@ class Table(ByValue):
                 found = earlier.get((name, row.index))
                 before = f"{_shown(found):>12}{_ratio(found):>8}" if found else f"{'-':>12}{'-':>8}"
             lines.append(
-                f"{'':4}{name:<{width}}{row.index:<13}{_shown(row, printed=True):>12}{before}{_shown(row):>14}"
+                f"{'':4}{name:<{width}}{row.index:<13}{_shown(row, printed=True):>12}{before} {_shown(row):>13}"
                 f"{_ratio(row):>8}  {row.status}"
             )
         if self.before is not None and self.before.free:
@@ -186,7 +186,7 @@ class Table(ByValue):
 
 def _shown(row: Row, printed: bool = False) -> str:
     value = row.paper if printed else row.simulated
-    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, row.unit.removeprefix("1"))
+    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, "" if row.unit == "1" else row.unit)
     return f"{value * scale:.4g} {unit}".rstrip() if value is not None else "-"
 
 
