@@ -41,8 +41,11 @@ class CoggingScan:
     @classmethod
     def of(cls, cogging: CoggingModel, noise: float = SCAN_NOISE, seed: int = 2008) -> CoggingScan:
         """Scan a map with a sensor of some noise (V rms)."""
-        x = TRAVEL[0] + SCAN_STEP * np.arange(round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1)
-        return cls(x, cogging.force(x) + np.random.default_rng(seed).normal(0.0, noise, x.size))
+        x = np.asarray(
+            TRAVEL[0] + SCAN_STEP * np.arange(round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1), dtype=np.float64
+        )
+        sensor = np.random.default_rng(seed).normal(0.0, noise, x.size)
+        return cls(x, np.asarray(cogging.force(x) + sensor))
 
     def fit(self, harmonics: list[int] | None = None) -> MapFit:
         """The map by least squares, with the paper's splines; harmonics are chosen by the rule where none are given."""

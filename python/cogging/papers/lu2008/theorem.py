@@ -1,4 +1,4 @@
-"""Theorem 1 A of Lu, Chen, Yao, Wang 2008 with u_s2 switched on: its bound along runs of machines drawn at random.
+"""Theorem 1 A of Lu, Chen, Yao, Wang 2008 with u_s2 switched on: what it bounds, on machines drawn at random.
 
 ARC: M p' = u_s - phi^T theta~ + d~ (18), so with (19) and (20) the function (22), V = M p^2 / 2, has
 V' <= -k_s1 p^2 + epsilon <= -lambda V + epsilon with lambda = 2 k_s1 / theta_1max, and (23) follows.
@@ -23,8 +23,7 @@ are not reported, ours are assumed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,15 +36,13 @@ from cogging._core import (
     Dcarc,
     Plant,
     Reference,
-    Sampled,
     desired_compensation_condition,
-    friction_slope_max,
     smooth_sign,
 )
 from cogging.arrays import FloatArray
 from cogging.effects import ConstantForce, DisturbanceStep, DisturbanceTone
 from cogging.logs.log import Log
-from cogging.papers.lu2008.condition import controller_basis, steepest, sufficient_gains
+from cogging.papers.lu2008.condition import controller_basis, steepest
 from cogging.papers.lu2008.setup import (
     COULOMB_WIDTH,
     START,
@@ -54,7 +51,6 @@ from cogging.papers.lu2008.setup import (
     controller_parameters,
     reference,
 )
-from cogging.papers.result import Row, Table
 from cogging.simulation.closed_loop import closed_loop
 
 EPSILON = 0.002  # V m/s, of (20) and (30), not reported
@@ -62,7 +58,6 @@ DISTURBANCE = 0.3  # V, delta_d of (12), not reported
 SAMPLE_RATE = 20000.0  # Hz, ours, in place of continuous time
 DURATION = 0.5  # s, of a run
 SETTLED = 10.0  # time constants 1 / lambda after which exp(-lambda t) counts for nothing
-MACHINES = 4  # an axis and controller in `reproduce`
 ESTIMATED = ("mass", "viscous", "coulomb", "disturbance")
 
 
@@ -138,8 +133,59 @@ class Trial:
         if self.law is Arc:
             x, v, a = log.position, velocity, a - q.error_gain * error_rate
         friction = smooth_sign(v, q.coulomb_width)
-        phi = -np.column_stack([a, v, friction, -np.ones_like(a), q_basis(q).regressor(x)])
+        assert self.plant.cogging is not None
+        phi = -np.column_stack([a, v, friction, -np.ones_like(a), self.plant.cogging.basis.regressor(x)])
         assert log.estimates is not None
         u_s2 = log.command + q.feedback_gain * p + np.sum(phi * log.estimates, axis=1)
         rest = np.abs(p) * q.disturbance_bound - p * np.sum(phi * (log.estimates - self.theta), axis=1)
         return float(np.max(p * u_s2 + rest)) / EPSILON, float(np.max(p * u_s2)) / EPSILON
+
+
+def _known(column: FloatArray | None) -> FloatArray:
+    assert column is not None
+    return column
+
+
+def draw(axis: GantryAxis, seed: int, law: type[Arc] | type[Dcarc], **gains: float) -> Trial:
+    """A machine inside the printed bounds or at their corners, estimates anywhere within, d~ within delta_d.
+
+    Args:
+        axis: gives bounds, motion and, where none are given, the printed gains.
+        seed: of the machine.
+        law: of the controller.
+        gains: error_gain (1/s), feedback_gain (V/(m/s)).
+    """
+    rng = np.random.default_rng([2008, 1, seed])
+    truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
+    estimates = {name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)}
+    basis, largest = controller_basis(axis), axis.cogging_bound
+    sine, cosine = rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))
+    cogging = CoggingModel(basis, sine, cosine)
+    share, phase, side = rng.uniform(), rng.uniform(0.0, 2.0 * np.pi), rng.choice([-1.0, 1.0])
+    size = DISTURBANCE * share
+    effects: list[Any] = [
+        ConstantForce(force=truth[3]),
+        DisturbanceTone(
+            frequency=float(10 ** rng.uniform(0.0, 2.0)), sine=size * np.cos(phase), cosine=size * np.sin(phase)
+        ),
+        DisturbanceStep(force=side * (DISTURBANCE - size), start=rng.uniform(0.0, 0.2), stop=rng.uniform(0.3, 0.6)),
+    ]
+    mass, viscous, coulomb, _ = truth
+    body = AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=COULOMB_WIDTH, travel=list(TRAVEL))
+    parameters = controller_parameters(
+        axis, "C3", sample_rate=SAMPLE_RATE, epsilon=EPSILON, disturbance_bound=DISTURBANCE, **estimates, **gains
+    )
+    start = START + float(rng.uniform(-1.0, 1.0) * rng.choice([0.0, 1e-4, 1e-3]))
+    theta = np.array([*truth, *cogging.coefficients])
+    plant = Plant(body, cogging=cogging, effects=effects)
+    return Trial(
+        law, plant, parameters, theta, reference(axis, repeats=1), (start, 0.0), rate_of(axis, law, parameters)
+    )
+
+
+def rate_of(axis: GantryAxis, law: type[Arc] | type[Dcarc], parameters: AdaptiveRobustParameters) -> float:
+    """lambda of (23), 1/s, over the printed bounds; not above zero where Dcarc's gains do not satisfy (29)."""
+    if law is Arc:
+        return 2.0 * parameters.feedback_gain / axis.bounds[0][1]
+    friction, cogging = steepest(axis)
+    return desired_compensation_condition(parameters, friction_slope=friction, cogging_slope=cogging)[1]
