@@ -186,7 +186,7 @@ class Table(ByValue):
 
 def _shown(row: Row, printed: bool = False) -> str:
     value = row.paper if printed else row.simulated
-    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, row.unit.removeprefix("1"))
+    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, "" if row.unit == "1" else row.unit)
     return f"{value * scale:.4g} {unit}".rstrip() if value is not None else "-"
 
 
