@@ -169,7 +169,7 @@ def test_reproduce_writes_tables_and_figures(folder, capsys):
     assert document["paper"] == "lu2008"
     tables = [table["id"] for table in document["tables"]]
     assert tables[:2] == ["table1", "table2"]
-    claims = {f"{name}_{axis}" for name in ("harmonics", "matrix29", "theorem1a") for axis in "XY"}
+    claims = {f"{name}_{axis}" for name in ("constant_speed", "harmonics", "matrix29", "theorem1a") for axis in "XY"}
     assert claims | {"claim", "theorem1b"} <= set(tables)
     row = document["tables"][0]["rows"][0]
     assert (

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from cogging import Arc, CoggingModel, Dcarc, SplineHarmonics
-from cogging.papers.lu2008 import claims, condition, figures, harmonics, theorem, theorem_a, theorem_b
+from cogging import Arc, CoggingModel, Dcarc, Log, SplineHarmonics
+from cogging.papers.lu2008 import claims, condition, figures, harmonics, smoothness, theorem, theorem_a, theorem_b
 from cogging.papers.lu2008 import setup as lu2008
 
 AXES = pytest.mark.parametrize("axis", lu2008.AXES.values(), ids=lu2008.AXES)
@@ -222,6 +222,28 @@ def test_the_claim_on_random_maps():
     axis = lu2008.AXES["X"]
     machine = lu2008.plant(axis, claims.random_map(3))
     np.testing.assert_allclose(lu2008.last_rms(axis, [machine])[0], errors["X"]["e_2"][3], rtol=1e-12)
+
+
+@AXES
+def test_the_error_at_constant_speed_is_split_by_harmonics(axis):
+    """A log with known waves: 1 um at each compensated harmonic, 0.5 um at the others, as rms."""
+    motion = lu2008.reference(axis)
+    t = np.arange(0.0, motion.end, 1.0 / lu2008.SAMPLE_RATE)
+    x, v, _ = motion.sample(t)
+    others = [harmonic for harmonic in lu2008.HARMONICS if harmonic not in axis.compensated]
+    error = np.sqrt(2.0) * sum(
+        size * np.sin(2.0 * np.pi * harmonic * x / lu2008.PITCH + harmonic)
+        for size, listed in ((1e-6, axis.compensated), (0.5e-6, others))
+        for harmonic in listed
+    )
+    log = Log(time=t, position=x + error, command=0.0 * t, reference=x, reference_velocity=v)
+    part = smoothness.at_constant_speed(axis, log)
+    assert part.shape == (7, round(lu2008.PITCH / axis.velocity * lu2008.SAMPLE_RATE))
+    found = {row.labels["harmonics"]: row.simulated for row in smoothness.smoothness_table(axis, {"C3": log}).rows}
+    expected = {len(axis.compensated): 3e-12, len(others): 0.5e-12}
+    assert found.pop("all") == pytest.approx(np.sqrt(3.5e-12), rel=1e-3)
+    for listed, value in found.items():
+        assert value == pytest.approx(np.sqrt(expected[len(listed.split())]), rel=1e-3)
 
 
 # Theorem 1 A ----------------------------------------------------------------------------------------------------------

@@ -1,8 +1,8 @@
 """Lu, Chen, Yao, Wang 2008: DCARC with a B-spline cogging model on the two axes of a gantry (Tables 1 and 2).
 
 Each cogging map is calibrated on the three rms values, the maxima then follow. Behind the paper's tables stand those of
-what it says and does not tabulate: the spectrum of the scans, matrix (29), the claim on other maps, Theorem 1. Sources
-are cited as in setup.py.
+what it says and does not tabulate: the error at constant speed, the spectrum of the scans, matrix (29), the claim on
+other maps, Theorem 1. Sources are cited as in setup.py.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from cogging.papers.lu2008.setup import (
     run,
     shipped_amplitudes,
 )
+from cogging.papers.lu2008.smoothness import smoothness_table
 from cogging.papers.lu2008.tables import table
 from cogging.papers.lu2008.theorem_a import theorem_table
 from cogging.papers.lu2008.theorem_b import convergence_table, decays
@@ -62,6 +63,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
         figures[f"lu2008_fig{error_number + 1}"] = figure_errors(axis, logs, error_number + 1, last_period=True)
         progress(f"figures {error_number}, {error_number + 1}")
         further += [
+            smoothness_table(axis, logs),
             harmonics_table(axis.name, cogging, fits[axis.name]),
             condition_table(axis, machine, logs["C3"]),
         ]

@@ -23,7 +23,7 @@ from cogging.papers.result import Row, Table
 from cogging.simulation.batch import closed_loop_batch
 
 FASTER = 30.0  # times the printed adaptation rates, which take hundreds of periods; the theorem leaves Gamma open
-PERIODS = {"X": 8, "Y": 6}  # moves there and back in `reproduce`
+PERIODS = {"X": 8, "Y": 4}  # moves there and back in `reproduce`
 RATES = (5000.0, 10000.0, 20000.0)  # Hz
 KEPT = 1000.0  # rows of the error a second
 
