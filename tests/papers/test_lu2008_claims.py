@@ -265,6 +265,7 @@ def test_v_stays_below_the_bound_where_the_conditions_are_met(axis, law):
         log = trial.run()
         assert trial.holds(log), seed
         settled.append(trial.settled(log))
+        assert trial.settled_error(log) < trial.error_bound()
         conditions = trial.robust_term(log)
         assert conditions[0] <= 1.0
         assert conditions[1] <= 1e-6  # rounding of u less u_a and u_s1

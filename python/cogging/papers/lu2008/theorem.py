@@ -119,6 +119,19 @@ class Trial:
         late = log.time > SETTLED / self.rate
         return float(self.lyapunov(log)[late].max() * self.rate / EPSILON)
 
+    def settled_error(self, log: Log) -> float:
+        """The largest true |e| in the second half of the run, m."""
+        assert log.true_position is not None
+        late = log.time > 0.5 * DURATION
+        return float(np.abs(log.true_position - _known(log.reference))[late].max())
+
+    def error_bound(self) -> float:
+        """What (23) leaves of |e| in the end, m.
+
+        V <= epsilon / lambda bounds p, and e' = p - k_1 e has |e| <= max |p| / k_1; the term in e^2 of V says the same.
+        """
+        return float(np.sqrt(2.0 * EPSILON / (self.rate * self.plant.axis.mass)) / self.parameters.error_gain)
+
     def robust_term(self, log: Log) -> tuple[float, float]:
         """The largest p (u_s2 - phi^T theta~ + d~) / epsilon and p u_s2 / epsilon of any sample.
 
