@@ -88,6 +88,9 @@ def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) ->
 def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
     """Amplitude of each harmonic in the scan, and whether the rule keeps it: the paper's, the rule's, the next below.
 
+    The last two rows count the paper's harmonics that the rule keeps, and those whose own line stands above the
+    threshold: one whose amplitude changes its sign along the travel has a line on either side and none between.
+
     Args:
         name: of the axis.
         cogging: that was scanned.
@@ -106,8 +109,13 @@ def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
     rows.append(
         Row("rule", "noise", "V", None, hidden[weakest], "exploratory", {"harmonic": f"{weakest}, at which it is lost"})
     )
-    found = float(len(set(kept) & set(HARMONICS)))
-    rows.append(Row("rule", "kept", "1", float(len(HARMONICS)), found, "exploratory", {"of": "the paper's"}))
+    over = amplitude >= at_harmonic(fit, fit.line_threshold)
+    printed = float(len(HARMONICS))
+    for index, found in (
+        ("kept", len(set(kept) & set(HARMONICS))),
+        ("own_lines", sum(over[harmonic - 1] for harmonic in HARMONICS)),
+    ):
+        rows.append(Row("rule", index, "1", printed, float(found), "exploratory", {"of": "the paper's"}))
     return Table(f"harmonics_{name}", f"Spectrum of the scan, {name} axis (the map is assumed)", rows)
 
 
