@@ -18,35 +18,28 @@ from cogging._core import (
     CoggingModel,
     EncoderParameters,
     Plant,
-    SplineHarmonics,
-    cogging_slope_max,
-    desired_compensation_condition,
     friction_slope_max,
 )
 from cogging.arrays import FloatArray
 from cogging.papers.lu2008.calibration import calibrate
+from cogging.papers.lu2008.claims import claim_table, errors_on_maps
+from cogging.papers.lu2008.condition import matrix_condition
 from cogging.papers.lu2008.setup import (
     AXES,
-    CONTROL_POINTS,
     CONTROLLERS,
     COULOMB_WIDTH,
-    HARMONICS,
-    ORDER,
-    PITCH,
     RESOLUTION,
-    TRAVEL,
     GantryAxis,
-    cogging_basis,
     cogging_map,
-    controller_parameters,
     indexes,
-    last_rms,
     plant,
     reference,
     run,
     shipped_amplitudes,
 )
 from cogging_command import run_command
+
+MANY_MAPS = 200  # an axis
 
 
 @dataclass(frozen=True)
@@ -94,30 +87,6 @@ def vary(axis: GantryAxis, variation: Variation) -> tuple[FloatArray, FloatArray
     return found[:, 0] / axis.error_max, found[:, 1] / axis.error_rms
 
 
-def random_map(seed: int, level: float) -> CoggingModel:
-    """A random cogging map: harmonics of random strength and phase, each changing at random along the travel.
-
-    Args:
-        seed: of the map.
-        level: V, scale of the fundamental; harmonic h is smaller by h on average.
-    """
-    random = np.random.default_rng([2008, seed])
-    strength = level * random.lognormal(0.0, 0.4, len(HARMONICS)) / np.array(HARMONICS)
-    phase = random.uniform(0.0, 2.0 * np.pi, len(HARMONICS))
-    depth = random.uniform(0.2, 0.8, len(HARMONICS))
-    profile = 1.0 + depth[:, None] * random.uniform(-1.0, 1.0, (len(HARMONICS), CONTROL_POINTS))
-    sine = (strength * np.cos(phase))[:, None] * profile
-    cosine = (strength * np.sin(phase))[:, None] * profile
-    return CoggingModel(cogging_basis(), sine, cosine)
-
-
-def claim_shares(axis: GantryAxis, maps: int = 40, level: float = 0.06) -> tuple[float, float, float]:
-    """Shares of random maps on which, by rms, C3 beats C2, C2 beats C1, and both."""
-    c1, c2, c3 = last_rms(axis, [plant(axis, random_map(seed, level)) for seed in range(maps)]).T
-    third, second, both = np.mean([c3 < c2, c2 < c1, (c3 < c2) & (c2 < c1)], axis=1)
-    return float(third), float(second), float(both)
-
-
 def step_halving(axis: GantryAxis) -> tuple[float, float]:
     """What halving the integration step changes: largest relative change of an rms, of a maximum in counts."""
     machine, motion = plant(axis, cogging_map(axis, shipped_amplitudes(axis))), reference(axis)
@@ -125,29 +94,6 @@ def step_halving(axis: GantryAxis) -> tuple[float, float]:
     found = np.array([[indexes(logs[name], motion) for name in CONTROLLERS] for logs in (one, two)])
     change = np.abs(found[1] - found[0])
     return float((change[:, 1] / found[0][:, 1]).max()), float(change[:, 0].max() / RESOLUTION)
-
-
-def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0) -> tuple[float, float]:
-    """Smallest eigenvalue of (29) and the decay rate (1/s) with the printed gains of C3.
-
-    Args:
-        axis: the axis.
-        friction_slope: the largest g_f, 1/(m/s).
-        share: of the largest |theta_4b^T g_r| that the printed bounds allow.
-    """
-    parameters = controller_parameters(axis, "C3")
-    slope = share * cogging_slope_max(_controller_basis(axis), axis.cogging_bound)
-    return desired_compensation_condition(parameters, friction_slope=friction_slope, cogging_slope=slope)
-
-
-def _controller_basis(axis: GantryAxis) -> SplineHarmonics:
-    return SplineHarmonics(
-        pitch=PITCH,
-        harmonics=list(axis.compensated),
-        order=ORDER,
-        origin=TRAVEL[0],
-        control_points=CONTROL_POINTS,
-    )
 
 
 def main(show: Callable[[str], None] = print) -> None:
@@ -159,8 +105,7 @@ def main(show: Callable[[str], None] = print) -> None:
             maxima, rms = vary(axis, variation)
             numbers = "{:9.2f}{:6.2f}{:6.2f}".format(*maxima) + "{:9.3f}{:7.3f}{:7.3f}".format(*rms)
             show(f"{'':4}{variation.name:<34}{numbers}")
-        third, second, both = claim_shares(axis)
-        show(f"{'':4}40 random maps, by rms: C3 < C2 on {third:.0%}, C2 < C1 on {second:.0%}, both on {both:.0%}")
+        show(claim_table({axis.name: errors_on_maps(axis, MANY_MAPS)}).text())
         rms_change, counts = step_halving(axis)
         show(f"{'':4}half the integration step: rms changes by {rms_change:.2%} at most, maxima by {counts:.2f} counts")
         steep = friction_slope_max(COULOMB_WIDTH)
