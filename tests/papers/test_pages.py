@@ -87,7 +87,7 @@ def test_every_item_stands_and_is_checked_where_the_page_says(paper):
     tables = {table.id for table in reproduced(paper).tables}
     for item, says, where, how, status in items(paper):
         assert says, item
-        assert status.split(",")[0].split(":")[0].split(" (")[0] in STATUSES, (item, status)
+        assert re.split(r"[;,:(]", status)[0].strip() in STATUSES, (item, status)
         for path, symbol in (*places(where), *places(how)):
             assert (ROOT / path).exists(), (item, path)
             for name in filter(None, symbol.split("::")):
