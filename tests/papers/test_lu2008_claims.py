@@ -180,6 +180,21 @@ def test_what_the_printed_gains_bear(axis):
 
 
 @AXES
+def test_a_smoother_friction_is_borne_and_the_tables_do_not_tell(axis):
+    """With S_f = (2/pi) atan(300 v) on X, 240 on Y, the printed gains satisfy (29), and C3 errs as it did."""
+    width = condition.width_borne(axis)
+    assert 1.0 / width == pytest.approx({"X": 302.1, "Y": 240.6}[axis.name], abs=0.5)
+    slope = 2.0 / (np.pi * width)
+    for factor, positive in ((0.999, True), (1.001, False)):
+        assert (condition.matrix_condition(axis, factor * slope)[0] > 0.0) == positive
+    machine = lu2008.plant(axis, shipped(axis))
+    log = lu2008.run(axis, machine)["C3"]
+    rows = {row.labels["case"]: row for row in condition.condition_table(axis, machine, log).rows if row.index == "e_2"}
+    assert rows["with that S_f"].simulated == pytest.approx(lu2008.indexes(log, lu2008.reference(axis))[1], rel=0.03)
+    assert rows["sufficient gains"].simulated < 0.4 * rows["with that S_f"].simulated
+
+
+@AXES
 def test_gains_that_would_do(axis):
     gains = condition.sufficient_gains(axis)
     steep, rough = condition.steepest(axis)
