@@ -57,9 +57,7 @@ def steepest(axis: GantryAxis) -> tuple[float, float]:
     return friction_slope_max(COULOMB_WIDTH), cogging_slope_max(controller_basis(axis), axis.cogging_bound)
 
 
-def matrix_condition(
-    axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: float
-) -> tuple[float, float]:
+def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: Any) -> tuple[float, float]:
     """Smallest eigenvalue of (29) (in SI units) and the decay rate (1/s) that goes with it, over the printed bounds.
 
     Args:
@@ -192,7 +190,7 @@ def condition_table(axis: GantryAxis, machine: Plant, log: Log) -> Table:
     return Table(f"matrix29_{axis.name}", f"Matrix (29) of C3, {axis.name} axis", rows)
 
 
-def _rms(axis: GantryAxis, machine: Plant, **changes: float) -> float:
+def _rms(axis: GantryAxis, machine: Plant, **changes: Any) -> float:
     motion = reference(axis)
     log = closed_loop(machine, Dcarc(controller_parameters(axis, "C3", **changes)), motion)
     return indexes(log, motion)[1]

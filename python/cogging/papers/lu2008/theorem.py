@@ -161,7 +161,7 @@ def _known(column: FloatArray | None) -> FloatArray:
     return column
 
 
-def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: float) -> Trial:
+def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: Any) -> Trial:
     """A machine inside the printed bounds or at their corners, estimates anywhere within, d~ within delta_d.
 
     Args:
@@ -173,7 +173,9 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     """
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
-    estimates = {name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)}
+    estimates: dict[str, Any] = {
+        name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)
+    }
     basis, largest = controller_basis(axis), axis.cogging_bound
     sine, cosine = rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))
     cogging = CoggingModel(basis, sine, cosine)
@@ -188,7 +190,12 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     ]
     mass, viscous, coulomb, _ = truth
     body = AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL))
-    changes = {"sample_rate": SAMPLE_RATE, "epsilon": EPSILON, "disturbance_bound": DISTURBANCE, "coulomb_width": width}
+    changes: dict[str, Any] = {
+        "sample_rate": SAMPLE_RATE,
+        "epsilon": EPSILON,
+        "disturbance_bound": DISTURBANCE,
+        "coulomb_width": width,
+    }
     parameters = controller_parameters(axis, "C3", **changes, **estimates, **gains)
     start = START + float(rng.uniform(-1.0, 1.0) * rng.choice([0.0, 1e-4, 1e-3]))
     theta = np.array([*truth, *cogging.coefficients])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -34,15 +35,15 @@ def with_disturbance_times(trial: Trial, factor: float) -> Trial:
     return replace(trial, plant=plant)
 
 
-def growth_at_rest(axis: GantryAxis, **gains: float) -> float:
+def growth_at_rest(axis: GantryAxis, **gains: Any) -> float:
     """The largest V of DCARC over its first one, held at rest by exact parameters: nothing is uncertain, no d~.
 
     The machine has the smallest mass and the largest frictions of the bounds and no cogging, and starts at the (p, e)
     that Q likes least, at 0.1 mm/s. Where (29) is positive, V only falls.
     """
     masses, viscous, coulomb, _ = axis.bounds
-    values = {"mass": masses[0], "viscous": viscous[1], "coulomb": coulomb[1]}
-    held = {f"{name}_adaptation": 0.0 for name in (*ESTIMATED, "cogging")}
+    values: dict[str, Any] = {"mass": masses[0], "viscous": viscous[1], "coulomb": coulomb[1]}
+    held: dict[str, Any] = {f"{name}_adaptation": 0.0 for name in (*ESTIMATED, "cogging")}
     parameters = controller_parameters(axis, "C3", sample_rate=SAMPLE_RATE, **values, **held, **gains)
     k, mass = parameters.error_gain, values["mass"]
     friction = values["viscous"] + values["coulomb"] * friction_slope_max(COULOMB_WIDTH)
