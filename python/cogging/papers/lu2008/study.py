@@ -94,7 +94,7 @@ def shape_variations() -> Iterator[Variation]:
             yield Variation(f"{name} {value:.3g}", {}, {}, {}, shape=replace(shipped, **{name: value}))
     yield Variation("C2: the fundamental alone", {}, {}, {"periodic": (1,)})
     both = {"periodic": (1,)}
-    yield Variation("the same, decay 2", {}, {}, both, shape=replace(shipped, decay=2.0))
+    yield Variation("C2: the fundamental alone, decay 2", {}, {}, both, shape=replace(shipped, decay=2.0))
 
 
 def vary(axis: GantryAxis, variation: Variation) -> tuple[FloatArray, FloatArray, float]:
