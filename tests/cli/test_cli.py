@@ -174,7 +174,7 @@ def test_reproduce_writes_tables_and_figures(folder, capsys):
     row = document["tables"][0]["rows"][0]
     assert (
         row.items()
-        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "predicted"}.items()
+        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}.items()
     )
     pictures = sorted(path.name for path in (folder / "results").glob("*.png"))
     numbered = [f"fig{number}" for number in (2, 3, 5, 6, 7, 8, 9, 10)]

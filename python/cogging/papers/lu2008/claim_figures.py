@@ -13,7 +13,7 @@ from cogging.mapping.result import MapFit
 from cogging.papers.lu2008.condition import sufficient_gains
 from cogging.papers.lu2008.harmonics import HIGHEST, chosen
 from cogging.papers.lu2008.setup import AXES, HARMONICS, GantryAxis
-from cogging.papers.lu2008.theorem import draw
+from cogging.papers.lu2008.theorem import Law, draw
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
@@ -113,7 +113,7 @@ def figure_theorem(decays: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     return figure
 
 
-def _draw_bound(axes: Axes, axis: GantryAxis, law: type[Arc] | type[Dcarc], gains: dict[str, float], said: str) -> None:
+def _draw_bound(axes: Axes, axis: GantryAxis, law: Law, gains: dict[str, float], said: str) -> None:
     trial = draw(axis, SHOWN, law, **gains)
     on, off = trial.run(), trial.run(epsilon=0.0)
     shown = on.time <= SHOWN_FOR

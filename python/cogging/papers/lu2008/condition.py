@@ -57,9 +57,7 @@ def steepest(axis: GantryAxis) -> tuple[float, float]:
     return friction_slope_max(COULOMB_WIDTH), cogging_slope_max(controller_basis(axis), axis.cogging_bound)
 
 
-def matrix_condition(
-    axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: float
-) -> tuple[float, float]:
+def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: Any) -> tuple[float, float]:
     """Smallest eigenvalue of (29) (in SI units) and the decay rate (1/s) that goes with it, over the printed bounds.
 
     Args:
@@ -120,6 +118,11 @@ def speed_of_slope(slope: float) -> float:
     return COULOMB_WIDTH * float(np.sqrt(max(friction_slope_max(COULOMB_WIDTH) / slope - 1.0, 0.0)))
 
 
+def width_borne(axis: GantryAxis) -> float:
+    """The width (m/s) from which on S_f(v) = (2/pi) atan(v / width) is nowhere steeper than the printed gains bear."""
+    return 2.0 / (np.pi * friction_slope_borne(axis))
+
+
 def positive_share(axis: GantryAxis, machine: Plant, log: Log) -> float:
     """The share of the samples of the last there and back at which (29) is positive with the machine's own numbers.
 
@@ -170,19 +173,27 @@ def condition_table(axis: GantryAxis, machine: Plant, log: Log) -> Table:
         rows.append(_row("decay_rate", "1/s", rate, case))
     borne, gains = friction_slope_borne(axis), sufficient_gains(axis)
     least = float(least_feedback_gain(axis, axis.error_gain, steep, rough))
-    motion = reference(axis)
-    better = closed_loop(machine, Dcarc(controller_parameters(axis, "C3", **gains)), motion)
+    width = width_borne(axis)
+    smooth = Plant(machine.axis.replace(coulomb_width=width), cogging=machine.cogging, encoder=machine.encoder)
     rows += [
         _row("g_f", "s/m", borne, "borne"),
         _row("speed", "m/s", speed_of_slope(borne), "from which g_f is borne"),
+        _row("width", "m/s", width, "of an S_f that is borne"),
+        _row("e_2", "m", _rms(axis, smooth, coulomb_width=width), "with that S_f", axis.error_rms[2]),
         _row("slope_share", "1", cogging_slope_borne(axis), "borne without g_f"),
         _row("sample_share", "1", positive_share(axis, machine, log), "positive in the run"),
         _row("k_s1", "V/(m/s)", least, "least at the printed k_1", axis.feedback_gain),
         _row("k_1", "1/s", gains["error_gain"], "sufficient gains", axis.error_gain),
         _row("k_s1", "V/(m/s)", gains["feedback_gain"], "sufficient gains", axis.feedback_gain),
-        _row("e_2", "m", indexes(better, motion)[1], "sufficient gains", axis.error_rms[2]),
+        _row("e_2", "m", _rms(axis, machine, **gains), "sufficient gains", axis.error_rms[2]),
     ]
     return Table(f"matrix29_{axis.name}", f"Matrix (29) of C3, {axis.name} axis", rows)
+
+
+def _rms(axis: GantryAxis, machine: Plant, **changes: Any) -> float:
+    motion = reference(axis)
+    log = closed_loop(machine, Dcarc(controller_parameters(axis, "C3", **changes)), motion)
+    return indexes(log, motion)[1]
 
 
 def _row(index: str, unit: str, value: float, case: str, paper: float | None = None) -> Row:

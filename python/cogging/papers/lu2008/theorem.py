@@ -37,6 +37,7 @@ from cogging._core import (
     Plant,
     Reference,
     desired_compensation_condition,
+    friction_slope_max,
     smooth_sign,
 )
 from cogging.arrays import FloatArray
@@ -58,6 +59,7 @@ DISTURBANCE = 0.3  # V, delta_d of (12), not reported
 SAMPLE_RATE = 20000.0  # Hz, ours, in place of continuous time
 DURATION = 0.5  # s, of a run
 SETTLED = 10.0  # time constants 1 / lambda after which exp(-lambda t) counts for nothing
+Law = type[Arc] | type[Dcarc]
 ESTIMATED = ("mass", "viscous", "coulomb", "disturbance")
 
 
@@ -75,7 +77,7 @@ class Trial:
         rate: lambda, 1/s.
     """
 
-    law: type[Arc] | type[Dcarc]
+    law: Law
     plant: Plant
     parameters: AdaptiveRobustParameters
     theta: FloatArray
@@ -159,18 +161,21 @@ def _known(column: FloatArray | None) -> FloatArray:
     return column
 
 
-def draw(axis: GantryAxis, seed: int, law: type[Arc] | type[Dcarc], **gains: float) -> Trial:
+def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: Any) -> Trial:
     """A machine inside the printed bounds or at their corners, estimates anywhere within, d~ within delta_d.
 
     Args:
         axis: gives bounds, motion and, where none are given, the printed gains.
         seed: of the machine.
         law: of the controller.
+        width: of S_f, in machine and controller, m/s.
         gains: error_gain (1/s), feedback_gain (V/(m/s)).
     """
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
-    estimates = {name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)}
+    estimates: dict[str, Any] = {
+        name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)
+    }
     basis, largest = controller_basis(axis), axis.cogging_bound
     sine, cosine = rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))
     cogging = CoggingModel(basis, sine, cosine)
@@ -184,10 +189,14 @@ def draw(axis: GantryAxis, seed: int, law: type[Arc] | type[Dcarc], **gains: flo
         DisturbanceStep(force=side * (DISTURBANCE - size), start=rng.uniform(0.0, 0.2), stop=rng.uniform(0.3, 0.6)),
     ]
     mass, viscous, coulomb, _ = truth
-    body = AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=COULOMB_WIDTH, travel=list(TRAVEL))
-    parameters = controller_parameters(
-        axis, "C3", sample_rate=SAMPLE_RATE, epsilon=EPSILON, disturbance_bound=DISTURBANCE, **estimates, **gains
-    )
+    body = AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL))
+    changes: dict[str, Any] = {
+        "sample_rate": SAMPLE_RATE,
+        "epsilon": EPSILON,
+        "disturbance_bound": DISTURBANCE,
+        "coulomb_width": width,
+    }
+    parameters = controller_parameters(axis, "C3", **changes, **estimates, **gains)
     start = START + float(rng.uniform(-1.0, 1.0) * rng.choice([0.0, 1e-4, 1e-3]))
     theta = np.array([*truth, *cogging.coefficients])
     plant = Plant(body, cogging=cogging, effects=effects)
@@ -196,9 +205,9 @@ def draw(axis: GantryAxis, seed: int, law: type[Arc] | type[Dcarc], **gains: flo
     )
 
 
-def rate_of(axis: GantryAxis, law: type[Arc] | type[Dcarc], parameters: AdaptiveRobustParameters) -> float:
+def rate_of(axis: GantryAxis, law: Law, parameters: AdaptiveRobustParameters) -> float:
     """lambda of (23), 1/s, over the printed bounds; not above zero where Dcarc's gains do not satisfy (29)."""
     if law is Arc:
         return 2.0 * parameters.feedback_gain / axis.bounds[0][1]
-    friction, cogging = steepest(axis)
+    friction, cogging = friction_slope_max(parameters.coulomb_width), steepest(axis)[1]
     return desired_compensation_condition(parameters, friction_slope=friction, cogging_slope=cogging)[1]
