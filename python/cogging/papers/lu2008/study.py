@@ -22,7 +22,6 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.papers.lu2008.calibration import calibrate
-from cogging.papers.lu2008.claims import claim_shares as claim_shares  # the notebook asks for it here
 from cogging.papers.lu2008.claims import claim_table, errors_on_maps
 from cogging.papers.lu2008.condition import matrix_condition
 from cogging.papers.lu2008.setup import (
