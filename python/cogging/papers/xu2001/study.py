@@ -31,22 +31,37 @@ from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
 from cogging.papers.result import png
 from cogging.papers.xu2001.exploration import changes, columns, explore, gap
-from cogging.papers.xu2001.robust_terms import FACTORS, HARDWARE, figure_increment, increment, one_count
+from cogging.papers.xu2001.fast_motion import fast_motion_table
+from cogging.papers.xu2001.figures import figure_increment
+from cogging.papers.xu2001.pid_poles import pid_poles_table
+from cogging.papers.xu2001.robust_terms import (
+    FACTORS,
+    HARDWARE,
+    PERIOD,
+    increment,
+    lasts,
+    one_count_table,
+    rigid,
+    subsets,
+    which_run,
+)
 from cogging.papers.xu2001.setup import (
     DURATION,
     MASSES,
+    RESOLUTION,
     VISCOUS,
     Unknowns,
     arc_parameters,
-    fast_reference,
     indexes,
     pid_parameters,
     plant,
     reference,
-    run,
     shipped_unknowns,
 )
 from cogging_command import run_command
+
+#: Hz: below and above what the printed robust terms need. The last takes minutes.
+LONG_RATES = (1e8, 2e8, 3e8, 3.2e8, 3.35e8)
 
 
 def loses_stability(make: Callable[[], ListedController], mass: float) -> tuple[float, float]:
@@ -140,27 +155,25 @@ def _limits(unknowns: Unknowns, show: Callable[[str], None]) -> None:
         ("ARC", OutputFeedbackArc(arc_parameters(coulomb=0.0))),
     ):
         show(f"{'':4}integral stiffness of {name}: {integral_stiffness(controller, MASSES['1']):.3g} V/(m s)")
-    for pole in (-300.0, -320.0):
-        log = run(unknowns, Pid(pid_parameters(pole=pole)))["1"]
-        show(
-            f"{'':4}PID at {pole:g} on the calibrated plant ({1e3 * unknowns.delay:.2f} ms delay): stable, "
-            f"e_M {1e6 * indexes(log)['e_M']:.1f} um"
-        )
+    show(pid_poles_table(unknowns).text())
 
 
-def _fast_motion(unknowns: Unknowns, show: Callable[[str], None]) -> None:
-    show(
-        "Case 2, fast point-to-point motion without load: largest error (um) moving and in the last 0.2 s of each rest"
-    )
-    motion = fast_reference()
-    for name, controller in (("PID", Pid(pid_parameters())), ("ARC", OutputFeedbackArc(arc_parameters()))):
-        log = Log.of(closed_loop(plant(unknowns, "1"), controller, motion, seed=1))
-        since = np.mod(log.time, motion.period / 2.0)
-        error, moving = 1e6 * np.abs(log.error), since < motion.move_time
-        resting = since > motion.move_time + 0.3
-        show(
-            f"{'':4}{name}: moving {error[moving].max():.1f}, at rest {error[resting].max():.1f} (paper: ARC within 1)"
-        )
+def _robust_terms(show: Callable[[str], None]) -> None:
+    show("Rms command increment (V) with the printed robust terms times a factor; inf = diverges")
+    show(f"{'':4}{'hardware':<24}" + _numbers(FACTORS))
+    for rate, resolution in HARDWARE:
+        values = [increment(factor, rate, resolution) for factor in FACTORS]
+        show(f"{'':4}{f'{rate / 1000:g} kHz, {1e9 * resolution:g} nm':<24}" + _numbers(values))
+    show(one_count_table().text())
+    show("All printed robust terms with an ideal encoder, for one period of the sine at most, by sampling rate")
+    for rate in LONG_RATES:
+        lasting = lasts(rate, PERIOD)
+        error = "" if np.isnan(lasting.error) else f", e_M {1e6 * lasting.error:.3g} um"
+        show(f"{'':4}{rate / 1e6:g} MHz: {lasting.time:.4g} s{error}, {lasting.end}")
+    show("Choices among the seven robust terms that run for 10 s at 2.5 kHz on a 1 um encoder, of 128")
+    for terms, found in which_run(subsets(), rigid(RESOLUTION)).items():
+        if "diverges_at" not in found:
+            show(f"{'':4}{' + '.join(terms) or 'none':<36}{found['du_rms']:9.3g} V a sample")
 
 
 def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:
@@ -183,22 +196,10 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
     seeds = [columns(OutputFeedbackArc(arc_parameters()), unknowns, seed=seed)[:, 0] for seed in range(10)]
     show(f"{'':4}spread of e_M over ten seeds of the encoder noise (um){_numbers(1e6 * np.std(seeds, axis=0))}")
 
-    show("Rms command increment (V) with the printed robust terms times a factor; inf = diverges")
-    show(f"{'':4}{'hardware':<24}" + _numbers(FACTORS))
-    for rate, resolution in HARDWARE:
-        values = [increment(factor, rate, resolution) for factor in FACTORS]
-        show(f"{'':4}{f'{rate / 1000:g} kHz, {1e9 * resolution:g} nm':<24}" + _numbers(values))
-
-    show("The printed robust terms in full, ideal encoder, first 2 ms: rms increment (V) by sampling rate (Hz)")
-    rates = (1e6, 1e7, 1e8, 1e9)
-    show(f"{'':4}" + _numbers(rates))
-    show(f"{'':4}" + _numbers([increment(1.0, rate, 0.0, duration=0.002) for rate in rates]))
-    jumps = ", ".join(f"{abs(one_count(resolution)):.3g} V by {1e9 * resolution:g} nm" for resolution in (1e-6, 1e-10))
-    show(f"{'':4}one encoder count moves the command, at rest: {jumps}")
-
+    _robust_terms(show)
     _compare(unknowns, show)
     _limits(unknowns, show)
-    _fast_motion(unknowns, show)
+    show(fast_motion_table(unknowns).text())
     if folder is not None:
         path = Path(folder) / "xu2001_increment.png"
         write_bytes(path, png(figure_increment()))
