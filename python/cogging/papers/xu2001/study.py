@@ -33,7 +33,7 @@ from cogging.papers.result import png
 from cogging.papers.xu2001.exploration import changes, columns, explore, gap
 from cogging.papers.xu2001.fast_motion import fast_motion_table
 from cogging.papers.xu2001.figures import figure_increment
-from cogging.papers.xu2001.pid_poles import pid_poles_table
+from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, pid_poles_table, simulated
 from cogging.papers.xu2001.robust_terms import (
     FACTORS,
     HARDWARE,
@@ -156,6 +156,14 @@ def _limits(unknowns: Unknowns, show: Callable[[str], None]) -> None:
     ):
         show(f"{'':4}integral stiffness of {name}: {integral_stiffness(controller, MASSES['1']):.3g} V/(m s)")
     show(pid_poles_table(unknowns).text())
+    show("A mode just below the load that makes the PID at -300 unstable, on the calibrated plant for 30 s")
+    for frequency in FREQUENCIES:
+        mode = just_below(unknowns, frequency, load_limit(-300.0, MASSES["1"], unknowns.delay, frequency))
+        cells = [
+            f"{name} {index} {value:.3g} {unit}"
+            for name, (index, unit, value) in simulated(unknowns, mode, 30.0).items()
+        ]
+        show(f"{'':4}{frequency:g} Hz, load {100 * mode.mass_ratio:.1f} %: " + ", ".join(cells))
 
 
 def _robust_terms(show: Callable[[str], None]) -> None:
