@@ -147,8 +147,8 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
     """The ARC with every printed number (section 4.3), robust terms off: k_1s = g_1, k_2s = g_2.
 
-    With the printed robust terms one encoder count would move the command by some 1e5 V (study.py), so they
-    cannot have run; the conditions of Theorem 1 A are then not met.
+    With the printed robust terms one encoder count moves the command by 8.25e5 V once the filters have settled
+    (robust_terms.py), so they cannot have run; the conditions of Theorem 1 A are then not met.
     """
     fields = {
         "sample_rate": SAMPLE_RATE,
