@@ -202,6 +202,25 @@ def test_v_2_stays_under_its_bound_without_adaptation_on_drawn_machines():
     assert 1e-3 < max(rises) < 1.0, "V_2 rises faster than its decay somewhere, never by what (A.5) allows"
 
 
+def test_the_derivatives_of_z_1_and_v_2_along_runs():
+    """(26), (29) and (44), (49) with the executable gains: differences from row to row against the right sides."""
+    random = np.random.default_rng(26)
+    for _ in range(5):
+        theta = random.uniform([10, 3, -10], [45, 15, 10])
+        p = xu2001_setup.arc_parameters(sample_rate=400_000.0, coulomb=0.0)
+        log, found = theorem_1.run(p, theorem_1.design_model(theta), 0.02, random.uniform(1e-4, 1e-3))
+        off, w, z = log.estimates - theta, (p.weight_1, p.weight_2), (found.z_1, found.z_2)
+        by_parameters = [np.sum(off * phi, axis=1) for phi in (found.phi_1, found.phi_2)]
+        slope = theta[0] * (z[1] - p.gain_1 * z[0] / p.theta_min[0]) - by_parameters[0]
+        tau = w[0] * found.phi_1 * z[0][:, None] + w[1] * found.phi_2 * z[1][:, None]  # (50)
+        adapted = np.sum(found.by_theta * np.array(p.adaptation) * tau, axis=1)
+        gains = (p.gain_1 * theta[0] / p.theta_min[0], p.gain_2)  # (49) has theta_1min in place of theta_1
+        right = sum(-w[j] * (gains[j] * z[j] ** 2 + z[j] * by_parameters[j]) for j in (0, 1)) - w[1] * adapted * z[1]
+        for values, rate in ((found.z_1, slope), (found.lyapunov(p), right)):
+            measured, middle = np.diff(values) * p.sample_rate, 0.5 * (rate[1:] + rate[:-1])
+            np.testing.assert_allclose(measured, middle, atol=0.006 * np.abs(rate).max())
+
+
 def test_v_theta_falls_on_drawn_machines():
     """(A.8) with the executable gains: parametric uncertainty alone; what rises is the sampling's."""
     random = np.random.default_rng(8)

@@ -132,9 +132,9 @@ def one_count_table() -> Table:
     def row(index: str, unit: str, value: float, **labels: str) -> None:
         rows.append(Row("ARC, all terms", index, unit, None, value, "exploratory", labels))
 
-    row("one_count", "V", abs(one_count(RESOLUTION, held=1)), after="1 sample")
-    row("one_count", "V", abs(one_count(RESOLUTION)), after=f"{SETTLED} samples")
-    row("one_count", "V", abs(by_hand(RESOLUTION)), after="by hand")
+    row("one_count", "V", abs(one_count(RESOLUTION, held=1)), count="one sample after the start")
+    row("one_count", "V", abs(one_count(RESOLUTION)), count=f"settled, {SETTLED} samples")
+    row("one_count", "V", abs(by_hand(RESOLUTION)), count="settled, by hand")
     time, gain = gain_along_the_run()
     for rate in RATES:
         row("diverges_at", "s", lasts(rate, SHORT).time, rate=f"{rate:.0e} Hz")
