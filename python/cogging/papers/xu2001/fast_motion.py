@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cogging._core import OutputFeedbackArc, Pid
+from cogging._core import OutputFeedbackArc, OutputFeedbackArcParameters, Pid
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.result import Row, Table
@@ -76,15 +76,20 @@ def machines(unknowns: Unknowns) -> dict[str, Unknowns]:
     }
 
 
-def fast_motion_table(unknowns: Unknowns) -> Table:
-    """Errors of PID and ARC moving and at rest; of the ARC's rest the paper prints 1 um."""
-    controllers: Mapping[str, ListedController] = {
-        "PID": Pid(pid_parameters()),
-        "ARC": OutputFeedbackArc(arc_parameters()),
-    }
+def fast_motion_table(
+    unknowns: Unknowns, others: Mapping[str, tuple[Unknowns, OutputFeedbackArcParameters]] | None = None
+) -> Table:
+    """Errors of PID and ARC moving and at rest; of the ARC's rest the paper prints 1 um.
+
+    Args:
+        unknowns: of the calibrated plant, under the ARC as printed.
+        others: further plants by name, each with its ARC.
+    """
+    places = {name: (machine, arc_parameters()) for name, machine in machines(unknowns).items()} | dict(others or {})
     rows = []
-    for place, machine in machines(unknowns).items():
-        for name, log in run_fast(machine, controllers).items():
+    for place, (machine, parameters) in places.items():
+        pair: dict[str, ListedController] = {"PID": Pid(pid_parameters()), "ARC": OutputFeedbackArc(parameters)}
+        for name, log in run_fast(machine, pair).items():
             found = errors(log)
             claimed = name == "ARC" and place == "calibrated"
             for index, unit, value in (
