@@ -91,7 +91,7 @@ def fast_motion_table(
         pair: dict[str, ListedController] = {"PID": Pid(pid_parameters()), "ARC": OutputFeedbackArc(parameters)}
         for name, log in run_fast(machine, pair).items():
             found = errors(log)
-            claimed = name == "ARC" and place == "calibrated"
+            claimed = name == "ARC" and (place == "calibrated" or place in (others or {}))
             for index, unit, value in (
                 ("e_moving", "m", found.moving),
                 ("e_at_rest", "m", found.at_rest),
