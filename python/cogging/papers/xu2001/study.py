@@ -30,7 +30,8 @@ from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
 from cogging.papers.result import png
-from cogging.papers.xu2001.exploration import changes, columns, explore, gap
+from cogging.papers.xu2001.conditions import joint_conditions
+from cogging.papers.xu2001.exploration import changes, columns, explore, explore_conditions, gap
 from cogging.papers.xu2001.robust_terms import FACTORS, HARDWARE, figure_increment, increment, one_count
 from cogging.papers.xu2001.setup import (
     DURATION,
@@ -46,6 +47,7 @@ from cogging.papers.xu2001.setup import (
     run,
     shipped_unknowns,
 )
+from cogging.papers.xu2001.tables import conditions_table
 from cogging_command import run_command
 
 
@@ -163,6 +165,13 @@ def _fast_motion(unknowns: Unknowns, show: Callable[[str], None]) -> None:
         )
 
 
+def _towards_the_joint(unknowns: Unknowns, show: Callable[[str], None]) -> None:
+    joint = joint_conditions()
+    for name, size in explore_conditions(unknowns, joint, joint.logs("ARC")).items():
+        show(f"{'':4}{name:<36}{size:12.3f}")
+    show(conditions_table().text())
+
+
 def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:
     """Print the study; write its figure into a folder where one is given."""
     unknowns = shipped_unknowns()
@@ -182,6 +191,8 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
         show(f"{'':4}{'friction law ' + law:<36}{gap(found):12.3f}{'':8}{_numbers(1e6 * found[:, 0])}")
     seeds = [columns(OutputFeedbackArc(arc_parameters()), unknowns, seed=seed)[:, 0] for seed in range(10)]
     show(f"{'':4}spread of e_M over ten seeds of the encoder noise (um){_numbers(1e6 * np.std(seeds, axis=0))}")
+
+    _towards_the_joint(unknowns, show)
 
     show("Rms command increment (V) with the printed robust terms times a factor; inf = diverges")
     show(f"{'':4}{'hardware':<24}" + _numbers(FACTORS))
