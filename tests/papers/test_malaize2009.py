@@ -104,6 +104,7 @@ def test_the_comparison_is_the_committed_one():
     rows = {(row.controller, row.index): row for row in result.tables[0].rows}
     assert {controller for controller, _ in rows} == set(COMPARED)
     assert {row.status for row in rows.values()} == {"exploratory"}
+    assert {line.strip().split("  ")[0] for line in result.text().splitlines()} >= set(COMPARED)
     for name, rms in COMPARED.items():
         assert 1e6 * rows[name, "rms"].simulated == pytest.approx(rms, rel=0.03), name
         assert rows[name, "max"].simulated >= rows[name, "rms"].simulated

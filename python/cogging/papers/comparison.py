@@ -32,11 +32,11 @@ from cogging.design.pid import pid_gains
 from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.papers.compared import Trace, compared
 from cogging.papers.fitting import round_to_digits
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.papers.xu2001 import setup as xu2001_setup
-from cogging.plot.canvas import drawn, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -215,18 +215,16 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
         numbers = "".join(f"{row.simulated * scale:11.4g}" for row, scale in zip(part, scales, strict=True))
         lines.append(f"{'':4}{part[0].controller:<21}{numbers}")
     title = "The three papers' controllers on one axis (X of Lu et al. 2008); exploratory"
-    return Reproduction("comparison", [Comparison("comparison", title, rows, lines)], {"comparison": figure(logs)})
+    return Reproduction(
+        "comparison", [Comparison("comparison", title, rows, lines=lines)], {"comparison": figure(logs)}
+    )
 
 
-@drawn
 def figure(logs: dict[str, Log]) -> Figure:
     """The tracking errors of the last move there and back."""
     motion = lu2008.reference(AXIS)
-    found = new_figure((8.0, 1.3 * len(logs)))
-    found.suptitle("Tracking errors over the last move there and back (µm)")
-    for axes, (name, log) in zip(found.subplots(len(logs), 1, sharex=True), logs.items(), strict=True):
+    traces = []
+    for name, log in logs.items():
         shown = log.time >= motion.end - motion.period
-        axes.plot(log.time[shown], 1e6 * log.error[shown], linewidth=0.6)
-        axes.set_title(name, fontsize="small", loc="left")
-    found.axes[-1].set(xlabel="time (s)")
-    return found
+        traces.append(Trace(name, log.time[shown], log.error[shown]))
+    return compared("Tracking errors over the last move there and back", traces)
