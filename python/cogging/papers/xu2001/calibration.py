@@ -1,7 +1,7 @@
-"""Calibrates what Xu and Yao 2001 do not report: `python -m cogging.papers.xu2001.calibration [FILE]`, some 40 minutes.
+"""Calibrates what Xu and Yao 2001 do not report: `python -m cogging.papers.xu2001.calibration [FILE]`.
 
-Everything is fitted to e_M, e_F, e_rms, u_rms, c_u of Table 1 and comes with the package as plant.toml, each fit with
-the error that it left:
+Everything is fitted to e_M, e_F, e_rms, u_rms, c_u of Table 1, in some 15 minutes of one core, and comes with the
+package as plant.toml, each fit with the error that it left:
 
 - by friction law: the plant, on the 15 numbers of the PID;
 - `joint`: plant and a common factor on the adaptation rates, on all 30 numbers, by friction law;

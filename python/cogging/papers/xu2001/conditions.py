@@ -18,12 +18,11 @@ from cogging.papers.xu2001.setup import (
     arc_parameters,
     pid_parameters,
     run,
-    shipped_unknowns,
 )
 
-#: What one fit to all numbers varies; earlier_runs is chosen among 0 to 4.
-JOINT_FREE = (*Unknowns.__dataclass_fields__, "adaptation_factor", "earlier_runs")
+#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 4.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
+JOINT_FREE = (*PID_FREE, "adaptation_factor", "earlier_runs")
 
 
 @dataclass(frozen=True)
@@ -56,9 +55,9 @@ class Conditions:
         arc = OutputFeedbackArc(self.arc_parameters())
         return run(self.unknowns, arc, sets=sets, seed=seed, earlier_runs=self.earlier_runs)
 
-    def all_logs(self) -> dict[str, dict[str, Log]]:
+    def all_logs(self, seed: int = SEED) -> dict[str, dict[str, Log]]:
         """Both controllers in all sets."""
-        return {controller: self.logs(controller) for controller in CONTROLLERS}
+        return {controller: self.logs(controller, seed=seed) for controller in CONTROLLERS}
 
 
 def shipped_file() -> dict[str, Any]:
@@ -79,8 +78,3 @@ def conditions_of(part: Mapping[str, Any]) -> Conditions:
 def joint_conditions(law: str = "smooth_stribeck") -> Conditions:
     """The conditions that are fitted to all numbers of Table 1, by friction law: those of the reproduced table."""
     return conditions_of(shipped_file()["joint"][law])
-
-
-def pid_conditions() -> Conditions:
-    """The plant fitted to the PID's numbers alone, and the ARC as printed: the conditions of the table before."""
-    return Conditions(shipped_unknowns())
