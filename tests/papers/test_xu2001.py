@@ -176,7 +176,7 @@ def test_the_shipped_fits_have_the_errors_that_they_state():
     file = conditions.shipped_file()
     assert set(file) == {*conditions_fit.LAWS, "joint", "earlier_runs", "readings", "held_out"}
     assert set(file["joint"]) == set(conditions_fit.LAWS)
-    assert set(file["readings"]) == set(calibration.READINGS)
+    assert set(file["readings"]) == {*calibration.READINGS, calibration.EACH_RATE}
     for law in conditions_fit.LAWS:
         assert_has_the_error_that_it_states(file[law], calibration.PID)
         assert_has_the_error_that_it_states(file["joint"][law], calibration.ALL)
@@ -234,8 +234,16 @@ def test_other_conditions_leave_more(result):
     assert all(size > shipped for size in left.values() if size != shipped)
     runs = [left[f"earlier runs: {number}"] for number in range(5)]
     assert runs == pytest.approx([0.160, 0.113, 0.0997, 0.112, 0.145], abs=0.002)
-    readings = [left[name] for name in calibration.READINGS]
-    assert readings == pytest.approx([0.276, 0.144, 0.115, 0.108, 0.107, 0.171, 0.101, 0.189], abs=0.002)
+    readings = [left[name] for name in (*calibration.READINGS, calibration.EACH_RATE)]
+    assert readings == pytest.approx([0.276, 0.144, 0.115, 0.108, 0.107, 0.171, 0.101, 0.189, 0.111], abs=0.002)
+
+
+def test_the_rates_of_mass_and_constant_ask_for_much_the_same_factor():
+    # Each rate free, from the printed ones: theta_1 and theta_3 agree, theta_2 decides little.
+    part = conditions.shipped_file()["readings"][calibration.EACH_RATE]
+    factors = np.divide(part["changes"]["adaptation"], xu2001_setup.arc_parameters().adaptation)
+    print(f"\nfactors on the three rates: {factors}")
+    assert factors == pytest.approx([3.36, 0.88, 2.88], abs=0.01)
 
 
 def test_the_exploration_leads_to_the_joint_conditions(result):

@@ -46,7 +46,7 @@ class Conditions:
         """The ARC of the first of the runs."""
         printed = arc_parameters()
         fields = {"adaptation": [self.adaptation_factor * rate for rate in printed.adaptation]}
-        return printed.replace(**fields, **self.changes)
+        return printed.replace(**{**fields, **self.changes})
 
     def logs(self, controller: str, sets: Sequence[str] = SETS, seed: int = SEED) -> dict[str, Log]:
         """The recorded runs of a controller of Table 1, by set."""

@@ -12,7 +12,7 @@ from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.papers.fitting import fit_logarithms, round_to_digits
 from cogging.papers.xu2001.conditions import Conditions
-from cogging.papers.xu2001.setup import CONTROLLERS, INDEXES, TABLE_1, Unknowns, indexes, to_dict
+from cogging.papers.xu2001.setup import CONTROLLERS, INDEXES, TABLE_1, Unknowns, arc_parameters, indexes, to_dict
 
 #: du_rms = c_u u_rms is printed to one digit and takes no part.
 FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
@@ -37,6 +37,7 @@ LAWS: dict[str, dict[str, float]] = {
     "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
 }
 JOINT_LAW = "smooth_stribeck"
+RATES = ("adaptation_1", "adaptation_2", "adaptation_3")  # factors on the rates of Gamma where each is free
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Problem:
     Attributes:
         fitted: the sets of each controller whose numbers take part.
         law: of friction, one of LAWS.
-        start: where the search begins, by name; with `adaptation_factor` where that is free.
+        start: where the search begins, by name; with `adaptation_factor`, or RATES, where that is free.
         adaptation_factor: where it is not free.
         earlier_runs: of the ARC.
         changes: of the ARC's printed numbers, by field.
@@ -69,7 +70,11 @@ class Problem:
         """The conditions of values in the order of names(), to the digits that the file keeps."""
         free = {name: round_to_digits(float(value)) for name, value in zip(self.names(), values, strict=True)}
         factor = free.pop("adaptation_factor", self.adaptation_factor)
-        return Conditions(Unknowns(**{**LAWS[self.law], **free}), factor, self.earlier_runs, self.changes)
+        changes = dict(self.changes)
+        if any(name in free for name in RATES):
+            printed = arc_parameters().adaptation
+            changes["adaptation"] = [free.pop(name) * rate for name, rate in zip(RATES, printed, strict=True)]
+        return Conditions(Unknowns(**{**LAWS[self.law], **free}), factor, self.earlier_runs, changes)
 
 
 @dataclass(frozen=True)
