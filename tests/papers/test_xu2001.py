@@ -143,6 +143,7 @@ def test_the_note_says_what_the_table_shows(result):
     assert f"kept from {joint.earlier_runs} earlier runs" in note
     assert f"{result.tables[0].counts().within[1]} of 36 lie within 15 %" in note
     assert "smaller than the PID's in 9 of 9 cases" in note
+    assert "factors of 2.81 and 2.9;" in note
 
 
 def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():

@@ -13,7 +13,8 @@ from cogging._core import OutputFeedbackArc, Pid, closed_loop
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.result import Reproduction
-from cogging.papers.xu2001.conditions import joint_conditions
+from cogging.papers.xu2001.calibration import ALL
+from cogging.papers.xu2001.conditions import JOINT_FREE, PID_FREE, joint_conditions
 from cogging.papers.xu2001.exploration import explore, explore_conditions
 from cogging.papers.xu2001.figures import figure_errors, figure_reference
 from cogging.papers.xu2001.robust_terms import figure_increment
@@ -32,7 +33,7 @@ from cogging.papers.xu2001.tables import (
     exploration_table,
     held_out_tables,
     joint_note,
-    joint_table,
+    table_1,
 )
 
 
@@ -45,7 +46,8 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
         "ARC": OutputFeedbackArc(arc_parameters()),
     }
     logs = joint.all_logs()
-    table = joint_table(logs, {name: run(unknowns, controller) for name, controller in controllers.items()})
+    as_printed = {name: run(unknowns, controller) for name, controller in controllers.items()}
+    table = table_1(logs, fitted=ALL, free=JOINT_FREE, before=table_1(as_printed, free=PID_FREE))
     tables = [table, *held_out_tables(), conditions_table()]
     progress("table 1")
     titles = {"1": "without load", "2": "with load", "3": "with disturbance"}
