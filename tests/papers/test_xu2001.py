@@ -47,6 +47,10 @@ def result():
     return xu2001.reproduce()
 
 
+def table_of(result, name):
+    return next(table for table in result.tables if table.id == name)
+
+
 def summary(table):
     counts = table.counts()
     return counts.numbers, counts.calibrated, counts.predicted, counts.within, counts.free
@@ -62,7 +66,9 @@ def values_of(table):
 
 @pytest.mark.parametrize("when", ["before", "joint"])
 def test_table_1_is_the_committed_one(when, result):
-    table, committed = (result.tables[0], JOINT) if when == "joint" else (result.tables[0].before, BEFORE)
+    table, committed = (
+        (table_of(result, "table1"), JOINT) if when == "joint" else (table_of(result, "table1").before, BEFORE)
+    )
     print(f"\n{table.text()}")
     found = values_of(table)
     assert len(found) == 36
@@ -74,7 +80,7 @@ def test_table_1_is_the_committed_one(when, result):
 
 
 def test_calibrated_is_exactly_what_took_part(result):
-    joint = result.tables[0]
+    joint = table_of(result, "table1")
     for table, controllers in ((joint.before, {"PID"}), (joint, {"PID", "ARC"})):
         calibrated = {(row.controller, row.index) for row in table.rows if row.status == "calibrated"}
         assert calibrated == {(name, index) for name in controllers for index in conditions_fit.FITTED}
@@ -82,14 +88,14 @@ def test_calibrated_is_exactly_what_took_part(result):
 
 
 def test_as_many_numbers_come_near_as_committed(result):
-    joint = result.tables[0]
+    joint = table_of(result, "table1")
     # Numbers, calibrated, predicted; within 5, 15, 40 %; free parameters.
     assert summary(joint.before) == (36, 15, 21, (12, 24, 28), 9)
     assert summary(joint) == (36, 30, 6, (14, 31, 36), 11)
 
 
 def test_the_free_parameters_are_those_of_the_fits(result):
-    joint = result.tables[0]
+    joint = table_of(result, "table1")
     free = conditions_fit.Problem(calibration.ALL, start=calibration.JOINT_START).names()
     assert list(joint.free) == [*free, "earlier_runs"]
     assert list(joint.before.free) == conditions_fit.Problem(calibration.PID).names()
@@ -99,7 +105,7 @@ def test_the_free_parameters_are_those_of_the_fits(result):
 def test_every_fitted_number_is_as_near_the_papers_as_committed(result):
     errors = {
         (row.controller, row.labels["set"], row.index): row.simulated / row.paper - 1.0
-        for row in result.tables[0].rows
+        for row in table_of(result, "table1").rows
         if row.status == "calibrated"
     }
     worst = max(errors, key=lambda place: abs(errors[place]))
@@ -112,7 +118,7 @@ def test_every_fitted_number_is_as_near_the_papers_as_committed(result):
 
 
 def test_the_arc_is_better_than_the_pid_in_every_error_index_as_printed(result):
-    shares = tables.better_shares(result.tables[0])
+    shares = tables.better_shares(table_of(result, "table1"))
     printed = {
         (name, index): np.divide(*(xu2001_setup.TABLE_1[c][name][place] for c in ("ARC", "PID")))
         for name in xu2001_setup.SETS
@@ -124,7 +130,7 @@ def test_the_arc_is_better_than_the_pid_in_every_error_index_as_printed(result):
         assert share < 1.0, place
         assert share == pytest.approx(printed[place], abs=0.20 if place == ("3", "e_rms") else 0.14), place
     assert max(shares.values()) == pytest.approx(0.854, abs=0.02)
-    before = tables.better_shares(result.tables[0].before)
+    before = tables.better_shares(table_of(result, "table1").before)
     assert sum(share < 1.0 for share in before.values()) == 2
 
 
@@ -141,7 +147,7 @@ def test_the_note_says_what_the_table_shows(result):
     note = result.notes[0]
     assert f"adaptation rates {joint.adaptation_factor:.3g} times" in note
     assert f"kept from {joint.earlier_runs} earlier runs" in note
-    assert f"{result.tables[0].counts().within[1]} of 36 lie within 15 %" in note
+    assert f"{table_of(result, 'table1').counts().within[1]} of 36 lie within 15 %" in note
     assert "smaller than the PID's in 9 of 9 cases" in note
     assert "factors of 2.81 and 2.9;" in note
 
@@ -195,7 +201,8 @@ def test_the_other_conditions_leave_what_their_table_states():
 
 
 def test_the_held_out_numbers_are_the_committed_ones(result):
-    for split, table in zip(calibration.HELD_OUT, result.tables[1:3], strict=True):
+    for split in calibration.HELD_OUT:
+        table = table_of(result, f"held_out_{split}")
         print(f"\n{table.text()}")
         seen = calibration.HELD_OUT[split]
         for row in table.rows:
@@ -212,7 +219,7 @@ def test_the_held_out_numbers_are_the_committed_ones(result):
 
 def test_the_held_out_numbers_are_nearer_than_the_trivial_guess(result):
     # Within 5, 15, 40 %, of 12 numbers each.
-    set_2, arc = result.tables[1:3]
+    set_2, arc = (table_of(result, f"held_out_{split}") for split in calibration.HELD_OUT)
     assert set_2.counts().predicted_within == (4, 8, 11)
     assert set_2.before.counts().within == (1, 1, 8)
     assert arc.counts().predicted_within == (2, 6, 10)
@@ -228,7 +235,7 @@ def test_the_trivial_guess_is_the_papers_own_ratio_or_mean():
 
 
 def test_other_conditions_leave_more(result):
-    left = {row.labels["conditions"]: row.simulated for row in result.tables[3].rows}
+    left = {row.labels["conditions"]: row.simulated for row in table_of(result, "conditions").rows}
     shipped = left[f"friction {conditions_fit.JOINT_LAW}"]
     assert shipped == left[f"earlier runs: {calibration.EARLIER_RUNS}"]
     assert shipped == pytest.approx(0.0997, abs=0.001)
@@ -248,7 +255,7 @@ def test_the_rates_of_mass_and_constant_ask_for_much_the_same_factor():
 
 
 def test_the_exploration_leads_to_the_joint_conditions(result):
-    gaps = {row.labels["change"]: row.simulated for row in result.tables[4].rows}
+    gaps = {row.labels["change"]: row.simulated for row in table_of(result, "exploration").rows}
     kept, both, all_fitted = list(gaps.values())[-3:]
     print(f"\n{gaps}")
     assert gaps["as printed, g only"] == pytest.approx(0.657, abs=0.02)
