@@ -1,6 +1,6 @@
 """Calibrates the cogging maps of Lu et al. 2008: `python -m cogging.papers.lu2008.calibration [FILE]`.
 
-The paper prints no map. Four sets of conditions are found, which come with the package as maps.toml, bit for bit:
+The paper prints no map. Five sets of conditions are found, which come with the package as maps.toml, bit for bit:
 
 - first: an assumed shape; for each axis three amplitudes (periodic, modulated, uncompensated part; see
   shapes.MapShape) so that the rms errors of C1, C2 and C3 are those of the table. Nothing is fitted to the maxima.
@@ -8,12 +8,13 @@ The paper prints no map. Four sets of conditions are found, which come with the 
   of A_r (search.py).
 - from_table1, from_table2: shape and amplitudes fitted to all six numbers of one table, then the amplitudes of the
   other axis to its three rms values: the maxima of the other axis took no part.
+- without_c3: as present, fitted to the eight numbers of C1 and C2 alone.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ from cogging.papers.lu2008.setup import (
     AXES,
     FIRST,
     PRESENT,
+    WITHOUT_C3,
     GantryAxis,
     cogging_map,
     last_rms,
@@ -88,6 +90,12 @@ def first_section() -> dict[str, Any]:
     return _section(FIRST_SHAPE, {name: calibrate(axis, shape=FIRST_SHAPE) for name, axis in AXES.items()})
 
 
+def both_section(responses: Sequence[Responses], controllers: int = 3) -> dict[str, Any]:
+    """A shape and amplitudes fitted to the numbers of so many controllers, from C1 on, in both tables."""
+    fit = search(list(AXES.values()), responses, controllers)
+    return _section(fit.shape, {name: fit.amplitudes(i) for i, name in enumerate(AXES)})
+
+
 def held_out_section(fit: Fit, fitted: str) -> dict[str, Any]:
     """A shape fitted to one axis, and the other axis with it."""
     amplitudes = {
@@ -99,9 +107,12 @@ def held_out_section(fit: Fit, fitted: str) -> dict[str, Any]:
 def maps_toml() -> str:
     """The text of maps.toml."""
     responses = {name: Responses(axis, EVERY[name]) for name, axis in AXES.items()}
-    fit = search(list(AXES.values()), list(responses.values()))
-    present = _section(fit.shape, {name: fit.amplitudes(i) for i, name in enumerate(AXES)})
-    document = {FIRST: first_section(), PRESENT: present}
+    present = both_section(list(responses.values()))
+    document = {
+        FIRST: first_section(),
+        PRESENT: present,
+        WITHOUT_C3: both_section(list(responses.values()), controllers=2),
+    }
     for section, name in HELD_OUT.items():
         document[section] = held_out_section(search([AXES[name]], [responses[name]]), name)
     head = "# Assumed cogging maps (amplitudes in V, begin in rad), written by cogging.papers.lu2008.calibration.\n"

@@ -109,24 +109,32 @@ class Responses:
         return np.array(indexes).transpose(2, 0, 1)
 
 
-def misfit(axes: Sequence[GantryAxis], fits: Sequence[Fit], errors: Sequence[FloatArray]) -> FloatArray:
+def misfit(
+    axes: Sequence[GantryAxis], fits: Sequence[Fit], errors: Sequence[FloatArray], controllers: int = 3
+) -> FloatArray:
     """What is made small, (fits,): squared log-ratios to the printed numbers, their sum and four times the largest.
 
     A hundred squares of what the control points take beyond ROOM of the bound are added.
+
+    Args:
+        axes: whose tables are looked at.
+        fits: a shape and the amplitudes of these axes, each.
+        errors: of each axis, (fits, 3, 2).
+        controllers: how many take part, from C1 on.
     """
     gaps = [
         np.log(found / np.array([axis.error_max, axis.error_rms]).T) for axis, found in zip(axes, errors, strict=True)
     ]
-    squares = np.concatenate(gaps, axis=1).reshape(len(fits), -1) ** 2
+    squares = np.concatenate([gap[:, :controllers] for gap in gaps], axis=1).reshape(len(fits), -1) ** 2
     shares = [[share_of_bound(axis, fit.map(i, axis)) for i, axis in enumerate(axes)] for fit in fits]
     beyond = np.maximum(np.array(shares) - ROOM, 0.0)
     return np.asarray(squares.sum(axis=1) + 4 * squares.max(axis=1) + 100 * (beyond**2).sum(axis=1))
 
 
-def simulated_misfit(axes: Sequence[GantryAxis], fits: Sequence[Fit]) -> FloatArray:
+def simulated_misfit(axes: Sequence[GantryAxis], fits: Sequence[Fit], controllers: int = 3) -> FloatArray:
     """The misfit of the simulation, (fits,)."""
     errors = [last_errors(axis, [plant(axis, fit.map(i, axis)) for fit in fits]) for i, axis in enumerate(axes)]
-    return misfit(axes, fits, errors)
+    return misfit(axes, fits, errors, controllers)
 
 
 def neighbours(fit: Fit) -> list[Fit]:
@@ -140,21 +148,21 @@ def neighbours(fit: Fit) -> list[Fit]:
     return found
 
 
-def search(axes: Sequence[GantryAxis], responses: Sequence[Responses]) -> Fit:
-    """The shape and the amplitudes of least misfit to all numbers of the axes."""
+def search(axes: Sequence[GantryAxis], responses: Sequence[Responses], controllers: int = 3) -> Fit:
+    """The shape and the amplitudes of least misfit to the numbers of the axes (of so many controllers, from C1 on)."""
 
     def surrogate(values: FloatArray) -> FloatArray:
         fits = [Fit(tuple(column)) for column in values.T]
         errors = [one.errors([fit.map(i, one.axis) for fit in fits]) for i, one in enumerate(responses)]
-        return misfit(axes, fits, errors)
+        return misfit(axes, fits, errors, controllers)
 
     ranges = [*SHAPE_RANGES, *(AMPLITUDE_RANGES * len(axes))]
     found = differential_evolution(surrogate, ranges, vectorized=True, updating="deferred", **SETTINGS)
     fit = Fit(tuple(found.x)).rounded()
-    least = float(simulated_misfit(axes, [fit])[0])
+    least = float(simulated_misfit(axes, [fit], controllers)[0])
     while True:
         tried = neighbours(fit)
-        misfits = simulated_misfit(axes, tried)
+        misfits = simulated_misfit(axes, tried, controllers)
         if misfits.min() >= least:
             return fit
         fit, least = tried[int(misfits.argmin())], float(misfits.min())

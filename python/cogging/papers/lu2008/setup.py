@@ -1,7 +1,7 @@
 """The setup of Lu, Chen, Yao, Wang 2008: two axes of a gantry, their DCARC with a B-spline cogging model, the moves.
 
-Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the three
-amplitudes of each cogging map are calibrated on the three rms values (calibration.py).
+Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the cogging
+maps are fitted to the tables within the printed bound (calibration.py).
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ START = 0.055  # m: centres the 0.4 m move in the travel
 
 CONTROLLERS = ("C1", "C2", "C3")
 
-#: The conditions that come with the package: those assumed at first, and those of the tables.
-FIRST, PRESENT = "first", "present"
+#: Conditions that come with the package: those assumed at first, those of the tables, and fitted to C1 and C2 alone.
+FIRST, PRESENT, WITHOUT_C3 = "first", "present", "without_c3"
 
 
 @dataclass(frozen=True)
