@@ -1,0 +1,173 @@
+"""What alone would give the observers of Malaize and Levine 2009 the accuracy of Table I, and what more it would do.
+
+As believed, the observers are 7 and 5 times better than printed. Each of CAUSES is one thing that the controllers do
+not know. Its size on a motor is the one at which the observer's accuracy is the printed one, with the amplitude of the
+cogging calibrated anew so that the PID keeps its own (causes_calibration.py, which writes conditions.toml). A cause
+that explains both motors by one value says more than one that needs a value for each: `held_out` gives the value of
+each motor to the other.
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+from dataclasses import dataclass, replace
+from typing import Any
+
+from cogging.arrays import FloatArray
+from cogging.files import parse_toml
+from cogging.papers.malaize2009.conditions import DRAWS, Conditions, drawn_accuracies
+from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, shipped
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One thing that the controllers do not know.
+
+    Attributes:
+        name: as the tables call it.
+        field: of Conditions.
+        unit: SI.
+        sizes: between which it is looked for.
+        verdict: on its plausibility, and `reason`.
+        draws: over which an accuracy is the mean.
+    """
+
+    name: str
+    field: str
+    unit: str
+    sizes: tuple[float, float]
+    verdict: str
+    reason: str
+    draws: int = 1
+
+    def of(self, size: float) -> Conditions:
+        """The conditions with this alone."""
+        return Conditions(**{self.field: size})
+
+
+CAUSES = (
+    Cause(
+        "unmodelled lines",
+        "lines",
+        "1",
+        (0.004, 0.1),
+        "likely on the ironcore",
+        "section V calls its spectrum much more chaotic, and it needs three times the share of the ironless",
+        DRAWS,
+    ),
+    Cause(
+        "period error",
+        "period_error",
+        "1",
+        (0.003, 0.03),
+        "likely",
+        "periods in whole millimetres from a transform over one stroke; one value nearly serves both motors",
+    ),
+    Cause(
+        "thrust error",
+        "thrust",
+        "1",
+        (1e-4, 1e-2),
+        "unlikely alone",
+        "no motor's constant is known that well, and the errors stand in the ramps, which section V excludes",
+    ),
+    Cause(
+        "delay",
+        "delay",
+        "s",
+        (1e-6, 1e-4),
+        "unlikely alone",
+        "one drive for both motors would have one delay, and the errors stand in the ramps",
+    ),
+    Cause(
+        "encoder noise",
+        "noise",
+        "m",
+        (1e-8, 1e-6),
+        "unlikely",
+        "several counts of an encoder that is assumed as fine as the printed accuracies need it",
+    ),
+    Cause(
+        "encoder step",
+        "step",
+        "m",
+        (3e-8, 3e-6),
+        "unlikely",
+        "two and four times the printed accuracy, which such an encoder cannot show",
+        DRAWS,
+    ),
+    Cause(
+        "smooth friction",
+        "width",
+        "m/s",
+        (1e-5, 1e-3),
+        "possible",
+        "one value nearly serves both motors, but it hangs on the assumed levels of friction, and section II calls "
+        "friction a lesser limitation",
+    ),
+)
+
+
+def conditions_file() -> dict[str, Any]:
+    """What causes_calibration.py wrote: sizes and amplitudes."""
+    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text()
+    return parse_toml(text)
+
+
+def shipped_table_1(motor: Motor, *, any_phases: bool = False) -> tuple[Conditions, Calibrated]:
+    """The conditions of Table I, and the gains with the cogging's amplitude under them.
+
+    Args:
+        motor: one of MOTORS.
+        any_phases: the phases are drawn; the amplitude is then calibrated on the PID's mean.
+    """
+    part = conditions_file()["any_phases" if any_phases else "table_1"]
+    conditions = Conditions(period_error=conditions_file()["table_1"]["period_error"], any_phases=any_phases)
+    return conditions, replace(shipped(motor), amplitude=part[motor.name])
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A cause at the size that explains the observer's accuracy on one motor.
+
+    Attributes:
+        cause, motor: which.
+        size: SI.
+        amplitude: m/s^2, of the cogging's first period on this motor.
+        accuracy: m, the observer's on this motor, (draws,).
+        elsewhere: m, the observer's on the other motor under the same size, (draws,).
+    """
+
+    cause: Cause
+    motor: Motor
+    size: float
+    amplitude: float
+    accuracy: FloatArray
+    elsewhere: FloatArray
+
+
+def other(motor: Motor) -> Motor:
+    """The other one of the two motors."""
+    (found,) = (each for each in MOTORS.values() if each.name != motor.name)
+    return found
+
+
+def explained() -> list[Explanation]:
+    """The shipped sizes, run."""
+    found = []
+    for cause in CAUSES:
+        for motor in MOTORS.values():
+            part = conditions_file()[cause.field][motor.name]
+            amplitudes = {motor.name: part["amplitude"], other(motor).name: part["amplitude_elsewhere"]}
+            runs = [
+                drawn_accuracies(
+                    each,
+                    replace(shipped(each), amplitude=amplitudes[each.name]),
+                    cause.of(part["size"]),
+                    "observer",
+                    cause.draws,
+                )
+                for each in (motor, other(motor))
+            ]
+            found.append(Explanation(cause, motor, part["size"], part["amplitude"], *runs))
+    return found
