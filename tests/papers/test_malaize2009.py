@@ -17,9 +17,9 @@ from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS
 # Committed accuracies, um: after the first stroke.
 COMMITTED = {
     ("ironcore", "PID"): 10.00,
-    ("ironcore", "observer"): 0.0675,
+    ("ironcore", "observer"): 0.0723,
     ("ironless", "PID"): 0.5024,
-    ("ironless", "observer"): 0.01046,
+    ("ironless", "observer"): 0.0119,
 }
 # Committed rms errors of the comparison, um, over the last move.
 COMPARED = {
@@ -31,8 +31,8 @@ COMPARED = {
     "arc C3": 2.431,
     "dcarc C3": 2.306,
     "output_feedback_arc": 3.187,
-    "observer_based": 4.926,
-    "observer_based fast": 0.9616,
+    "observer_based": 3.031,
+    "observer_based fast": 0.6034,
 }
 
 

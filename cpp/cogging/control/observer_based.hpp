@@ -97,11 +97,11 @@ struct ObserverBasedParameters {
 /// at rest. Feedforward and zeta are looked up `delay` ahead; the feedback cannot be.
 ///
 /// lambda_0 holds the dry friction, which turns with the motion and is gone at rest. Of its reset the paper only says
-/// that it needs care (section III.A). Here each direction keeps the last estimate in motion (of a stroke that reaches
-/// velocity_min the last one above it), and lambda_0 begins with it wherever a motion in that direction begins. Where a
-/// rest begins (|nu*| up to a thousandth of velocity_min) it is set to the mean of both, from which a friction that is
-/// odd in the velocity falls out. As long as one direction is unknown it is taken as the other's opposite. What is
-/// learned at rest ends with it.
+/// that it needs care (section III.A). Here each direction keeps the last estimate at the steadiest motion of its last
+/// stroke: where |a*| was least, to 1 % of the largest, above velocity_min if the stroke has come so far. lambda_0
+/// begins with it wherever a motion in that direction begins. Where a rest begins (|nu*| up to a thousandth of
+/// velocity_min) it is set to the mean of both, from which a friction that is odd in the velocity falls out. As long as
+/// one direction is unknown it is taken as the other's opposite. What is learned at rest ends with it.
 ///
 /// In a sample that is refused (see SampleGuard) the estimates stay, while the commands that acted are still kept. The
 /// next prediction is one step over all samples that have passed; behind more than 16 missed ones x_hat and nu_hat
@@ -117,9 +117,9 @@ Extended observer (6) of position, velocity, lambda_0 and each spatial period, a
 Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
 were refused x_hat and nu_hat start anew from the readings at both ends.
 
-lambda_0 holds the dry friction. Of its reset the paper only says that it needs care; here it begins each motion with the
-last estimate in motion of that direction (of the other, turned, where that is the first), and each rest with the mean
-of both, which is without friction. What is learned at rest ends with it.)";
+lambda_0 holds the dry friction. Of its reset the paper only says that it needs care; here it begins each motion with
+the last estimate of that direction in steady motion (of the other, turned, where that is the first), and each rest with
+the mean of both, which is without friction. What is learned at rest ends with it.)";
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})
@@ -149,8 +149,8 @@ of both, which is without friction. What is learned at rest ends with it.)";
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
-    return std::tie(guard_, state_, acted_, kept_, known_, direction_, motion_, fast_, reference_previous_,
-                    reading_previous_);
+    return std::tie(guard_, state_, acted_, kept_, known_, direction_, motion_, fast_, hardest_, steadiest_,
+                    reference_previous_, reading_previous_);
   }
 
   Scalar command(const ReferencePoint& reference, const ReferencePoint& ahead, Scalar reading) noexcept {
@@ -173,7 +173,7 @@ of both, which is without friction. What is learned at rest ends with it.)";
     sample.set(reading_previous_, reading);
     turn_direction(sample, reference.velocity);
     correct(sample, reading - state_[0], reference.velocity);
-    keep(sample, reference.velocity);
+    keep(sample, reference);
 
     Scalar cogging = state_[2];
     for (int n = 0; n < count_; ++n) {
@@ -229,22 +229,34 @@ of both, which is without friction. What is learned at rest ends with it.)";
     const double motion = at_rest ? 0.0 : 2.0 * to - 1.0;
     if (all(motion_ == motion)) return;
     const Scalar last = at_rest ? 0.5 * (last_of(0) + last_of(1)) : last_of(to);
-    const auto begins = abs(motion_ - motion) * (known_[0] + known_[1]) > 0.0;
+    const Scalar stays = select(motion_ == motion, Scalar(1.0), Scalar(0.0));
+    const auto begins = (1.0 - stays) * (known_[0] + known_[1]) > 0.0;
     sample.set(state_[2], select(begins, last, state_[2]));
-    sample.set(fast_, select(motion_ == motion, fast_, Scalar(0.0)));
+    sample.set(fast_, fast_ * stays);
+    sample.set(hardest_, hardest_ * stays);
+    sample.set(steadiest_, select(stays > 0.0, steadiest_, Scalar(SampleGuard<Scalar>::size_max)));
     sample.set(motion_, Scalar(motion));
     if (!at_rest) sample.set(direction_, Scalar(motion));
   }
 
-  // At rest, and where a stroke comes to its end, the estimate follows a friction that is no longer that of motion.
+  // Where it speeds up or slows down, a mass that is not as believed is in the estimate, with the other sign at the
+  // other end of the stroke; where it is slow, a friction that is not yet, or no longer, that of motion.
   template <class Sample>
-  COGGING_INLINE void keep(const Sample& sample, double velocity) noexcept {
-    if (rests(velocity)) return;
-    const bool slow = std::abs(velocity) < parameters_.velocity_min;
-    const int direction = velocity > 0.0 ? 1 : 0;
-    if (!slow) sample.set(fast_, Scalar(1.0));
-    const Scalar left_out = slow ? fast_ : Scalar(0.0);
-    sample.set(kept_[direction], select(left_out > 0.0, kept_[direction], state_[2]));
+  COGGING_INLINE void keep(const Sample& sample, const ReferencePoint& reference) noexcept {
+    if (rests(reference.velocity)) return;
+    const bool slow = std::abs(reference.velocity) < parameters_.velocity_min;
+    const int direction = reference.velocity > 0.0 ? 1 : 0;
+    const Scalar acceleration = std::abs(reference.acceleration);
+    if (!slow) {
+      sample.set(hardest_, hardest_ * fast_);
+      sample.set(steadiest_, select(fast_ > 0.0, steadiest_, acceleration));
+      sample.set(fast_, Scalar(1.0));
+    }
+    const Scalar counts = slow ? 1.0 - fast_ : Scalar(1.0);
+    sample.set(hardest_, larger(hardest_, counts * acceleration));
+    sample.set(steadiest_, select(counts > 0.0, smaller(steadiest_, acceleration), steadiest_));
+    const Scalar room = select(counts > 0.0, steadiest_ + 0.01 * hardest_ - acceleration, Scalar(-1.0));
+    sample.set(kept_[direction], select(room >= 0.0, state_[2], kept_[direction]));
     sample.set(known_[direction], Scalar(1.0));
   }
 
@@ -275,6 +287,7 @@ of both, which is without friction. What is learned at rest ends with it.)";
   std::array<Scalar, 2> kept_, known_;  // lambda_0 by direction, and whether it is known
   Scalar direction_ = 0.0;              // -1 or 1: of the last motion; 0 before the first
   Scalar motion_ = 0.0, fast_ = 0.0;    // -1, 0 at rest, 1; whether it has reached velocity_min
+  Scalar hardest_ = 0.0, steadiest_ = 0.0;  // largest and least |a*| of this stroke, m/s^2
   Scalar reference_previous_ = 0.0, reading_previous_ = 0.0;
 };
 
