@@ -42,7 +42,7 @@ class Cause:
 
     def of(self, size: float) -> Conditions:
         """The conditions with this alone."""
-        return Conditions(**{self.field: size})
+        return replace(Conditions(), **{self.field: size})  # type: ignore[arg-type]
 
 
 CAUSES = (

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.malaize2009.causes import Explanation, other, shipped_table_1
-from cogging.papers.malaize2009.conditions import DRAWS, controllers_under, drawn_accuracies, machine
-from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Motor, reference, run, shipped, true_error
+from cogging.papers.malaize2009.conditions import DRAWS, drawn_accuracies
+from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Motor, reference, shipped, true_error
+from cogging.papers.malaize2009.tables import logs_under
 from cogging.papers.result import Row, Table
 
 CRUISE = 0.99  # of the top speed and above: constant speed
@@ -57,10 +59,7 @@ def what_else(found: Sequence[Explanation]) -> Table:
 def consequences(each: Explanation) -> dict[tuple[str, str], float]:
     """The numbers of `what_else` by controller and index."""
     motor, conditions = each.motor, each.cause.of(each.size)
-    logs = {
-        name: run(machine(motor, each.amplitude, conditions), controller, motor)
-        for name, controller in controllers_under(motor, shipped(motor), conditions).items()
-    }
+    logs = logs_under(motor, replace(shipped(motor), amplitude=each.amplitude), conditions)
     log = logs["observer"]
     later, speed = log.time >= 0.5 * reference(motor).period, _speed(log)
     error, fast = np.abs(true_error(log)), speed >= CRUISE * motor.velocity
@@ -108,7 +107,7 @@ def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[Fl
     return np.sqrt(np.mean(powers, axis=0)), float(np.sqrt(left / all_))
 
 
-def drawn(found: Sequence[Explanation]) -> Table:
+def spread_over_draws(found: Sequence[Explanation]) -> Table:
     """How much the draw counts: of the unmodelled lines, and of the phases under Table I's conditions."""
     rows = []
     for each in found:

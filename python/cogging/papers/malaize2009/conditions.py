@@ -57,7 +57,8 @@ class Conditions:
 def unmodelled_lines(draw: int, rms: float) -> list[effects.CoggingHarmonic]:
     """Lines of one size at periods drawn evenly over their logarithm, phases drawn too; rms: of all, m/s^2."""
     random = np.random.default_rng([SEED, draw])
-    periods = np.exp(random.uniform(*np.log(LINE_PERIODS), LINES))
+    shortest, longest = np.log(LINE_PERIODS)
+    periods = np.exp(random.uniform(shortest, longest, LINES))
     phases, size = random.uniform(0.0, 2.0 * np.pi, LINES), rms * np.sqrt(2.0 / LINES)
     return [
         effects.CoggingHarmonic(period=period, sine=size * np.cos(phase), cosine=size * np.sin(phase))
