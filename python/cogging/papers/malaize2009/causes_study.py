@@ -16,9 +16,9 @@ from cogging.papers.malaize2009.causes import CAUSES, explained
 from cogging.papers.malaize2009.causes_calibration import curve
 from cogging.papers.malaize2009.causes_figures import figure_causes
 from cogging.papers.malaize2009.causes_tables import held_out, spread_over_draws, what_else, what_explains
-from cogging.papers.malaize2009.conditions import DRAWS
 from cogging.papers.malaize2009.setup import MOTORS
-from cogging.papers.malaize2009.spectra import draws_that_propose
+from cogging.papers.malaize2009.spectra import all_propose
+from cogging.papers.malaize2009.tables import accuracies_of_table_1
 from cogging.papers.result import png
 from cogging_command import run_command
 
@@ -26,13 +26,16 @@ from cogging_command import run_command
 def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:
     """Print the study; draw the curves into a folder where one is given."""
     found = explained()
-    for table in (what_explains(found), held_out(found), what_else(found), spread_over_draws(found)):
+    for table in (
+        what_explains(found),
+        held_out(found),
+        what_else(found),
+        spread_over_draws(found, accuracies_of_table_1()),
+    ):
         show(f"{table.text()}\n")
     for cause in CAUSES:
         show(f"{cause.name}: {cause.verdict}; {cause.reason}.")
-    for motor in MOTORS.values():
-        count = draws_that_propose(motor)
-        show(f"{motor.name}: on {count} of {DRAWS} draws of the lines the spectrum proposes the printed periods first")
+    show(all_propose())
     if folder is not None:
         curves = {(cause.name, motor.name): curve(cause, motor) for cause in CAUSES for motor in MOTORS.values()}
         path = Path(folder) / "malaize2009_causes_curves.png"

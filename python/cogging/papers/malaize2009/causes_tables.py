@@ -9,10 +9,9 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.malaize2009.causes import Explanation, other, shipped_table_1
-from cogging.papers.malaize2009.conditions import DRAWS, drawn_accuracies
+from cogging.papers.malaize2009.causes import Explanation, other
 from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Motor, reference, shipped, true_error
-from cogging.papers.malaize2009.tables import logs_under
+from cogging.papers.malaize2009.tables import Accuracies, logs_under
 from cogging.papers.result import Row, Table
 
 CRUISE = 0.99  # of the top speed and above: constant speed
@@ -107,21 +106,20 @@ def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[Fl
     return np.sqrt(np.mean(powers, axis=0)), float(np.sqrt(left / all_))
 
 
-def spread_over_draws(found: Sequence[Explanation]) -> Table:
-    """How much the draw counts: of the unmodelled lines, and of the phases under Table I's conditions."""
+def spread_over_draws(found: Sequence[Explanation], table_1: Accuracies) -> Table:
+    """How much the draw counts: of lines and phases in Table I, and of what each cause draws at its size."""
     rows = []
+    for motor in MOTORS.values():
+        for name in CONTROLLERS:
+            rows += _spread(name, motor, "Table I", table_1[motor.name][name])
     for each in found:
         if each.cause.draws > 1:
             rows += _spread("observer", each.motor, each.cause.name, each.accuracy)
-    for motor in MOTORS.values():
-        conditions, gains = shipped_table_1(motor, any_phases=True)
-        for name in CONTROLLERS:
-            rows += _spread(name, motor, "phases", drawn_accuracies(motor, gains, conditions, name, DRAWS))
-    return Table("draws", f"How much the draw counts: accuracy over {DRAWS} draws", rows)
+    return Table("draws", "How much a draw counts: accuracy over the draws", rows)
 
 
 def _spread(controller: str, motor: Motor, what: str, accuracies: FloatArray) -> list[Row]:
-    labels = {"motor": motor.name, "drawn": what}
+    labels = {"motor": motor.name, "under": what}
     statistics = {
         "mean": accuracies.mean(),
         "sd": accuracies.std(ddof=1),

@@ -1,8 +1,9 @@
 """Conditions that Malaize and Levine 2009 do not report: machines that are not quite what their controllers believe.
 
-The periods were read off a Fourier transform and used as whole millimetres (section V), so the true ones may be others.
-Of the ironcore's spectrum section V says that it holds much more than its three periods: lines that the observer lacks,
-which are drawn at random here with fixed seeds. Phases are not reported either: `any_phases` draws others than assumed.
+Of the ironcore's spectrum section V says that it holds much more than three periods: lines that the observer lacks.
+Neither these nor the phases of the cogging are reported, so both are drawn with fixed seeds, and an accuracy is the
+mean over draws. The periods were read off a Fourier transform, and used as whole millimetres: the true ones may be
+others.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Malaize and Levine 2009: observer-based cancellation of cogging beside a PID on two motors (Table I).
 
-Calibrated: the amplitudes on the PID row, the pole radius on lambda*, one error of the periods on the observer row.
+Calibrated: amplitudes on the PID row, pole radii on lambda*, one share of unmodelled lines on the observer row.
 Where all is as believed, shown before, the observer row is predicted. Further tables say what the first hides: what
 else would explain the observer row, and what it gives to the other motor; what happens with ripple, thrust constant,
 encoder, friction and periods that are not as believed; how the errors with smooth friction go from stroke to stroke;
@@ -23,8 +23,13 @@ from cogging.papers.malaize2009.figures import (
 )
 from cogging.papers.malaize2009.imperfections import smooth_friction, table_2
 from cogging.papers.malaize2009.setup import MOTORS, accuracy
-from cogging.papers.malaize2009.spectra import spectra_with_lines
-from cogging.papers.malaize2009.tables import logs_as_believed, logs_of_table_1, table_1
+from cogging.papers.malaize2009.spectra import all_propose, spectra_of
+from cogging.papers.malaize2009.tables import (
+    accuracies_as_believed,
+    accuracies_of_table_1,
+    logs_of_table_1,
+    table_1,
+)
 from cogging.papers.malaize2009.theorem_3 import further_tables
 from cogging.papers.result import Reproduction
 
@@ -35,9 +40,10 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     Without cvxpy (extra `design`) the table of Theorem 3 is left out, and a note says so.
     """
     logs = logs_of_table_1()
-    table = table_1(logs, logs_as_believed())
+    found = accuracies_of_table_1()
+    table = table_1(found, accuracies_as_believed())
     progress("table 1")
-    spectra = spectra_with_lines()
+    spectra = spectra_of(logs)
     figures = {"malaize2009_fig2": figure_velocity(), "malaize2009_fig3": figure_spectrum(spectra)}
     figures["malaize2009_fig4"] = figure_errors(logs, MOTORS["ironcore"])
     figures["malaize2009_fig4_ironless"] = figure_errors(logs, MOTORS["ironless"])
@@ -45,7 +51,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     tables = [table, table_2(), smooth_friction()]
     progress("imperfections")
     causes = explained()
-    tables += [what_explains(causes), held_out(causes), what_else(causes), spread_over_draws(causes)]
+    tables += [what_explains(causes), held_out(causes), what_else(causes), spread_over_draws(causes, found)]
     figures["malaize2009_held_out"] = figure_held_out(causes)
     progress("causes")
     figures["malaize2009_ripple"] = figure_ripple()
@@ -59,12 +65,13 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
         for motor in MOTORS.values()
     )
     proposed = "; ".join(
-        f"{name} {', '.join(f'{1e3 * period:.1f}' for period in found['PID'].periods)} mm"
-        for name, found in spectra.items()
+        f"{name} {', '.join(f'{1e3 * period:.1f}' for period in pair['PID'].periods)} mm"
+        for name, pair in spectra.items()
     )
     notes = [
         f"First, cold stroke of the observer: {cold}.",
         f"Periods proposed by the spectrum of the PID's error, with unmodelled lines: {proposed}.",
+        all_propose(),
         "lambda* reports the bound on the poles, which the paper does not state: it was fitted to lambda*.",
     ]
     return Reproduction("malaize2009", [*tables, *theorem], figures, [*notes, *note])

@@ -2,52 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
 
 from cogging._core import closed_loop
 from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
-from cogging.papers.malaize2009.causes import conditions_file
-from cogging.papers.malaize2009.conditions import DRAWS, LINE_PERIODS, Conditions, controllers_under, machine
-from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, reference, shipped
+from cogging.papers.malaize2009.causes import shipped_table_1
+from cogging.papers.malaize2009.conditions import DRAWS, LINE_PERIODS, machine
+from cogging.papers.malaize2009.setup import MOTORS, Motor, pid, reference
 
 SAME = 0.02  # relative: how near a proposed period is to a printed one
 
 
-def with_lines(motor: Motor) -> tuple[Conditions, Calibrated]:
-    """The unmodelled lines that alone explain the observer's accuracy, and the gains with the amplitude under them."""
-    part = conditions_file()["lines"][motor.name]
-    return Conditions(lines=part["size"]), replace(shipped(motor), amplitude=part["amplitude"])
-
-
-def spectrum_with_lines(motor: Motor, controller: str, draw: int = 0, *, strokes: int = 0) -> TrackingSpectrum:
-    """The spectrum of a controller's error on a machine with unmodelled lines.
-
-    Args:
-        motor: one of MOTORS.
-        controller: "PID" or "observer".
-        draw: of the lines.
-        strokes: from the start; 0: all.
-    """
-    conditions, gains = with_lines(motor)
-    log = Log.of(
-        closed_loop(
-            machine(motor, gains.amplitude, conditions, draw),
-            controllers_under(motor, gains, conditions)[controller],
-            reference(motor),
-            duration=0.5 * strokes * reference(motor).period,
-        )
-    )
-    return tracking_spectrum(log, shortest_period=LINE_PERIODS[0])
-
-
-def spectra_with_lines() -> dict[str, dict[str, TrackingSpectrum]]:
-    """Those of the first draw, by motor and controller."""
+def spectra_of(logs: Mapping[str, Mapping[str, Log]]) -> dict[str, dict[str, TrackingSpectrum]]:
+    """Spectra of the tracking errors from 4 mm on, by motor and controller."""
     return {
-        motor.name: {name: spectrum_with_lines(motor, name) for name in ("PID", "observer")}
-        for motor in MOTORS.values()
+        motor: {name: tracking_spectrum(log, shortest_period=LINE_PERIODS[0]) for name, log in pair.items()}
+        for motor, pair in logs.items()
     }
 
 
@@ -58,5 +31,17 @@ def proposes_first(found: TrackingSpectrum, motor: Motor) -> bool:
 
 
 def draws_that_propose(motor: Motor, draws: int = DRAWS) -> int:
-    """Of so many draws of the lines, those whose PID's error, there and back, proposes the printed periods first."""
-    return sum(proposes_first(spectrum_with_lines(motor, "PID", draw, strokes=2), motor) for draw in range(draws))
+    """In how many draws of lines and phases the PID's error, there and back, proposes the printed periods first."""
+    conditions, gains = shipped_table_1(motor)
+    count = 0
+    for draw in range(draws):
+        plant = machine(motor, gains.amplitude, conditions, draw)
+        log = Log.of(closed_loop(plant, pid(), reference(motor), duration=reference(motor).period))
+        count += proposes_first(tracking_spectrum(log, shortest_period=LINE_PERIODS[0]), motor)
+    return count
+
+
+def all_propose() -> str:
+    """A sentence of the counts."""
+    counts = ", ".join(f"{motor.name} {draws_that_propose(motor)} of {DRAWS}" for motor in MOTORS.values())
+    return f"Draws of the lines in which the spectrum proposes the printed periods first: {counts}."
