@@ -10,6 +10,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.malaize2009.causes import Explanation, other
+from cogging.papers.malaize2009.conditions import DRAWN_STROKES
 from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Motor, reference, shipped, true_error
 from cogging.papers.malaize2009.tables import Accuracies, logs_under
 from cogging.papers.result import Row, Table
@@ -58,7 +59,8 @@ def what_else(found: Sequence[Explanation]) -> Table:
 def consequences(each: Explanation) -> dict[tuple[str, str], float]:
     """The numbers of `what_else` by controller and index."""
     motor, conditions = each.motor, each.cause.of(each.size)
-    logs = logs_under(motor, replace(shipped(motor), amplitude=each.amplitude), conditions)
+    gains = replace(shipped(motor), amplitude=each.amplitude)
+    logs = logs_under(motor, gains, conditions, strokes=DRAWN_STROKES)
     log = logs["observer"]
     later, speed = log.time >= 0.5 * reference(motor).period, _speed(log)
     error, fast = np.abs(true_error(log)), speed >= CRUISE * motor.velocity

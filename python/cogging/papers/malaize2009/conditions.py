@@ -25,6 +25,7 @@ from cogging.simulation.batch import closed_loop_batch
 
 LINES, LINE_PERIODS = 8, (4e-3, 60e-3)  # how many unmodelled lines, and between which periods (m), assumed
 DRAWS = 10
+DRAWN_STROKES = 4  # of every draw; behind them the errors repeat
 SEED = 2009
 CLOSE, NEAR = 0.003, 0.03  # of the printed accuracy: how near the PID's is brought to it, and may stay where it jumps
 
@@ -102,17 +103,33 @@ def controllers_under(motor: Motor, gains: Calibrated, conditions: Conditions) -
     return {"PID": pid(thrust), "observer": observer(motor, gains, thrust=thrust)}
 
 
-def batch_accuracies(machines: Sequence[Plant], controller: ListedController, motor: Motor) -> FloatArray:
-    """setup.accuracy (m) of each machine under one controller, (n,); infinite where the run diverged."""
+def batch_accuracies(
+    machines: Sequence[Plant], controller: ListedController, motor: Motor, strokes: int = 0
+) -> FloatArray:
+    """setup.accuracy (m) of each machine under one controller, (n,); infinite where the run diverged.
+
+    Args:
+        machines: of machine().
+        controller: copied for each.
+        motor: whose strokes are run.
+        strokes: how many, from the start; 0: all.
+    """
+    period = reference(motor).period
     found = closed_loop_batch(
         machines,
         [controller] * len(machines),
         reference(motor),
+        duration=0.5 * strokes * period,
         seeds=range(len(machines)),
-        start=0.5 * reference(motor).period,
+        start=0.5 * period,
         reductions=["true_error_max"],
     )
     return np.nan_to_num(found.indexes["true_error_max"], nan=np.inf)
+
+
+def strokes_of(draws: int) -> int:
+    """How many strokes are run in each of so many draws; 0: all."""
+    return DRAWN_STROKES if draws > 1 else 0
 
 
 def drawn_accuracies(
@@ -120,7 +137,7 @@ def drawn_accuracies(
 ) -> FloatArray:
     """Accuracy (m) of "PID" or "observer" in each draw, (draws,); gains.amplitude is that of the cogging."""
     machines = [machine(motor, gains.amplitude, conditions, draw) for draw in range(draws)]
-    return batch_accuracies(machines, controllers_under(motor, gains, conditions)[controller], motor)
+    return batch_accuracies(machines, controllers_under(motor, gains, conditions)[controller], motor, strokes_of(draws))
 
 
 def recalibrated(motor: Motor, gains: Calibrated, conditions: Conditions, draws: int = 1) -> Calibrated:
@@ -134,7 +151,7 @@ def recalibrated(motor: Motor, gains: Calibrated, conditions: Conditions, draws:
     tried: dict[float, float] = {}
     for _ in range(8):
         machines = [machine(motor, amplitude, conditions, draw) for draw in range(draws)]
-        ratio = float(batch_accuracies(machines, controller, motor).mean()) / printed
+        ratio = float(batch_accuracies(machines, controller, motor, strokes_of(draws)).mean()) / printed
         tried[amplitude] = abs(ratio - 1.0)
         if tried[amplitude] < CLOSE:
             break

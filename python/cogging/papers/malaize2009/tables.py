@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cogging._core import closed_loop
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.malaize2009.causes import shipped_table_1
 from cogging.papers.malaize2009.conditions import Conditions, controllers_under, drawn_accuracies, machine
-from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Calibrated, Motor, run, shipped
+from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Calibrated, Motor, reference, shipped
 from cogging.papers.result import Row, Table
 
 TITLE = "Table I: accuracy after the first stroke, and the certified lambda*"
@@ -18,10 +19,15 @@ AMPLITUDES_AND_RADII = tuple(f"{what}, {motor}" for motor in MOTORS for what in 
 Accuracies = Mapping[str, Mapping[str, FloatArray]]
 
 
-def logs_under(motor: Motor, gains: Calibrated, conditions: Conditions, draw: int = 0) -> dict[str, Log]:
-    """The runs of PID and observer; gains.amplitude is that of the cogging."""
-    plant = machine(motor, gains.amplitude, conditions, draw)
-    return {name: run(plant, each, motor) for name, each in controllers_under(motor, gains, conditions).items()}
+def logs_under(
+    motor: Motor, gains: Calibrated, conditions: Conditions, draw: int = 0, *, strokes: int = 0
+) -> dict[str, Log]:
+    """The runs of PID and observer; gains.amplitude is that of the cogging; strokes: from the start, 0: all."""
+    plant, motion = machine(motor, gains.amplitude, conditions, draw), reference(motor)
+    return {
+        name: Log.of(closed_loop(plant, each, motion, duration=0.5 * strokes * motion.period))
+        for name, each in controllers_under(motor, gains, conditions).items()
+    }
 
 
 def logs_of_table_1(draw: int = 0) -> dict[str, dict[str, Log]]:
