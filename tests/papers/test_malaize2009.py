@@ -14,12 +14,12 @@ from cogging.papers.malaize2009 import reproduce as malaize2009
 from cogging.papers.malaize2009 import setup as malaize2009_setup
 from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS
 
-# Committed accuracies, um: after the first stroke.
+# Committed accuracies after the first stroke, um: with unmodelled lines, and where all is as believed.
 COMMITTED = {
-    ("ironcore", "PID"): 10.00,
-    ("ironcore", "observer"): 0.0723,
-    ("ironless", "PID"): 0.5024,
-    ("ironless", "observer"): 0.0119,
+    ("ironcore", "PID"): (10.00, 10.00),
+    ("ironcore", "observer"): (0.0, 0.0723),
+    ("ironless", "PID"): (0.5, 0.5024),
+    ("ironless", "observer"): (0.0, 0.0119),
 }
 # Committed rms errors of the comparison, um, over the last move.
 COMPARED = {
@@ -41,22 +41,27 @@ def result():
     return malaize2009.reproduce()
 
 
-def test_table_1_is_the_committed_one_and_the_observer_no_worse_than_the_papers(result):
+def test_table_1_is_the_committed_one_and_near_the_papers(result):
     print(f"\n{result.text()}")
-    rows = {(row.labels["motor"], row.controller, row.index): row for row in result.tables[0].rows}
-    for (motor, name), committed in COMMITTED.items():
-        row = rows[motor, name, "accuracy"]
-        assert 1e6 * row.simulated == pytest.approx(committed, rel=0.05)
-        if name == "PID":
+    table = result.tables[0]
+    for found, place, status in ((table, 0, "calibrated"), (table.before, 1, "predicted")):
+        rows = {(row.labels["motor"], row.controller, row.index): row for row in found.rows}
+        assert len(rows) == 6
+        for (motor, name), committed in COMMITTED.items():
+            row = rows[motor, name, "accuracy"]
+            assert 1e6 * row.simulated == pytest.approx(committed[place], rel=0.03)
+            assert row.status == ("calibrated" if name == "PID" else status)
+        for motor in MOTORS.values():
+            row = rows[motor.name, "observer", "lambda_star"]
             assert row.status == "calibrated"
-            assert row.simulated == pytest.approx(row.paper, rel=0.05)
-        else:
-            assert row.status == "predicted"
-            assert row.simulated <= row.paper
-    for motor in MOTORS.values():
-        row = rows[motor.name, "observer", "lambda_star"]
-        assert row.status == "calibrated"
-        assert row.simulated == pytest.approx(row.paper, rel=0.05)
+            assert row.simulated == pytest.approx(row.paper, rel=0.005)
+    for row in table.rows:
+        assert row.simulated == pytest.approx(row.paper, rel=0.15 if row.controller == "observer" else 0.01), row
+    counts, before = table.counts(), table.before.counts()
+    assert (counts.numbers, counts.calibrated, counts.predicted, counts.free) == (6, 6, 0, 5)
+    assert counts.within == (4, 6, 6)
+    assert (before.numbers, before.calibrated, before.predicted, before.free) == (6, 4, 2, 4)
+    assert (before.within, before.predicted_within) == ((4, 4, 4), (0, 0, 0))
 
 
 def test_the_second_table_says_where_the_observer_is_worse(result):

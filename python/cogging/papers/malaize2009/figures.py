@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging.logs.log import Log
-from cogging.mapping.error_spectrum import tracking_spectrum
+from cogging.mapping.error_spectrum import TrackingSpectrum
 from cogging.papers.compared import Trace, compared
 from cogging.papers.malaize2009.robustness import sweeps
 from cogging.papers.malaize2009.setup import (
@@ -22,7 +22,7 @@ from cogging.papers.malaize2009.setup import (
     true_error,
 )
 from cogging.plot.canvas import drawn, legend, new_figure
-from cogging.plot.series import GREY, look, marker
+from cogging.plot.series import GREY, LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
 
 if TYPE_CHECKING:
@@ -67,15 +67,22 @@ def figure_velocity() -> Figure:
 
 
 @drawn
-def figure_spectrum(logs: Mapping[str, Mapping[str, Log]]) -> Figure:
-    """Fig. 3: the tracking errors against spatial period."""
-    figure, panels = _pair("Fig. 3: spectrum of the tracking error")
-    for axes, motor in panels:
-        for name in CONTROLLERS:
-            found = tracking_spectrum(logs[motor.name][name])
-            axes.semilogy(1e3 / found.frequency, 1e6 * found.amplitude, label=name, linewidth=0.8)
-        axes.set(ylabel=f"{motor.name} (µm)", xlabel="spatial period (mm)", xlim=(4, 60))
-        axes.legend()
+def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Figure:
+    """Fig. 3: the tracking errors against spatial period, by motor and controller; triangles: the periods cancelled."""
+    figure = new_figure((8.0, 6.0))
+    figure.suptitle("Fig. 3: spectrum of the tracking error, with unmodelled lines")
+    panels = figure.subplots(len(MOTORS), 1, sharex=True, sharey=True)
+    for axes, motor in zip(panels, MOTORS.values(), strict=True):
+        for place, name in enumerate(CONTROLLERS):
+            found = spectra[motor.name][name]
+            axes.loglog(1e3 / found.frequency, 1e6 * found.amplitude, label=name, linewidth=1.1, **look(place))
+        marks = {"marker": "v", "linestyle": "", "color": LIMIT, "transform": axes.get_xaxis_transform()}
+        axes.plot(1e3 * np.array(motor.periods), np.full(len(motor.periods), 0.97), **marks)
+        axes.set(ylabel=f"{motor.name}: amplitude (µm)", xlim=(4, 60), ylim=(1e-4, 10))
+        _ticks(axes.xaxis, [4, 5, 6, 8, 10, 12, 16, 21, 24, 30, 42, 60])
+        _ticks(axes.yaxis, [1e-4, 1e-3, 1e-2, 0.1, 1, 10])
+        legend(axes)
+    panels[-1].set_xlabel("spatial period (mm); triangles: those that the observer cancels")
     return figure
 
 
