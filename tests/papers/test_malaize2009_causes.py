@@ -1,18 +1,11 @@
-"""What would explain Table I of Malaize and Levine 2009: conditions by hand, the map of causes, its sizes, its draws."""
+"""What would explain Table I of Malaize and Levine 2009: conditions by hand, and how sizes are found."""
 
 import numpy as np
 import pytest
 
 from cogging.papers.malaize2009 import causes_calibration, spectra
-from cogging.papers.malaize2009.causes import CAUSES, conditions_file, explained, other, shipped_table_1
-from cogging.papers.malaize2009.causes_figures import figure_held_out
-from cogging.papers.malaize2009.causes_tables import (
-    held_out,
-    lines_at_speed,
-    spread_over_draws,
-    what_else,
-    what_explains,
-)
+from cogging.papers.malaize2009.causes import CAUSES, conditions_file, other, shipped_table_1
+from cogging.papers.malaize2009.causes_tables import lines_at_speed
 from cogging.papers.malaize2009.conditions import (
     DRAWS,
     LINE_PERIODS,
@@ -26,36 +19,6 @@ from cogging.papers.malaize2009.conditions import (
 )
 from cogging.papers.malaize2009.imperfections import cogging_rms
 from cogging.papers.malaize2009.setup import MOTORS, accuracy, observer, pid, plant, run, shipped, true_error
-from cogging.papers.malaize2009.tables import accuracies_of_table_1
-
-# Committed sizes, SI: ironcore and ironless; and the accuracy over the printed one that each gives to the other motor.
-SIZES = {}
-ELSEWHERE = {}
-ROUGH = {}
-
-
-@pytest.fixture(scope="module")
-def found():
-    return explained()
-
-
-def by_cause(rows, index):
-    return {
-        (row.labels["cause"], row.labels["motor"], row.controller): row.simulated for row in rows if row.index == index
-    }
-
-
-def test_the_sizes_are_the_committed_ones_and_give_the_printed_accuracy(found):
-    table = what_explains(found)
-    print(f"\n{table.text()}")
-    sizes = by_cause(table.rows, "size")
-    assert {row.status for row in table.rows} == {"exploratory"}
-    assert len(sizes) == 2 * len(CAUSES) == len(SIZES) * 2
-    for each in found:
-        committed = SIZES[each.cause.name][list(MOTORS).index(each.motor.name)]
-        assert sizes[each.cause.name, each.motor.name, "observer"] == pytest.approx(committed, rel=1e-3)
-        near = ROUGH.get((each.cause.name, each.motor.name), 0.06)
-        assert each.accuracy.mean() == pytest.approx(each.motor.accuracy[1], rel=near), (each.cause.name, each.motor.name)
 
 
 @pytest.mark.parametrize("cause", CAUSES, ids=lambda cause: cause.name)
@@ -67,50 +30,6 @@ def test_the_observers_error_grows_with_the_size(cause):
             for share in (1 / 3, 1.0, 3.0)
         ]
         assert ratios[0] < 0.85 * ratios[1] < 0.85**2 * ratios[2], (motor.name, ratios)
-
-
-def test_held_out_numbers_are_the_committed_ones(found):
-    table = held_out(found)
-    print(f"\n{table.text()}")
-    assert figure_held_out(found).axes
-    counts = table.counts()
-    assert (counts.calibrated, counts.predicted, counts.free) == (14, 14, 14)
-    for row in table.rows:
-        motor, fitted = row.labels["motor"], row.labels["fitted on"]
-        assert row.status == ("calibrated" if motor == fitted else "predicted")
-        assert row.paper == MOTORS[motor].accuracy[1]
-        if motor != fitted:
-            committed = ELSEWHERE[row.labels["cause"]][list(MOTORS).index(fitted)]
-            assert row.simulated / row.paper == pytest.approx(committed, rel=0.05), row.labels
-
-
-def test_what_else_the_causes_do(found):
-    table = what_else(found)
-    print(f"\n{table.text()}")
-    left, ramps = by_cause(table.rows, "lines_left"), by_cause(table.rows, "ramps")
-    for motor in MOTORS:
-        # Section V: the cogging's lines vanish from the spectrum. A wrong period alone leaves some of them.
-        assert 0.05 < left["period error", motor, "observer"] < 0.15
-        assert max(left[cause.name, motor, "observer"] for cause in CAUSES if cause.name != "period error") < 0.01
-        # Section V: as good in ramps as at constant speed. Smooth friction errs where the motion turns.
-        assert 2.0 < ramps["smooth friction", motor, "observer"] < 8.0
-        assert 0.4 < ramps["unmodelled lines", motor, "observer"] < 1.2
-
-
-def test_the_spread_over_draws_is_that_of_the_draws(found):
-    runs = accuracies_of_table_1()
-    table = spread_over_draws(found, runs)
-    print(f"\n{table.text()}")
-    rows = {
-        (row.labels["under"], row.labels["motor"], row.controller, row.index): row.simulated for row in table.rows
-    }
-    for motor, (mean, sd) in SPREAD.items():
-        values = runs[motor]["observer"]
-        assert values.size == DRAWS
-        assert rows["Table I", motor, "observer", "mean"] == values.mean() == pytest.approx(1e-6 * mean, rel=0.05)
-        assert rows["Table I", motor, "observer", "sd"] == np.std(values, ddof=1) == pytest.approx(1e-6 * sd, rel=0.1)
-        assert rows["Table I", motor, "observer", "least"] == values.min()
-        assert rows["Table I", motor, "observer", "largest"] == values.max()
 
 
 def test_one_size_and_the_amplitude_of_table_1_come_again():
@@ -129,7 +48,7 @@ def test_a_size_that_no_curve_reaches_is_none():
 
 def test_no_amplitude_where_the_pid_errs_by_more_without_cogging():
     motor = MOTORS["ironless"]
-    with pytest.raises(ValueError, match="^ironless: no amplitude gives the PID the printed accuracy under Conditions"):
+    with pytest.raises(ValueError, match=r"^ironless: no amplitude gives the PID the printed accuracy under Conditions"):
         recalibrated(motor, shipped(motor), Conditions(thrust=0.1))
 
 

@@ -66,8 +66,8 @@ CAUSES = (
         "1",
         (0.003, 0.05),
         "possible",
-        "whole millimetres, from a transform over a stroke; but some 10 % of the PID's lines would be left, which "
-        "section V excludes",
+        "whole millimetres, from a transform over a stroke; but 7 and 24 % of the PID's lines would be left, where "
+        "section V sees none",
         DRAWS,
         any_phases=True,
     ),

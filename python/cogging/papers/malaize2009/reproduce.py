@@ -23,7 +23,7 @@ from cogging.papers.malaize2009.figures import (
 )
 from cogging.papers.malaize2009.imperfections import smooth_friction, table_2
 from cogging.papers.malaize2009.setup import MOTORS, accuracy
-from cogging.papers.malaize2009.spectra import all_propose, spectra_of
+from cogging.papers.malaize2009.spectra import spectra_of
 from cogging.papers.malaize2009.tables import (
     accuracies_as_believed,
     accuracies_of_table_1,
@@ -71,7 +71,6 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     notes = [
         f"First, cold stroke of the observer: {cold}.",
         f"Periods proposed by the spectrum of the PID's error, with unmodelled lines: {proposed}.",
-        all_propose(),
         "lambda* reports the bound on the poles, which the paper does not state: it was fitted to lambda*.",
     ]
     return Reproduction("malaize2009", [*tables, *theorem], figures, [*notes, *note])
