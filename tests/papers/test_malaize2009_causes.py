@@ -48,7 +48,7 @@ def test_a_size_that_no_curve_reaches_is_none():
 
 def test_no_amplitude_where_the_pid_errs_by_more_without_cogging():
     motor = MOTORS["ironless"]
-    with pytest.raises(ValueError, match=r"^ironless: no amplitude gives the PID the printed accuracy under Conditions"):
+    with pytest.raises(ValueError, match=r"^ironless: no amplitude gives the PID the printed accuracy"):
         recalibrated(motor, shipped(motor), Conditions(thrust=0.1))
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from cogging.papers.malaize2009.causes import CAUSES, Explanation, other
 from cogging.papers.malaize2009.setup import MOTORS
 from cogging.plot.canvas import drawn, legend, new_figure
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
+SHOWN = {"1": (100.0, "%"), "s": (1e6, "µs"), "m": (1e6, "µm"), "m/s": (1e3, "mm/s")}  # factor and label by unit
 
 
 @drawn
@@ -51,11 +54,17 @@ def figure_causes(curves: Mapping[tuple[str, str], Sequence[tuple[float, float]]
     figure.suptitle("What alone would explain the observer's accuracy; the PID's is calibrated at every size")
     panels = figure.subplots(4, 2, sharey=True).ravel()
     for axes, cause in zip(panels, CAUSES, strict=False):
+        factor, unit = SHOWN[cause.unit]
         for place, motor in enumerate(MOTORS.values()):
-            sizes, ratios = zip(*curves[cause.name, motor.name], strict=True)
-            axes.loglog(sizes, ratios, label=motor.name, marker=marker(place), markersize=4, **look(place))
+            sizes, ratios = np.transpose(curves[cause.name, motor.name])
+            axes.loglog(factor * sizes, ratios, label=motor.name, marker=marker(place), markersize=4, **look(place))
         axes.axhline(1.0, color=GREY, linewidth=0.8)
-        axes.set_xlabel(f"{cause.name} ({cause.unit})" if cause.unit != "1" else f"{cause.name} (relative)")
+        axes.set_xlabel(f"{cause.name} ({unit})")
+        low, high = axes.get_xlim()
+        ticks = [digit * 10.0**power for power in range(-4, 4) for digit in (1, 2, 5)]
+        inside = [tick for tick in ticks if low <= tick <= high]
+        axes.set_xticks(inside, [f"{tick:g}" for tick in inside])
+        axes.set_xticks([], minor=True)
         axes.set_yticks(RATIOS, [f"{ratio:g}" for ratio in RATIOS])
         axes.set_yticks([], minor=True)
     for axes in panels[::2]:
