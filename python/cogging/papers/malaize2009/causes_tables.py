@@ -37,7 +37,7 @@ def held_out(found: Sequence[Explanation]) -> Table:
         for motor, accuracy, status in pairs:
             label = {"motor": motor.name, **labels}
             rows.append(Row("observer", "accuracy", "m", motor.accuracy[1], float(accuracy.mean()), status, label))
-    free = [f"{each.cause.name}, {each.motor.name}" for each in found]
+    free = [f"{each.cause.name} of {each.motor.name}" for each in found]
     return Table("held_out", "Fitted on one motor, given to the other: the observer's accuracy", rows, free=free)
 
 

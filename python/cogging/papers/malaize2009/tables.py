@@ -13,7 +13,7 @@ from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS, Calibrated, Mo
 from cogging.papers.result import Row, Table
 
 TITLE = "Table I: accuracy after the first stroke, and the certified lambda*"
-AMPLITUDES_AND_RADII = tuple(f"{what}, {motor}" for motor in MOTORS for what in ("amplitude", "pole radius"))
+AMPLITUDES_AND_RADII = tuple(f"{what} of {motor}" for motor in MOTORS for what in ("amplitude", "pole radius"))
 
 #: Accuracies (m) by motor and controller, (draws,) each.
 Accuracies = Mapping[str, Mapping[str, FloatArray]]
