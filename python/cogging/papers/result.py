@@ -121,6 +121,11 @@ class Table(ByValue):
     free: Sequence[str] = ()
     before: Table | None = None
 
+    @property
+    def is_exploratory(self) -> bool:
+        """Whether none of its numbers is one of the paper's."""
+        return all(row.status == "exploratory" for row in self.rows)
+
     def counts(self) -> Counts:
         """How many of the printed numbers ours come near to."""
         errors = {
@@ -229,9 +234,16 @@ class Reproduction(ByValue):
         rows = [{"table": table.id, **row.to_dict()} for table in self.tables for row in table.rows]
         return frame_of(rows, {}, paper=self.paper)
 
-    def text(self) -> str:
-        """Tables and notes for the screen."""
-        return "\n\n".join([*(table.text() for table in self.tables), *self.notes])
+    def text(self, every: bool = True) -> str:
+        """Tables and notes for the screen.
+
+        Args:
+            every: False names the tables that hold no number of the paper by their titles alone.
+        """
+        shown = [table for table in self.tables if every or not table.is_exploratory]
+        named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
+        further = ["\n".join(["Further tables, in no paper (--all shows them):", *named])] if shown and named else []
+        return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write `<paper>.json` and one PNG a figure into a folder, which is made if need be; says which."""
