@@ -113,6 +113,7 @@ class Table(ByValue):
         rows: its numbers.
         free: names of the parameters that its calibrated numbers were fitted by; empty: no counts are given.
         before: the same numbers under the conditions that were assumed before, shown beside; None: there are none.
+        beside: what those numbers are, as the column says it.
     """
 
     id: str
@@ -120,6 +121,7 @@ class Table(ByValue):
     rows: Sequence[Row]
     free: Sequence[str] = ()
     before: Table | None = None
+    beside: str = "before"
 
     @property
     def is_exploratory(self) -> bool:
@@ -168,7 +170,7 @@ class Table(ByValue):
         """The table for the screen."""
         width = max([15, *(len(self._name(row)) + 2 for row in self.rows)])
         earlier = {(self._name(row), row.index): row for row in self.before.rows} if self.before else {}
-        head = f"{'before':>12}{'ratio':>8}" if earlier else ""
+        head = f"{self.beside:>12}{'ratio':>8}" if earlier else ""
         lines = [
             self.title,
             f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ",
@@ -183,7 +185,7 @@ class Table(ByValue):
                 f"{_ratio(row):>8}  {row.status}"
             )
         if self.before is not None and self.before.free:
-            lines.append(f"{'':4}before: {self.before.counts().text()}")
+            lines.append(f"{'':4}{self.beside}: {self.before.counts().text()}")
         if self.free:
             lines += [f"{'':4}{self.counts().text()}", f"{'':4}free: {', '.join(self.free)}"]
         return "\n".join(lines)

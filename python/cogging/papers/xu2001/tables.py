@@ -121,9 +121,9 @@ def _held_out(split: str) -> Table:
     title = (
         f"Held out: all is fitted to {took}, the rest predicted "
         f"({runs} earlier run{'s' * (runs != 1)}, adaptation x {factor:.3g});\n"
-        f"before: what these numbers of the paper say without a model, {near.within[1]} of {near.numbers} within 15 %"
+        f"guess: what these numbers of the paper say without a model, {near.within[1]} of {near.numbers} within 15 %"
     )
-    return Table(f"held_out_{split}", title, rows, free=JOINT_FREE, before=before)
+    return Table(f"held_out_{split}", title, rows, free=JOINT_FREE, before=before, beside="guess")
 
 
 def exploration_table(explored: Mapping[str, float]) -> Table:
