@@ -10,9 +10,9 @@ from cogging.files import parse_toml
 from cogging.papers import comparison
 from cogging.papers.malaize2009 import calibration as malaize2009_calibration
 from cogging.papers.malaize2009 import figures as malaize2009_figures
-from cogging.papers.malaize2009 import reproduce as malaize2009
 from cogging.papers.malaize2009 import setup as malaize2009_setup
 from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS
+from tests.fixtures.reproduced import reproduced
 
 # Committed accuracies after the first stroke, um: with unmodelled lines, and where all is as believed.
 COMMITTED = {
@@ -70,7 +70,7 @@ COMPARED = {
 
 @pytest.fixture(scope="module")
 def result():
-    return malaize2009.reproduce()
+    return reproduced("malaize2009")
 
 
 def test_table_1_is_the_committed_one_and_near_the_papers(result):

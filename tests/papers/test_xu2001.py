@@ -6,9 +6,9 @@ import pytest
 import cogging
 from cogging.files import parse_toml
 from cogging.papers.xu2001 import calibration, conditions, conditions_fit, exploration, tables
-from cogging.papers.xu2001 import reproduce as xu2001
 from cogging.papers.xu2001 import setup as xu2001_setup
 from cogging.papers.xu2001 import study as xu2001_study
+from tests.fixtures.reproduced import reproduced
 
 # Committed values of the six indexes (um, um, um, V, V, 1) by controller and set: the plant fitted to the PID alone
 # with all as printed, and the joint conditions.
@@ -43,7 +43,7 @@ HELD_OUT = {
 
 @pytest.fixture(scope="module")
 def result():
-    return xu2001.reproduce()
+    return reproduced("xu2001")
 
 
 def table_of(result, name):
