@@ -167,11 +167,15 @@ def test_reproduce_writes_tables_and_figures(folder, capsys):
     assert "predicted" in screen
     document = json.loads((folder / "results" / "lu2008.json").read_text())
     assert document["paper"] == "lu2008"
-    assert [table["id"] for table in document["tables"]] == ["table1", "table2"]
+    tables = [table["id"] for table in document["tables"]]
+    assert tables[:2] == ["table1", "table2"]
+    claims = {f"{name}_{axis}" for name in ("constant_speed", "harmonics", "matrix29", "theorem1a") for axis in "XY"}
+    assert claims | {"claim", "theorem1b"} <= set(tables)
     row = document["tables"][0]["rows"][0]
     assert (
         row.items()
-        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "predicted"}.items()
+        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}.items()
     )
     pictures = sorted(path.name for path in (folder / "results").glob("*.png"))
-    assert pictures == sorted(f"lu2008_fig{number}.png" for number in (2, 3, 5, 6, 7, 8, 9, 10))
+    numbered = [f"fig{number}" for number in (2, 3, 5, 6, 7, 8, 9, 10)]
+    assert pictures == sorted(f"lu2008_{name}.png" for name in (*numbered, "fft", "claim", "theorem1"))

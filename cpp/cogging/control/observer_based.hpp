@@ -94,8 +94,14 @@ struct ObserverBasedParameters {
 /// Between samples zeta turns exactly, by 2 pi dx* / P_n, and (x, nu) follow by Taylor's formula to third order with
 /// the command that acted; at the sample Ts K (y - x_hat) corrects them. K is that of nu* > 0: for nu* < 0 the signs of
 /// the cosines' gains turn, since (3) does. Below velocity_min the harmonics are frozen, because zeta is not observable
-/// at rest. lambda_0 holds the dry friction, so each direction keeps its own. Feedforward and zeta are looked up
-/// `delay` ahead; the feedback cannot be.
+/// at rest. Feedforward and zeta are looked up `delay` ahead; the feedback cannot be.
+///
+/// lambda_0 holds the dry friction, which turns with the motion and is gone at rest. Of its reset the paper only says
+/// that it needs care (section III.A). Here each direction keeps the last estimate at the steadiest motion of its last
+/// stroke: where |a*| was least, to 1 % of the largest, above velocity_min if the stroke has come so far. lambda_0
+/// begins with it wherever a motion in that direction begins. Where a rest begins (|nu*| up to a thousandth of
+/// velocity_min) it is set to the mean of both, from which a friction that is odd in the velocity falls out. As long as
+/// one direction is unknown it is taken as the other's opposite. What is learned at rest ends with it.
 ///
 /// In a sample that is refused (see SampleGuard) the estimates stay, while the commands that acted are still kept. The
 /// next prediction is one step over all samples that have passed; behind more than 16 missed ones x_hat and nu_hat
@@ -109,7 +115,11 @@ class ObserverBased {
 
 Extended observer (6) of position, velocity, lambda_0 and each spatial period, and law (8); K from gains.design_observer.
 Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
-were refused x_hat and nu_hat start anew from the readings at both ends.)";
+were refused x_hat and nu_hat start anew from the readings at both ends.
+
+lambda_0 holds the dry friction. Of its reset the paper only says that it needs care; here it begins each motion with
+the last estimate of that direction in steady motion (of the other, turned, where that is the first), and each rest with
+the mean of both, which is without friction. What is learned at rest ends with it.)";
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})
@@ -125,7 +135,7 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
     state_.fill(Scalar(0.0));
     acted_ = DelayLine<Scalar>(whole_ + 1 + SampleGuard<Scalar>::gap_max);
     kept_.fill(Scalar(0.0));
-    visited_.fill(Scalar(0.0));
+    known_.fill(Scalar(0.0));
   }
 
   const Parameters& parameters() const { return parameters_; }
@@ -139,7 +149,8 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
-    return std::tie(guard_, state_, acted_, kept_, visited_, direction_, reference_previous_, reading_previous_);
+    return std::tie(guard_, state_, acted_, kept_, known_, direction_, motion_, fast_, hardest_, steadiest_,
+                    reference_previous_, reading_previous_);
   }
 
   Scalar command(const ReferencePoint& reference, const ReferencePoint& ahead, Scalar reading) noexcept {
@@ -162,6 +173,7 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
     sample.set(reading_previous_, reading);
     turn_direction(sample, reference.velocity);
     correct(sample, reading - state_[0], reference.velocity);
+    keep(sample, reference);
 
     Scalar cogging = state_[2];
     for (int n = 0; n < count_; ++n) {
@@ -203,18 +215,49 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
     sample.set(state_[1], state_[1] + t * (a + t * (0.5 * jerk + t / 6.0 * snap)));
   }
 
+  bool rests(double velocity) const { return std::abs(velocity) <= 1e-3 * parameters_.velocity_min; }
+
+  // lambda_0 as it was last in a direction; as long as that is unknown dry friction turns its sign.
+  COGGING_INLINE Scalar last_of(int direction) const {
+    return select(known_[direction] > 0.0, kept_[direction], -kept_[1 - direction]);
+  }
+
   template <class Sample>
   COGGING_INLINE void turn_direction(const Sample& sample, double velocity) noexcept {
-    if (velocity == 0.0) return;
-    const double direction = velocity > 0.0 ? 1.0 : -1.0;
-    if (all(direction_ == direction)) return;
-    const int to = velocity > 0.0 ? 1 : 0, from = 1 - to;
-    const auto turns = direction_ == -direction;
-    const Scalar known = select(visited_[to] > 0.0, kept_[to], -state_[2]);  // unknown yet: dry friction turns its sign
-    sample.set(kept_[from], select(turns, state_[2], kept_[from]));
-    sample.set(state_[2], select(turns, known, state_[2]));
-    sample.set(visited_[to], Scalar(1.0));
-    sample.set(direction_, Scalar(direction));
+    const bool at_rest = rests(velocity);
+    const int to = velocity > 0.0 ? 1 : 0;
+    const double motion = at_rest ? 0.0 : 2.0 * to - 1.0;
+    if (all(motion_ == motion)) return;
+    const Scalar last = at_rest ? 0.5 * (last_of(0) + last_of(1)) : last_of(to);
+    const Scalar stays = select(motion_ == motion, Scalar(1.0), Scalar(0.0));
+    const auto begins = (1.0 - stays) * (known_[0] + known_[1]) > 0.0;
+    sample.set(state_[2], select(begins, last, state_[2]));
+    sample.set(fast_, fast_ * stays);
+    sample.set(hardest_, hardest_ * stays);
+    sample.set(steadiest_, select(stays > 0.0, steadiest_, Scalar(SampleGuard<Scalar>::size_max)));
+    sample.set(motion_, Scalar(motion));
+    if (!at_rest) sample.set(direction_, Scalar(motion));
+  }
+
+  // Where it speeds up or slows down, a mass that is not as believed is in the estimate, with the other sign at the
+  // other end of the stroke; where it is slow, a friction that is not yet, or no longer, that of motion.
+  template <class Sample>
+  COGGING_INLINE void keep(const Sample& sample, const ReferencePoint& reference) noexcept {
+    if (rests(reference.velocity)) return;
+    const bool slow = std::abs(reference.velocity) < parameters_.velocity_min;
+    const int direction = reference.velocity > 0.0 ? 1 : 0;
+    const Scalar acceleration = std::abs(reference.acceleration);
+    if (!slow) {
+      sample.set(hardest_, hardest_ * fast_);
+      sample.set(steadiest_, select(fast_ > 0.0, steadiest_, acceleration));
+      sample.set(fast_, Scalar(1.0));
+    }
+    const Scalar counts = slow ? 1.0 - fast_ : Scalar(1.0);
+    sample.set(hardest_, larger(hardest_, counts * acceleration));
+    sample.set(steadiest_, select(counts > 0.0, smaller(steadiest_, acceleration), steadiest_));
+    const Scalar room = select(counts > 0.0, steadiest_ + 0.01 * hardest_ - acceleration, Scalar(-1.0));
+    sample.set(kept_[direction], select(room >= 0.0, state_[2], kept_[direction]));
+    sample.set(known_[direction], Scalar(1.0));
   }
 
   template <class Sample>
@@ -240,9 +283,11 @@ were refused x_hat and nu_hat start anew from the readings at both ends.)";
   bool measured_rotation_;
   std::array<double, Parameters::periods_max> wavenumber_{};
   std::array<Scalar, states_max> state_;
-  DelayLine<Scalar> acted_{0};            // m/s^2
-  std::array<Scalar, 2> kept_, visited_;  // lambda_0 by direction, and whether it is known
-  Scalar direction_ = 0.0;
+  DelayLine<Scalar> acted_{0};          // m/s^2
+  std::array<Scalar, 2> kept_, known_;  // lambda_0 by direction, and whether it is known
+  Scalar direction_ = 0.0;              // -1 or 1: of the last motion; 0 before the first
+  Scalar motion_ = 0.0, fast_ = 0.0;    // -1, 0 at rest, 1; whether it has reached velocity_min
+  Scalar hardest_ = 0.0, steadiest_ = 0.0;  // largest and least |a*| of this stroke, m/s^2
   Scalar reference_previous_ = 0.0, reading_previous_ = 0.0;
 };
 

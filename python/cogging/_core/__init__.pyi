@@ -1930,6 +1930,10 @@ class ObserverBased:
     Positions only. Estimates: x_hat, nu_hat, lambda_0, then sine and cosine of each period. Behind more than 16 samples that
     were refused x_hat and nu_hat start anew from the readings at both ends.
     
+    lambda_0 holds the dry friction. Of its reset the paper only says that it needs care; here it begins each motion with
+    the last estimate of that direction in steady motion (of the other, turned, where that is the first), and each rest with
+    the mean of both, which is without friction. What is learned at rest ends with it.
+    
     A sample is refused whose reading or reference is not finite, or 1e12 and more: the last command is held, cut at
     `command_limit` (0 V before the first), what it knows from readings stays, and `samples_refused` counts it. Differences
     of the next reading are taken over all samples that have passed.

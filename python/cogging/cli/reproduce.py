@@ -23,12 +23,14 @@ def add_parser(commands: Commands) -> None:
         examples=(
             "cogging reproduce lu2008",
             "cogging reproduce malaize2009 xu2001 --out results",
+            "cogging reproduce xu2001 --all --out results",
             "cogging reproduce --compare --out comparison",
         ),
     )
     command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
     command.add_argument("--compare", action="store_true", help="all papers' controllers on one axis")
     group = command.add_argument_group(COMES_OUT)
+    group.add_argument("--all", action="store_true", help="show the tables that are in no paper, too")
     group.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
     add_answer_options(group, json="the tables, one object a paper,")
     command.set_defaults(run=run)
@@ -47,5 +49,8 @@ def run(arguments: argparse.Namespace) -> None:
         result = compare(progress=shown) if name == "comparison" else reproduce(name, progress=shown)
         written = result.write(arguments.out)
         told.append(result.to_dict())
-        show(arguments, f"{result.paper}\n\n{result.text()}\n\n{written[0]} and {len(written) - 1} figures written\n")
+        show(
+            arguments,
+            f"{result.paper}\n\n{result.text(arguments.all)}\n\n{written[0]} and {len(written) - 1} figures written\n",
+        )
     give(arguments, "", document=told, next_command=after_a_paper(arguments))

@@ -113,6 +113,7 @@ class Table(ByValue):
         rows: its numbers.
         free: names of the parameters that its calibrated numbers were fitted by; empty: no counts are given.
         before: the same numbers under the conditions that were assumed before, shown beside; None: there are none.
+        beside: what those numbers are, as the column says it.
     """
 
     id: str
@@ -120,6 +121,12 @@ class Table(ByValue):
     rows: Sequence[Row]
     free: Sequence[str] = ()
     before: Table | None = None
+    beside: str = "before"
+
+    @property
+    def is_exploratory(self) -> bool:
+        """Whether none of its numbers is one of the paper's."""
+        return all(row.status == "exploratory" for row in self.rows)
 
     def counts(self) -> Counts:
         """How many of the printed numbers ours come near to."""
@@ -163,7 +170,7 @@ class Table(ByValue):
         """The table for the screen."""
         width = max([15, *(len(self._name(row)) + 2 for row in self.rows)])
         earlier = {(self._name(row), row.index): row for row in self.before.rows} if self.before else {}
-        head = f"{'before':>12}{'ratio':>8}" if earlier else ""
+        head = f"{self.beside:>12}{'ratio':>8}" if earlier else ""
         lines = [
             self.title,
             f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ",
@@ -174,11 +181,11 @@ class Table(ByValue):
                 found = earlier.get((name, row.index))
                 before = f"{_shown(found):>12}{_ratio(found):>8}" if found else f"{'-':>12}{'-':>8}"
             lines.append(
-                f"{'':4}{name:<{width}}{row.index:<13}{_shown(row, printed=True):>12}{before}{_shown(row):>14}"
+                f"{'':4}{name:<{width}}{row.index:<13}{_shown(row, printed=True):>12}{before} {_shown(row):>13}"
                 f"{_ratio(row):>8}  {row.status}"
             )
         if self.before is not None and self.before.free:
-            lines.append(f"{'':4}before: {self.before.counts().text()}")
+            lines.append(f"{'':4}{self.beside}: {self.before.counts().text()}")
         if self.free:
             lines += [f"{'':4}{self.counts().text()}", f"{'':4}free: {', '.join(self.free)}"]
         return "\n".join(lines)
@@ -186,7 +193,7 @@ class Table(ByValue):
 
 def _shown(row: Row, printed: bool = False) -> str:
     value = row.paper if printed else row.simulated
-    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, row.unit.removeprefix("1"))
+    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, "" if row.unit == "1" else row.unit)
     return f"{value * scale:.4g} {unit}".rstrip() if value is not None else "-"
 
 
@@ -229,9 +236,16 @@ class Reproduction(ByValue):
         rows = [{"table": table.id, **row.to_dict()} for table in self.tables for row in table.rows]
         return frame_of(rows, {}, paper=self.paper)
 
-    def text(self) -> str:
-        """Tables and notes for the screen."""
-        return "\n\n".join([*(table.text() for table in self.tables), *self.notes])
+    def text(self, every: bool = True) -> str:
+        """Tables and notes for the screen.
+
+        Args:
+            every: False names the tables that hold no number of the paper by their titles alone.
+        """
+        shown = [table for table in self.tables if every or not table.is_exploratory]
+        named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
+        further = ["\n".join(["Further tables, in no paper (--all shows them):", *named])] if shown and named else []
+        return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write `<paper>.json` and one PNG a figure into a folder, which is made if need be; says which."""

@@ -1,14 +1,21 @@
 """Calibrates the cogging maps of Lu et al. 2008: `python -m cogging.papers.lu2008.calibration [FILE]`.
 
-The paper prints no map. For each axis three amplitudes (periodic, modulated, uncompensated part; see
-setup.cogging_map) are found so that the rms errors of C1, C2 and C3 are those of the table. Nothing is fitted to the
-maxima. The result is what comes with the package as maps.toml, bit for bit.
+The paper prints no map. Five sets of conditions are found, which come with the package as maps.toml, bit for bit:
+
+- first: an assumed shape; for each axis three amplitudes (periodic, modulated, uncompensated part; see
+  shapes.MapShape) so that the rms errors of C1, C2 and C3 are those of the table. Nothing is fitted to the maxima.
+- present: one shape for both axes and three amplitudes for each, fitted to all twelve numbers within the printed bound
+  of A_r (search.py).
+- from_table1, from_table2: shape and amplitudes fitted to all six numbers of one table, then the amplitudes of the
+  other axis to its three rms values: the maxima of the other axis took no part.
+- without_c3: as present, fitted to the eight numbers of C1 and C2 alone.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +25,18 @@ from cogging._core import CoggingModel, Plant, PointToPoint
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
+from cogging.papers.lu2008.search import Fit, Responses, search
 from cogging.papers.lu2008.setup import (
     AXES,
-    Amplitudes,
+    FIRST,
+    PRESENT,
+    WITHOUT_C3,
     GantryAxis,
     cogging_map,
     last_rms,
     plant,
 )
+from cogging.papers.lu2008.shapes import FIRST_SHAPE, Amplitudes, MapShape
 from cogging_command import run_command
 
 START = (0.09, 0.06, 0.05)  # V: where the search begins, for both axes
@@ -36,12 +47,13 @@ def rms_errors(
     axis: GantryAxis,
     amplitudes: Amplitudes,
     *,
+    shape: MapShape | None = None,
     motion: PointToPoint | None = None,
     machine: Callable[[CoggingModel], Plant] | None = None,
     **controller_changes: Any,
 ) -> FloatArray:
-    """The rms errors (m) of C1, C2, C3, (3,); motion and machine are the paper's unless given."""
-    cogging = cogging_map(axis, amplitudes)
+    """The rms errors (m) of C1, C2, C3, (3,); shape, motion and machine are those of the tables unless given."""
+    cogging = cogging_map(axis, amplitudes, shape)
     truth = machine(cogging) if machine else plant(axis, cogging)
     return np.asarray(last_rms(axis, [truth], motion, **controller_changes)[0])
 
@@ -63,11 +75,47 @@ def calibrate(axis: GantryAxis, **setup: Any) -> Amplitudes:
     return rounded(fit_logarithms(gap, np.array(START), step=0.1, tolerance=TOLERANCE)[0])
 
 
+#: Sections of maps.toml whose shape was fitted to one table alone, and that table's axis.
+HELD_OUT = {"from_table1": "X", "from_table2": "Y"}
+EVERY = {"X": 2, "Y": 8}  # sample of those that the search looks at
+
+
+def _section(shape: MapShape, amplitudes: Mapping[str, Amplitudes]) -> dict[str, Any]:
+    names = ("periodic", "modulated", "uncompensated")
+    return {"shape": asdict(shape)} | {name: dict(zip(names, amplitudes[name], strict=True)) for name in AXES}
+
+
+def first_section() -> dict[str, Any]:
+    """The conditions assumed at first."""
+    return _section(FIRST_SHAPE, {name: calibrate(axis, shape=FIRST_SHAPE) for name, axis in AXES.items()})
+
+
+def both_section(responses: Sequence[Responses], controllers: int = 3) -> dict[str, Any]:
+    """A shape and amplitudes fitted to the numbers of so many controllers, from C1 on, in both tables."""
+    fit = search(list(AXES.values()), responses, controllers)
+    return _section(fit.shape, {name: fit.amplitudes(i) for i, name in enumerate(AXES)})
+
+
+def held_out_section(fit: Fit, fitted: str) -> dict[str, Any]:
+    """A shape fitted to one axis, and the other axis with it."""
+    amplitudes = {
+        name: fit.amplitudes(0) if name == fitted else calibrate(axis, shape=fit.shape) for name, axis in AXES.items()
+    }
+    return _section(fit.shape, amplitudes)
+
+
 def maps_toml() -> str:
     """The text of maps.toml."""
-    names = ("periodic", "modulated", "uncompensated")
-    document = {axis.name: dict(zip(names, calibrate(axis), strict=True)) for axis in AXES.values()}
-    head = "# Amplitudes (V) of the assumed cogging maps, written by cogging.papers.lu2008.calibration.\n"
+    responses = {name: Responses(axis, EVERY[name]) for name, axis in AXES.items()}
+    present = both_section(list(responses.values()))
+    document = {
+        FIRST: first_section(),
+        PRESENT: present,
+        WITHOUT_C3: both_section(list(responses.values()), controllers=2),
+    }
+    for section, name in HELD_OUT.items():
+        document[section] = held_out_section(search([AXES[name]], [responses[name]]), name)
+    head = "# Assumed cogging maps (amplitudes in V, begin in rad), written by cogging.papers.lu2008.calibration.\n"
     return head + to_toml(document)
 
 

@@ -1,11 +1,12 @@
 """The setup of Lu, Chen, Yao, Wang 2008: two axes of a gantry, their DCARC with a B-spline cogging model, the moves.
 
-Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the three
-amplitudes of each cogging map are calibrated on the three rms values (calibration.py).
+Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the cogging
+maps are fitted to the tables within the printed bound (calibration.py).
 """
 
 from __future__ import annotations
 
+import functools
 import importlib.resources
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from cogging._core import (
 from cogging.arrays import FloatArray
 from cogging.files import parse_toml
 from cogging.logs.log import Log
+from cogging.papers.lu2008.shapes import Amplitudes, MapShape, control_points
 from cogging.simulation.batch import closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
@@ -45,6 +47,9 @@ DWELL = 0.1  # s
 START = 0.055  # m: centres the 0.4 m move in the travel
 
 CONTROLLERS = ("C1", "C2", "C3")
+
+#: Conditions that come with the package: those assumed at first, those of the tables, and fitted to C1 and C2 alone.
+FIRST, PRESENT, WITHOUT_C3 = "first", "present", "without_c3"
 
 
 @dataclass(frozen=True)
@@ -122,8 +127,6 @@ AXES = {
     ),
 }
 
-Amplitudes = tuple[float, float, float]
-
 
 def cogging_basis() -> SplineHarmonics:
     """The structure of both maps: harmonics 1, 2, 3, 6, 12 with third-order B-splines over the travel."""
@@ -132,32 +135,40 @@ def cogging_basis() -> SplineHarmonics:
     )
 
 
-def cogging_map(axis: GantryAxis, amplitudes: Amplitudes) -> CoggingModel:
-    """The assumed map of an axis: F(x) = sum_h f_h(x) sin(2 pi h x / P), V.
-
-    Assumed shape: harmonic h falls as 1/h, all sines in phase at the first magnet. A compensated harmonic has
-    f_h = (periodic + modulated cos(pi s)) / h, one that is not compensated uncompensated (1 + cos(pi s) / 2) / h,
-    where s runs from 0 at the first magnet to 1 at the last: amplitudes that differ from end to end.
+def cogging_map(axis: GantryAxis, amplitudes: Amplitudes, shape: MapShape | None = None) -> CoggingModel:
+    """The assumed map of an axis, of the shape that shapes.MapShape describes.
 
     Args:
         axis: tells which harmonics are compensated.
         amplitudes: periodic, modulated and uncompensated part, V.
+        shape: of the map; None: the one that comes with the package.
     """
-    periodic, modulated, uncompensated = amplitudes
-    # Control points outside the travel continue the cosine: s = 0 and 1 at control points 1 and 12.
-    along = np.cos(np.pi * (np.arange(CONTROL_POINTS) - 1) / (CONTROL_POINTS - 2))
-    rows = [
-        (periodic + modulated * along if h in axis.compensated else uncompensated * (1 + along / 2)) / h
-        for h in HARMONICS
-    ]
-    sine = np.array(rows)
-    return CoggingModel(cogging_basis(), sine, np.zeros_like(sine))
+    shape = shape or shipped_shape()
+    return CoggingModel(
+        cogging_basis(), *control_points(shape, amplitudes, HARMONICS, axis.compensated, CONTROL_POINTS)
+    )
 
 
-def shipped_amplitudes(axis: GantryAxis) -> Amplitudes:
-    """The calibrated amplitudes that come with the package, V (written by calibration.py)."""
+def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
+    """The largest control point of a compensated harmonic as a share of the bound that the paper prints for A_r."""
+    compensated = np.isin(HARMONICS, axis.compensated)
+    return float(np.abs([cogging.sine[compensated], cogging.cosine[compensated]]).max() / axis.cogging_bound)
+
+
+@functools.cache
+def _shipped() -> dict[str, Any]:
     text = importlib.resources.files("cogging.papers.lu2008").joinpath("maps.toml").read_text()
-    part = parse_toml(text)[axis.name]
+    return parse_toml(text)
+
+
+def shipped_shape(conditions: str = PRESENT) -> MapShape:
+    """The shape of both maps that comes with the package (written by calibration.py)."""
+    return MapShape(**_shipped()[conditions]["shape"])
+
+
+def shipped_amplitudes(axis: GantryAxis, conditions: str = PRESENT) -> Amplitudes:
+    """The calibrated amplitudes that come with the package, V (written by calibration.py)."""
+    part = _shipped()[conditions][axis.name]
     return part["periodic"], part["modulated"], part["uncompensated"]
 
 
@@ -177,11 +188,19 @@ def plant(axis: GantryAxis, cogging: CoggingModel | None, **axis_changes: Any) -
     )
 
 
-def controller_parameters(axis: GantryAxis, name: str, **changes: Any) -> AdaptiveRobustParameters:
+def controller_parameters(
+    axis: GantryAxis, name: str, *, periodic: Sequence[int] = (), **changes: Any
+) -> AdaptiveRobustParameters:
     """C1 (no cogging compensation), C2 (periodic) or C3 (B-spline) with everything that is printed.
 
     The gains are k_s1 alone: epsilon and u_s2 are not reported. Initial estimates are not reported: nominal, and
     zero for cogging and disturbance.
+
+    Args:
+        axis: the axis.
+        name: "C1", "C2" or "C3".
+        periodic: harmonics of C2, not reported; none: those of C3.
+        changes: of any field.
     """
     mass_bounds, viscous_bounds, coulomb_bounds, disturbance_bounds = map(list, axis.bounds)
     fields: dict[str, Any] = {
@@ -204,7 +223,7 @@ def controller_parameters(axis: GantryAxis, name: str, **changes: Any) -> Adapti
     if name != "C1":
         fields |= {
             "cogging_pitch": PITCH,
-            "cogging_harmonics": list(axis.compensated),
+            "cogging_harmonics": list((name == "C2" and periodic) or axis.compensated),
             "cogging_order": ORDER,
             "cogging_origin": TRAVEL[0],
             "cogging_control_points": CONTROL_POINTS if name == "C3" else 1,
@@ -250,7 +269,7 @@ def run(
     return dict(zip(CONTROLLERS, batch, strict=True))
 
 
-def last_rms(
+def last_errors(
     axis: GantryAxis,
     machines: Sequence[Plant],
     motion: PointToPoint | None = None,
@@ -258,7 +277,7 @@ def last_rms(
     seed: int = 0,
     **controller_changes: Any,
 ) -> FloatArray:
-    """e_rms (m) of C1, C2 and C3 on each machine, (machines, 3), as `indexes` gives it of their logs; none is kept.
+    """e_inf and e_2 (m) of C1, C2 and C3 on each machine, (machines, 3, 2), as `indexes` gives them; no log is kept.
 
     Raises:
         DivergedError: of the first run that diverged.
@@ -275,7 +294,15 @@ def last_rms(
     )
     for failure in batch.failures:
         raise DivergedError(failure.reason)
-    return batch.indexes["error_rms"].reshape(len(controllers), len(machines)).T
+    found = [batch.indexes[name].reshape(len(controllers), len(machines)) for name in ("error_max", "error_rms")]
+    return np.array(found).transpose(2, 1, 0)
+
+
+def last_rms(
+    axis: GantryAxis, machines: Sequence[Plant], motion: PointToPoint | None = None, **setup: Any
+) -> FloatArray:
+    """e_2 (m) of C1, C2 and C3 on each machine, (machines, 3); `setup` goes to last_errors."""
+    return np.asarray(last_errors(axis, machines, motion, **setup)[..., 1])
 
 
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:

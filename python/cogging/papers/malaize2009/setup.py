@@ -2,7 +2,8 @@
 
 Forces are accelerations in the paper: a mass of 1 and m/s^2 as the command unit. Lambda pushes (+), so F_cogging of
 this project is -Lambda. What is not reported is assumed and says so; the amplitudes are calibrated on the PID row and
-the pole radius on lambda* (calibration.py), the observer row then follows.
+the pole radius on lambda* (calibration.py). The observer row that follows is far better than printed; conditions.py has
+what the controllers may not have known.
 """
 
 from __future__ import annotations

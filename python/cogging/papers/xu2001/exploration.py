@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
+from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.papers.xu2001.conditions import Conditions
 from cogging.papers.xu2001.setup import INDEXES, SETS, TABLE_1, Unknowns, arc_parameters, indexes, run
 
 JUDGED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
 
 
-def columns(controller: ListedController, unknowns: Unknowns, seed: int = 2001) -> FloatArray:
+def columns(controller: ListedController, unknowns: Unknowns, seed: int = 2001, earlier_runs: int = 0) -> FloatArray:
     """The judged indexes of a controller in the three sets, (3, 5).
 
     Raises:
         DivergedError: a run diverged.
     """
-    logs = run(unknowns, controller, seed=seed)
+    return columns_of(run(unknowns, controller, seed=seed, earlier_runs=earlier_runs))
+
+
+def columns_of(logs: Mapping[str, Log]) -> FloatArray:
+    """The same of logs by set."""
     return np.array([[indexes(logs[name])[index] for index in JUDGED] for name in SETS])
 
 
@@ -76,3 +84,15 @@ def explore(unknowns: Unknowns) -> dict[str, float]:
         except DivergedError:
             found[name] = float("inf")
     return found
+
+
+def explore_conditions(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> dict[str, float]:
+    """The same on the way to the joint conditions, whose ARC logs are given: earlier runs, the factor, the plant."""
+    runs, factor = joint.earlier_runs, joint.adaptation_factor
+    kept = f"{runs} earlier runs"
+    both = f"{kept}, adaptation x {factor:.3g}"
+    return {
+        kept: gap(columns_of(Conditions(unknowns, earlier_runs=runs).logs("ARC"))),
+        both: gap(columns_of(replace(joint, unknowns=unknowns).logs("ARC"))),
+        f"{both}, all fitted": gap(columns_of(arc_logs)),
+    }

@@ -1,16 +1,36 @@
-"""Why the robust terms that Xu and Yao 2001 print cannot run: what one encoder count makes of them. Exploratory."""
+"""Why the robust terms that Xu and Yao 2001 print cannot run, and which of them can. Exploratory.
+
+What one encoder count makes of them, the sampling rate that they need, and each of them alone.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
 
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
+from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.xu2001.setup import MASSES, TABLE_1, VISCOUS, arc_parameters, indexes, reference
-from cogging.plot.canvas import drawn, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from cogging.papers.result import Row, Table
+from cogging.papers.xu2001.backstepping import backstepping, steps
+from cogging.papers.xu2001.setup import (
+    DURATION,
+    INDEXES,
+    MASSES,
+    RESOLUTION,
+    SEED,
+    TABLE_1,
+    VISCOUS,
+    Unknowns,
+    arc_parameters,
+    indexes,
+    plant,
+    reference,
+)
+from cogging.simulation.batch import closed_loop_batch
 
 ROBUST_TERMS = (
     "use_alpha_1s2",
@@ -21,53 +41,139 @@ ROBUST_TERMS = (
     "use_u_s2",
     "use_u_s3",
 )
+ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
 HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
 FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+#: Samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200.
+SETTLED = 500
+RATES = (1e5, 1e6, 1e7, 1e8)  # Hz
+PERIOD = np.pi / 2.0  # s, of the sine of case 1
+FINE = 100_000.0  # Hz: at which the gains along a run are taken
+SHORT = 0.02  # s: all of RATES have diverged by then
+START = 0.1  # s, the part of it that is looked at: the largest K_2 of a whole period stands at 0.055 s
+STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
+
+
+def rigid(resolution: float) -> Plant:
+    """Set 1 without delay, friction or noise: what is left is the quantiser."""
+    axis = AxisParameters(mass=MASSES["1"], viscous=VISCOUS, travel=[-0.3, 0.3])
+    return Plant(axis, encoder=EncoderParameters(resolution=resolution))
 
 
 def increment(factor: float, sample_rate: float, resolution: float, duration: float = 1.0) -> float:
-    """The rms command increment (V) with all printed robust terms times a factor; infinite where the run diverges.
-
-    Set 1 of case 1 on a plant without delay, friction or noise: what is left is the quantiser.
-    """
-    switches = dict.fromkeys(ROBUST_TERMS, True)
-    controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, robust_factor=factor, **switches))
-    machine = Plant(
-        AxisParameters(mass=MASSES["1"], viscous=VISCOUS, travel=[-0.3, 0.3]),
-        encoder=EncoderParameters(resolution=resolution),
-    )
-    steps = max(1, round(20_000 / sample_rate))
+    """The rms command increment (V) with all printed robust terms times a factor; infinite where the run diverges."""
+    controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, robust_factor=factor, **ALL_TERMS))
+    substeps = max(1, round(20_000 / sample_rate))
     try:
-        log = Log.of(closed_loop(machine, controller, reference(), duration=duration, steps_per_sample=steps))
+        found = closed_loop(rigid(resolution), controller, reference(), duration=duration, steps_per_sample=substeps)
     except DivergedError:
         return float("inf")
-    return indexes(log)["du_rms"]
+    return indexes(Log.of(found))["du_rms"]
 
 
-def one_count(resolution: float) -> float:
-    """The command (V) that one encoder count (m) makes at rest, with all printed robust terms."""
-    switches = dict.fromkeys(ROBUST_TERMS, True)
+def one_count(resolution: float, held: int = SETTLED) -> float:
+    """The command (V) that one encoder count (m) makes with all printed robust terms, at rest at 2.5 kHz.
 
-    def command(reading: float) -> float:
-        controller = OutputFeedbackArc(arc_parameters(**switches))
-        controller.command(reference=0.0, reading=0.0)
-        controller.update(0.0)
-        return controller.command(reference=0.0, reading=reading)
+    Args:
+        resolution: m.
+        held: samples for which the controller has been at rest before. The gains grow with the filter psi (12), which
+            rises from zero: one sample after the start a count moves the command 3,600 times less than settled.
+    """
+    controller = OutputFeedbackArc(arc_parameters(**ALL_TERMS))
+    for _ in range(held):
+        controller.update(controller.command(reference=0.0, reading=0.0))
+    return controller.command(reference=0.0, reading=resolution)
 
-    return command(resolution) - command(0.0)
+
+def settled_gains() -> tuple[float, float]:
+    """K_1 and K_2 of the printed robust terms at rest, from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12)."""
+    p = arc_parameters(**ALL_TERMS)
+    none, psi = np.zeros((1, 2)), np.array([[1.0, p.observer_gain_1]]) / p.observer_gain_2
+    zero = np.zeros(1)
+    found = steps(p, zero, zero, zero, none, none, psi, np.array([p.theta]), zero)
+    return float(found.gain_1[0]), float(found.gain_2[0])
 
 
-@drawn
-def figure_increment() -> Figure:
-    """The rms command increment against a common factor on the printed robust terms."""
-    figure = new_figure((7.0, 4.0))
-    axes = figure.subplots()
-    for rate, resolution in HARDWARE:
-        values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
-        axes.loglog(FACTORS[1:], values, "o-", label=f"{rate / 1000:g} kHz, {1e9 * resolution:g} nm")
-    axes.axhline(TABLE_1["ARC"]["1"][4], color="black", linestyle=":", label="paper: 0.06 V")
-    axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)")
-    axes.set_title("A line ends where the run diverges")
-    axes.legend()
-    return figure
+def by_hand(resolution: float) -> float:
+    """The command (V) of a settled count (m): -K_2 K_1 / theta_1min times it."""
+    gain_1, gain_2 = settled_gains()
+    return -gain_1 * gain_2 / arc_parameters().theta_min[0] * resolution
+
+
+class Lasting(NamedTuple):
+    """How long the printed robust terms run: s, largest error (m; NaN where it diverged), and how it ended."""
+
+    time: float
+    error: float
+    end: str
+
+
+def lasts(sample_rate: float, duration: float) -> Lasting:
+    """How long all printed robust terms run with an ideal encoder at a sampling rate (Hz), at most a duration (s)."""
+    controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, **ALL_TERMS))
+    batch = closed_loop_batch([rigid(0.0)], [controller], reference(), duration=duration)
+    if batch.failures:
+        return Lasting(batch.failures[0].time, float("nan"), batch.failures[0].reason)
+    return Lasting(duration, float(batch.indexes["error_max"][0]), "ran to its end")
+
+
+def gain_along_the_run() -> tuple[FloatArray, FloatArray]:
+    """Time (s) and K_2 (1/s) of the printed robust terms along the start of a run that follows case 1."""
+    run = arc_parameters(sample_rate=FINE)
+    found = closed_loop(rigid(0.0), OutputFeedbackArc(run), reference(), duration=START, record_estimates=True)
+    return found["time"], backstepping(Log.of(found), arc_parameters(sample_rate=FINE, **ALL_TERMS)).gain_2
+
+
+def one_count_table() -> Table:
+    """What one count of 1 um moves the command, and how long all printed robust terms last at a sampling rate."""
+    rows: list[Row] = []
+
+    def row(index: str, unit: str, value: float, **labels: str) -> None:
+        rows.append(Row("ARC, all terms", index, unit, None, value, "exploratory", labels))
+
+    row("one_count", "V", abs(one_count(RESOLUTION, held=1)), count="one sample after the start")
+    row("one_count", "V", abs(one_count(RESOLUTION)), count=f"settled, {SETTLED} samples")
+    row("one_count", "V", abs(by_hand(RESOLUTION)), count="settled, by hand")
+    time, gain = gain_along_the_run()
+    for rate in RATES:
+        row("diverges_at", "s", lasts(rate, SHORT).time, rate=f"{rate:.0e} Hz")
+        row("unstable_from", "s", float(time[np.argmax(gain > STABLE * rate)]), rate=f"{rate:.0e} Hz")
+    row("rate_needed", "Hz", float(gain.max()) / STABLE)
+    return Table("robust_terms", "The printed robust terms: one encoder count, and the sampling rate they need", rows)
+
+
+def subsets() -> list[tuple[str, ...]]:
+    """All 128 choices among the seven terms."""
+    return [chosen for count in range(len(ROBUST_TERMS) + 1) for chosen in combinations(ROBUST_TERMS, count)]
+
+
+def which_run(chosen: Sequence[tuple[str, ...]], machine: Plant) -> dict[tuple[str, ...], dict[str, float]]:
+    """Choices of terms in case 1 at 2.5 kHz: e_M, e_rms (m), du_rms (V), or `diverges_at` (s)."""
+    made = [OutputFeedbackArc(arc_parameters(**dict.fromkeys(one, True))) for one in chosen]
+    seeds = [SEED] * len(made)
+    batch = closed_loop_batch([machine] * len(made), made, reference(), duration=DURATION, seeds=seeds)
+    ends = {failure.run: failure.time for failure in batch.failures}
+    names = (("e_M", "error_max"), ("e_rms", "error_rms"), ("du_rms", "command_change_rms"))
+    return {
+        one: {"diverges_at": ends[run]}
+        if run in ends
+        else {index: float(batch.indexes[name][run]) for index, name in names}
+        for run, one in enumerate(chosen)
+    }
+
+
+def subsets_table(unknowns: Unknowns) -> Table:
+    """None, each of the terms alone and whatever else runs: on the rigid axis, and in set 1 on the calibrated plant."""
+    on_rigid = which_run(subsets(), rigid(RESOLUTION))
+    running = [one for one, values in on_rigid.items() if "diverges_at" not in values]
+    singles = {one: values for one, values in on_rigid.items() if len(one) < 2 or one in running}
+    units, rows = {"diverges_at": "s", "du_rms": "V"}, []
+    for on, found in (("rigid", singles), ("calibrated", which_run(running, plant(unknowns, "1")))):
+        for one, values in found.items():
+            labels = {"terms": " + ".join(one).replace("use_", "") or "none", "plant": on}
+            for index, value in values.items():
+                printed = TABLE_1["ARC"]["1"][INDEXES.index(index)] if on == "calibrated" and index in INDEXES else None
+                rows.append(Row("ARC", index, units.get(index, "m"), printed, value, "exploratory", labels))
+    rows.append(Row("ARC", "choices_that_run", "1", None, float(len(running)), "exploratory", {"of": "128"}))
+    return Table("robust_subsets", "The seven robust terms: none, each alone, and the others that run at 2.5 kHz", rows)

@@ -1,0 +1,169 @@
+"""The PID with its poles at -320 of Xu and Yao 2001 (section 4.3): unstable in their experiments, and what makes it so.
+
+On a rigid axis with the calibrated delay both -300 and -320 are stable. Two things that the paper does not report
+would make the one stable and the other not: a longer delay, or a structural mode (`effects.FlexibleMode`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+
+from cogging import effects
+from cogging._core import AxisParameters, OutputFeedbackArc, Pid, Plant, smooth_sign
+from cogging.arrays import FloatArray
+from cogging.design.linear_plant import held, linear_plant
+from cogging.model.controller import ListedController
+from cogging.model.model import Model
+from cogging.papers.result import Row, Table
+from cogging.papers.xu2001.setup import (
+    DURATION,
+    FRICTION_LEVEL,
+    FRICTION_WIDTH,
+    MASSES,
+    SAMPLE_RATE,
+    SEED,
+    VISCOUS,
+    Unknowns,
+    arc_parameters,
+    pid_parameters,
+    plant,
+    reference,
+)
+from cogging.simulation.batch import closed_loop_batch
+
+POLES = (-300.0, -320.0)  # 1/s: of Table 1, and those that the paper found unstable (section 4.3)
+DAMPING = 0.01  # of the mode, assumed
+FREQUENCIES = (250.0, 300.0, 400.0)  # Hz: modes that are looked at
+SIMULATED = 300.0  # Hz: the mode that is simulated
+BELOW = 0.995  # of the load that makes -300 unstable: the load that is simulated
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The PID (57) about a speed on an axis with a delay and, where its load is above 0, a mode.
+
+    Attributes:
+        pole: 1/s, all three.
+        mass: V/(m/s^2).
+        delay: s, from reading to acting command.
+        frequency, mass_ratio: Hz and load over total, of the mode.
+        at_rest: friction and its compensation have the slope of rest; otherwise that of motion, none.
+    """
+
+    pole: float
+    mass: float
+    delay: float
+    frequency: float = 0.0
+    mass_ratio: float = 0.0
+    at_rest: bool = False
+
+    def radius(self) -> float:
+        """Largest size of the eigenvalues from sample to sample, exact for a held command; above 1 it is unstable."""
+        return float(np.abs(np.linalg.eigvals(self._transition())).max())
+
+    def _transition(self) -> FloatArray:
+        """Of the states: the axis, the commands that still act, the error before, the sum of the errors."""
+        friction = FRICTION_LEVEL * float(smooth_sign(1e-9, FRICTION_WIDTH)) / 1e-9 if self.at_rest else 0.0
+        axis = AxisParameters(mass=self.mass, viscous=VISCOUS + friction)
+        machine = held(
+            linear_plant(Model(axis, effects=[effects.CommandDelay(delay=self.delay), *self.modes()])),
+            1.0 / SAMPLE_RATE,
+        )
+        p = pid_parameters(pole=self.pole)
+        rate = (p.kd - p.viscous - friction) * SAMPLE_RATE
+        states, late = machine.transition.shape[0], machine.whole + 1
+        size = states + late + 2
+        output = np.zeros(size)
+        output[:states] = machine.output[0]
+        previous, total = np.eye(size)[size - 2], np.eye(size)[size - 1]
+        law = -(p.kp + p.ki / SAMPLE_RATE + rate) * output + rate * previous - p.ki / SAMPLE_RATE * total
+        commands = np.vstack([law, np.eye(size)[states : states + late]])  # of this sample, and of those before
+        step = np.zeros((size, size))
+        step[:states, :states] = machine.transition
+        step[:states] += (
+            machine.now @ commands[machine.whole][None] + machine.before @ commands[machine.whole + 1][None]
+        )
+        step[states : states + late] = commands[:late]
+        step[size - 2], step[size - 1] = output, total + output
+        return step
+
+    def modes(self) -> list[effects.FlexibleMode]:
+        """The mode as an effect of a plant; empty where there is none."""
+        if self.mass_ratio == 0.0:
+            return []
+        return [effects.FlexibleMode(frequency=self.frequency, damping_ratio=DAMPING, mass_ratio=self.mass_ratio)]
+
+
+def edge(radius: Callable[[float], float], values: Sequence[float]) -> float:
+    """Where the first of rising values makes a loop unstable; NaN where none does.
+
+    Args:
+        radius: of the loop, by value.
+        values: rising, coarse; the first is stable.
+    """
+    from scipy.optimize import brentq
+
+    for below, above in pairwise(values):
+        if radius(above) >= 1.0:
+            return float(brentq(lambda value: radius(value) - 1.0, below, above, xtol=1e-4 * above))
+    return float("nan")
+
+
+def delay_limit(pole: float, mass: float, at_rest: bool = False) -> float:
+    """The delay (s) from which the rigid axis is unstable."""
+    return edge(lambda delay: Loop(pole, mass, delay, at_rest=at_rest).radius(), [0.0, 1e-3, 2e-3])
+
+
+def load_limit(pole: float, mass: float, delay: float, frequency: float) -> float:
+    """The load over the total mass from which a mode of that frequency (Hz) is unstable; NaN: below 0.3 none is."""
+    return edge(lambda ratio: Loop(pole, mass, delay, frequency, ratio).radius(), [1e-4, 0.05, 0.1, 0.2, 0.3])
+
+
+def just_below(unknowns: Unknowns, frequency: float, limit: float) -> Loop:
+    """A mode just below the load that makes -300 unstable."""
+    return Loop(POLES[0], MASSES["1"], unknowns.delay, frequency, BELOW * limit)
+
+
+def simulated(unknowns: Unknowns, mode: Loop, duration: float = DURATION) -> dict[str, tuple[str, str, float]]:
+    """Set 1 on the calibrated plant with a mode: index, unit and value, e_M or, where the run diverges, when."""
+    controllers: Mapping[str, ListedController] = {
+        **{f"PID at {pole:g}": Pid(pid_parameters(pole=pole)) for pole in POLES},
+        "ARC": OutputFeedbackArc(arc_parameters()),
+    }
+    rigid = plant(unknowns, "1")
+    machine = Plant(rigid.axis, effects=[*rigid.effects, *mode.modes()], encoder=rigid.encoder)
+    batch = closed_loop_batch(
+        [machine] * 3, list(controllers.values()), reference(), duration=duration, seeds=[SEED] * 3
+    )
+    ends = {failure.run: failure.time for failure in batch.failures}
+    return {
+        name: ("diverges_at", "s", ends[run]) if run in ends else ("e_M", "m", float(batch.indexes["error_max"][run]))
+        for run, name in enumerate(controllers)
+    }
+
+
+def pid_poles_table(unknowns: Unknowns) -> Table:
+    """Where -300 and -320 become unstable: by the delay of a rigid axis, by a mode; and one such mode simulated."""
+    rows: list[Row] = []
+
+    def row(name: str, index: str, unit: str, value: float, **labels: Any) -> None:
+        rows.append(Row(name, index, unit, None, value, "exploratory", labels))
+
+    for (set_name, where), pole in product((("1", "in motion"), ("2", "at rest")), POLES):
+        limit = delay_limit(pole, MASSES[set_name], where == "at rest")
+        row(f"PID at {pole:g}", "delay_limit", "s", limit, set=set_name, friction=where)
+    limits = {
+        (frequency, pole): load_limit(pole, MASSES["1"], unknowns.delay, frequency)
+        for frequency, pole in product(FREQUENCIES, POLES)
+    }
+    for (frequency, pole), limit in limits.items():
+        row(f"PID at {pole:g}", "load_limit", "1", limit, set="1", mode=f"{frequency:g} Hz")
+    mode = just_below(unknowns, SIMULATED, limits[SIMULATED, POLES[0]])
+    for name, found in simulated(unknowns, mode).items():
+        row(name, *found, set="1", mode=f"{SIMULATED:g} Hz, load {100 * mode.mass_ratio:.1f} %")
+    return Table("pid_poles", "PID poles at -320: what makes them unstable and those at -300 not", rows)
