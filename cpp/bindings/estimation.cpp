@@ -76,7 +76,7 @@ Raises:
                               {bandwidth, gap, initial_velocity, steps_per_sample, nullptr});
            }),
            py::arg("time"), py::arg("position"), py::arg("command"), py::kw_only(), py::arg("bandwidth") = 30.0,
-           py::arg("gap") = 1e300, py::arg("initial_velocity") = 0.0, py::arg("steps_per_sample") = 1)
+           py::arg("gap") = 1e30, py::arg("initial_velocity") = 0.0, py::arg("steps_per_sample") = 1)
       .def(
           "predict",
           [](const Predictor& self, const Plant<>& plant) {

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <string_view>
+
 #include "bindings.hpp"
 #include "cogging/require.hpp"
 
@@ -28,6 +31,11 @@ void tell_of_memory(std::exception_ptr thrown) {
   }
 }
 
+// True and False are no numbers, though Python and pybind11 take them for 1 and 0.
+bool is_truth_value(const py::handle& value) {
+  return PyBool_Check(value.ptr()) || std::string_view(Py_TYPE(value.ptr())->tp_name).starts_with("numpy.bool");
+}
+
 // A call that no signature takes is answered by pybind11 in many lines of C++ types. It is answered in one instead, by
 // cogging.calls, which reads the signature; every other error passes as it is.
 template <class... Self>
@@ -35,6 +43,11 @@ py::cpp_function told_in_one_line(const py::object& bound, const std::string& na
   const std::string doc = bound.attr("__doc__").cast<std::string>();
   const std::string untaken = bound.attr("__name__").cast<std::string>() + "(): incompatible ";  // pybind11's words
   const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
+    if (std::any_of(given.begin(), given.end(), is_truth_value) ||
+        std::any_of(named.begin(), named.end(), [](const auto& one) { return is_truth_value(one.second); })) {
+      const py::object line = py::module_::import("cogging.calls").attr("told_of_truth_value")(doc, given, named);
+      if (!line.is_none()) throw py::type_error(line.cast<std::string>());
+    }
     try {
       return bound(*given, **named);
     } catch (py::error_already_set& error) {

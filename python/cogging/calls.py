@@ -107,7 +107,7 @@ def described(value: Any) -> str:
     """A value of the wrong kind, as short as may be."""
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
-    if value is None or isinstance(value, bool | int | float | str):
+    if value is None or isinstance(value, bool | np.bool_ | int | float | str):
         return quoted(value)
     kind = value.__name__ if isinstance(value, type) else type(value).__name__
     if isinstance(value, type):
@@ -152,6 +152,24 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
             return f"{name}: {word}: is no argument of it; {did_you_mean(word, known)}"
     values = {place.name: value for place, value in zip(places, given, strict=False)} | dict(named)
     return f"{name}: {_wrong_argument(known, values)}"
+
+
+def told_of_truth_value(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
+    """What is wrong with a call of the core one of whose numbers is True or False; None where nothing is.
+
+    Args and the line are those of `told`.
+    """
+    name, parameters = signature(doc)
+    if parameters and parameters[0].name == "self":
+        name, parameters, given = parameters[0].annotation.split(".")[-1], parameters[1:], given[1:]
+    places = [parameter for parameter in parameters if not parameter.by_name]
+    known = {parameter.name: parameter for parameter in parameters}
+    for word, value in {**{p.name: v for p, v in zip(places, given, strict=False)}, **named}.items():
+        if isinstance(value, bool | np.bool_) and word in known:
+            annotation = known[word].annotation
+            if "Supports" in annotation and "Sequence[" not in annotation:
+                return f"{name}: {word}: must be {broken_rule(annotation, value)}, got {described(value)}"
+    return None
 
 
 def _wrong_argument(known: Mapping[str, Parameter], values: Mapping[str, Any]) -> str:
@@ -215,7 +233,7 @@ def _fits(annotation: str, kinds: Sequence[str], value: Any) -> bool:
     if "SupportsInt" in annotation:
         return isinstance(value, int | np.integer) and not isinstance(value, bool)
     if "SupportsFloat" in annotation:
-        return isinstance(value, int | float | np.number)
+        return isinstance(value, int | float | np.number) and not isinstance(value, bool)
     return isinstance(value, {"str": str, "bool": bool, "bytes": bytes}.get(annotation, object))
 
 

@@ -37,9 +37,12 @@ class SplineHarmonics {
   SplineHarmonics() = default;
 
   static SplineHarmonics of_harmonics(double pitch, std::vector<int> harmonics, BSpline spline) {
-    require_positive("pitch", pitch);
+    require_period("pitch", pitch);
     SplineHarmonics basis;
-    for (int harmonic : harmonics) require(harmonic >= 1, "harmonics", "each must be at least 1", harmonic);
+    for (int harmonic : harmonics) {
+      require(harmonic >= 1, "harmonics", "each must be at least 1", harmonic);
+      require(pitch / harmonic >= 1e-9, "harmonics", "each must leave a period of at least 1e-9", harmonic);
+    }
     basis.check_terms(harmonics.size(), "harmonics");
     basis.require_distinct(harmonics, "harmonics");
     require_coefficients("control_points", spline.control_points(), harmonics.size());
@@ -55,7 +58,7 @@ class SplineHarmonics {
 
   static SplineHarmonics of_periods(std::vector<double> periods, BSpline spline) {
     SplineHarmonics basis;
-    for (double period : periods) require_positive("periods", period);
+    for (double period : periods) require_period("periods", period);
     basis.check_terms(periods.size(), "periods");
     basis.require_distinct(periods, "periods");
     require_coefficients("control_points", spline.control_points(), periods.size());

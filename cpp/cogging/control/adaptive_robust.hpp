@@ -104,7 +104,7 @@ struct AdaptiveRobustParameters {
     check_estimate("coulomb", coulomb, coulomb_bounds, coulomb_adaptation);
     require_not_negative("coulomb_width", coulomb_width);
     check_estimate("disturbance", disturbance, disturbance_bounds, disturbance_adaptation);
-    require_positive("cogging_pitch", cogging_pitch);
+    require_period("cogging_pitch", cogging_pitch);
     require_finite("cogging_origin", cogging_origin);
     for (int harmonic : cogging_harmonics)
       require(harmonic >= 1, "cogging_harmonics", "each must be at least 1", harmonic);

@@ -67,7 +67,7 @@ struct ObserverBasedParameters {
     require_positive("sample_rate", sample_rate);
     require(!periods.empty() && periods.size() <= periods_max, "periods", "must list 1 to 16",
             static_cast<double>(periods.size()));
-    for (double period : periods) require_positive("periods", period);
+    for (double period : periods) require_period("periods", period);
     const double size = 3.0 + 2.0 * static_cast<double>(periods.size());
     require(static_cast<double>(observer_gain.size()) == size, "observer_gain",
             "must hold 3 + 2 periods = " + format(size) + " values", static_cast<double>(observer_gain.size()));

@@ -43,7 +43,7 @@ struct CoggingModulation {
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}, SplineKnots{"pitch", "order", "origin"}}; }
   void validate() const {
-    require_positive("period", period);
+    require_period("period", period);
     require_finite("sine", sine);
     require_finite("cosine", cosine);
     require(sine.size() == cosine.size(), "cosine", "must have as many values as sine = " + format(double(sine.size())),

@@ -27,7 +27,7 @@ struct ForceConstantRipple {
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
   void validate() const {
-    require_positive("period", period);
+    require_period("period", period);
     require_finite("sine", sine);
     require_finite("cosine", cosine);
   }
