@@ -283,10 +283,10 @@ the mean of both, which is without friction. What is learned at rest ends with i
   bool measured_rotation_;
   std::array<double, Parameters::periods_max> wavenumber_{};
   std::array<Scalar, states_max> state_;
-  DelayLine<Scalar> acted_{0};          // m/s^2
-  std::array<Scalar, 2> kept_, known_;  // lambda_0 by direction, and whether it is known
-  Scalar direction_ = 0.0;              // -1 or 1: of the last motion; 0 before the first
-  Scalar motion_ = 0.0, fast_ = 0.0;    // -1, 0 at rest, 1; whether it has reached velocity_min
+  DelayLine<Scalar> acted_{0};              // m/s^2
+  std::array<Scalar, 2> kept_, known_;      // lambda_0 by direction, and whether it is known
+  Scalar direction_ = 0.0;                  // -1 or 1: of the last motion; 0 before the first
+  Scalar motion_ = 0.0, fast_ = 0.0;        // -1, 0 at rest, 1; whether it has reached velocity_min
   Scalar hardest_ = 0.0, steadiest_ = 0.0;  // largest and least |a*| of this stroke, m/s^2
   Scalar reference_previous_ = 0.0, reading_previous_ = 0.0;
 };
