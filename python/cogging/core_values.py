@@ -149,8 +149,8 @@ def _refused(self: Any) -> Any:
 def as_values() -> None:
     """Let the classes of the core be compared, shown, copied and pickled.
 
-    Each is told how it is pickled, or that it is not: Python's own way for protocols 0 and 1 would make a bare object of
-    pybind11, which ends the process.
+    Each is told how it is pickled, or that it is not: Python's own way for protocols 0 and 1 would make a bare object
+    of pybind11, which ends the process.
     """
     for kind in (*vars(_core).values(), *vars(_core.effects).values()):
         if not isinstance(kind, type) or issubclass(kind, Exception):

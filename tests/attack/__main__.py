@@ -1,4 +1,4 @@
-"""`python -m tests.attack [NAME ...] [--cases N] [--seed S]`: attacks and what they found; status 1 where that is any."""
+"""`python -m tests.attack [NAME ...] [--cases N] [--seed S]`: attacks and what they found; status 1 where any."""
 
 import argparse
 import sys

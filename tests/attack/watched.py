@@ -23,6 +23,7 @@ class Tally:
         cases: that were run.
         crashes, hangs: seeds of those that ended the process, or did not end.
         faults: what was wrong, by seed.
+        remarks: how many cases ended in a way that is no fault and worth a count, by what a case says behind "~".
     """
 
     name: str
@@ -30,6 +31,7 @@ class Tally:
     crashes: list[int] = field(default_factory=list)
     hangs: list[int] = field(default_factory=list)
     faults: dict[int, str] = field(default_factory=dict)
+    remarks: dict[str, int] = field(default_factory=dict)
 
     @property
     def found(self) -> int:
@@ -42,6 +44,7 @@ class Tally:
             f"{self.cases} cases, {len(self.crashes)} crashes, {len(self.hangs)} hangs over {HANG:.0f} s, "
             f"{len(self.faults)} tracebacks or nonsense accepted"
         ]
+        lines[0] += "".join(f"; {count} {remark}" for remark, count in sorted(self.remarks.items()))
         lines += [f"    seed {seed}: the process ended" for seed in self.crashes[:10]]
         lines += [f"    seed {seed}: no end" for seed in self.hangs[:10]]
         lines += [f"    seed {seed}: {fault[:300]}" for seed, fault in list(self.faults.items())[:20]]
@@ -79,7 +82,10 @@ class _Worker:
         """Take what the process found; itself, one that goes on behind a crash or a hang, or None at the end."""
         while not self.queue.empty():
             seed, fault = self.queue.get()
-            tally.faults[seed] = fault
+            if fault.startswith("~"):
+                tally.remarks[fault[1:]] = tally.remarks.get(fault[1:], 0) + 1
+            else:
+                tally.faults[seed] = fault
         alive = self.process.is_alive()
         at = self.current.value
         if alive and (at < 0 or time.monotonic() - self.began.value < HANG):

@@ -240,7 +240,7 @@ class Log(ByValue):
         import pyarrow.parquet as parquet
 
         buffer = pa.BufferOutputStream()
-        parquet.write_table(pa.table(self.columns()), buffer)
+        parquet.write_table(pa.table(self.columns()), buffer, write_page_checksum=True)
         return [buffer.getvalue().to_pybytes()]
 
 

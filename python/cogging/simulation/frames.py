@@ -99,7 +99,7 @@ def frame_bytes(path: str | os.PathLike[str], table: Mapping[str, Any], units: M
         sink, known = io.BytesIO(), _units(table, units)
         whole = pyarrow.table({name: _plain(values) for name, values in table.items()})
         fields = [field.with_metadata({"units": known.get(field.name, "")}) for field in whole.schema]
-        parquet.write_table(whole.cast(pyarrow.schema(fields)), sink)
+        parquet.write_table(whole.cast(pyarrow.schema(fields)), sink, write_page_checksum=True)
         return sink.getvalue()
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

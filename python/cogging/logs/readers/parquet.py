@@ -17,7 +17,7 @@ def read(request: Request) -> dict[str, Any]:
     import pyarrow as pa
     import pyarrow.parquet as parquet
 
-    with parquet.ParquetFile(request.path) as file:
+    with parquet.ParquetFile(request.path, page_checksum_verification=True) as file:
         schema = file.schema_arrow
         units = [(field.metadata or {}).get(b"unit", b"").decode(errors="replace") for field in schema]
         chosen = request.choose(list(schema.names), "file", units)
