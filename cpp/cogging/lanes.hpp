@@ -177,6 +177,7 @@ void require(const LaneMask<count>& holds, std::string_view name, std::string_vi
     for (std::size_t i = 0; i < count; ++i) rule(name, values[i]); \
   }
 COGGING_LANES_RULE(require_finite)
+COGGING_LANES_RULE(require_period)
 COGGING_LANES_RULE(require_positive)
 COGGING_LANES_RULE(require_not_negative)
 #undef COGGING_LANES_RULE

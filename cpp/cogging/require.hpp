@@ -54,21 +54,13 @@ inline void require(bool holds, std::string_view name, std::string_view rule, do
   if (!holds) refuse(name, rule, format(value));
 }
 
-/// Of a finite number in any unit; the square of its square is still a number.
-inline constexpr double largest_size = 1e30;
-
-inline void require_size(std::string_view name, double value) {
-  require(std::abs(value) <= largest_size, name, "must be at most 1e+30 in size", value);
-}
-
 inline void require_finite(std::string_view name, double value) {
   require(std::isfinite(value), name, "must be a finite number", value);
-  require_size(name, value);
 }
 
 inline void require_positive(std::string_view name, double value) {
   require(std::isfinite(value) && value > 0.0, name, "must be finite and above 0", value);
-  require_size(name, value);
+  require(value <= 1e30, name, "must be at most 1e+30 in size", value);  // its fourth power is still a number
 }
 
 /// A spatial period, m: a sine of a shorter one is noise of the last digits along any travel, of a longer one no wave.
@@ -79,7 +71,6 @@ inline void require_period(std::string_view name, double value) {
 
 inline void require_not_negative(std::string_view name, double value) {
   require(std::isfinite(value) && value >= 0.0, name, "must be finite and at least 0", value);
-  require_size(name, value);
 }
 
 inline void require_finite(std::string_view name, const std::vector<double>& values) {

@@ -108,7 +108,7 @@ def described(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
     if value is None or isinstance(value, bool | np.bool_ | int | float | str):
-        return quoted(value)
+        return quoted(bool(value) if isinstance(value, np.bool_) else value)
     kind = value.__name__ if isinstance(value, type) else type(value).__name__
     if isinstance(value, type):
         return f"the class {kind} itself"

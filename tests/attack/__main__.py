@@ -11,9 +11,9 @@ from tests.attack.watched import attack
 ATTACKS = {
     "bindings": ("tests.attack.bindings", {}, 20_000),
     **{kind: ("tests.attack.logs", {"kind": kind}, 5_000) for kind in FORMATS},
-    "model": ("tests.attack.commands", {"kinds": ("model", "sidecar", "document")}, 5_000),
-    "reference": ("tests.attack.commands", {"kinds": ("reference",)}, 5_000),
-    "options": ("tests.attack.commands", {"kinds": ("option", "name", "signal", "header")}, 5_000),
+    "model": ("tests.attack.commands", {"kinds": ("model", "sidecar", "document")}, 1_000),
+    "reference": ("tests.attack.commands", {"kinds": ("reference",)}, 1_000),
+    "options": ("tests.attack.commands", {"kinds": ("option", "name", "signal", "header")}, 1_000),
 }
 
 

@@ -2,7 +2,6 @@
 
 import copy
 import pickle
-import re
 import subprocess
 import sys
 
@@ -68,15 +67,12 @@ def test_truth_values_are_no_numbers(kind, field, value):
 
 def test_truth_values_stay_what_they_are_where_they_are_asked_for():
     assert cogging.OutputFeedbackArcParameters(use_u_s2=True).use_u_s2 is True
-    with pytest.raises(TypeError, match=re.escape("must be True or False, got 1")):
-        cogging.OutputFeedbackArcParameters(use_u_s2=1)
 
 
 @pytest.mark.parametrize(
     ("made", "line"),
     [
         (lambda: cogging.AxisParameters(mass=1e300), r"mass: must be at most 1e\+30 in size, got 1e\+300"),
-        (lambda: cogging.PidParameters(kp=-1e31), r"kp: must be finite and at least 0, got -1e\+31"),
         (lambda: cogging.SplineHarmonics(pitch=1e300, harmonics=[1]), r"pitch: must be at most 1e\+30 in size"),
         (lambda: cogging.SplineHarmonics(pitch=1e10, harmonics=[1]), r"pitch: must be from 1e-9 to 1e9, got 1e\+10"),
         (lambda: cogging.SplineHarmonics(pitch=1e-300, harmonics=[1]), r"pitch: must be from 1e-9 to 1e9, got 1e-300"),

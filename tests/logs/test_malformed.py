@@ -475,3 +475,20 @@ def test_a_reader_that_fails_in_any_way(behaviour, message, originals, tmp_path,
         cogging.read_log(path)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_header_that_is_longer_than_the_head(tmp_path):
+    path = tmp_path / "wide.csv"
+    path.write_text(",".join(["time", "position", "command", *(f"column_{i}" for i in range(100_000))]) + "\n")
+    with pytest.raises(InputError, match=r"wide\.csv: must have its header row in the first 262144 bytes"):
+        cogging.read_log(path)
+
+
+def test_a_name_without_end_is_shortened(tmp_path):
+    path = tmp_path / "long.csv"
+    path.write_text("time,position," + "x" * 5000 + "\n0,1,2\n1,2,3\n")
+    with pytest.raises(
+        InputError, match="column command: must be in the header, which has time, position, xxx"
+    ) as told:
+        cogging.read_log(path)
+    assert len(str(told.value)) < 400

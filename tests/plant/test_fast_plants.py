@@ -160,8 +160,8 @@ def test_more_steps_give_no_other_result(steps):
     "neutral",
     [
         cogging.effects.ForceConstantDrift(change=0.0, time_constant=1e-300),
-        cogging.effects.CoggingHarmonic(period=1e-200),
-        cogging.effects.DisturbanceTone(frequency=1e200),
+        cogging.effects.CoggingHarmonic(period=1e-9),
+        cogging.effects.DisturbanceTone(frequency=1e30),
         cogging.effects.EndEffect(decay_length=1e-200, travel=[-1.0, 1.0]),
     ],
     ids=lambda effect: effect.NAME,

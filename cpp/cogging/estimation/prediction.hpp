@@ -25,7 +25,7 @@ struct Recording {
 
 struct PredictionOptions {
   double bandwidth = 30.0;        // Hz, of the observer: both its poles stand at exp(-2 pi bandwidth Ts)
-  double gap = 1e30;             // s: after a longer step the observer starts anew
+  double gap = 1e30;              // s: after a longer step the observer starts anew
   double initial_velocity = 0.0;  // m/s
   int steps_per_sample = 1;
   StopRequest* stop = nullptr;  // asked in every few rows whether to end

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cogging.files import InputError
-from cogging.shown import nearest
+from cogging.shown import nearest, shortened
 
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
 SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
@@ -29,6 +29,7 @@ COMMAND_FACTORS = {"mV": 1e-3, "mA": 1e-3, "mN": 1e-3, "kN": 1e3, "kV": 1e3, "kA
 OTHER_UNITS = ("rad", "deg", "°", "rpm", "rad/s", "deg/s", "rad/s^2", "%", "counts", "count", "inc", "Nm", "g")
 SQUARED = ("s^2", "s2", "s²")
 SHOWN = 40  # columns that an error lists
+LONGEST = 80  # characters of a name in an error
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ class Request:
 
     def _ask(self, name: str, there: str, among: Sequence[str], place: str) -> InputError:
         names = [repr(text.strip()) for text in among]
-        advice = " or ".join(f'"{name}={text.strip()}"' for text in among[:2])
+        advice = " or ".join(f'"{name}={shortened(text.strip(), LONGEST)}"' for text in among[:2])
         return self.refuse(
             f"column {there}: must be one column of the {place}, got {listed(names)}: say which, --columns {advice}"
         )
@@ -149,5 +150,5 @@ def split_unit(text: str) -> tuple[str, str]:
 
 def listed(names: Sequence[str]) -> str:
     """Names as an error shows them."""
-    shown = ", ".join(name.strip() for name in names[:SHOWN])
+    shown = ", ".join(shortened(name.strip(), LONGEST) for name in names[:SHOWN])
     return (shown or "none") + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")

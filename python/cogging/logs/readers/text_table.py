@@ -178,6 +178,8 @@ def _lines(head: bytes, request: Request) -> list[str]:
     lines = text.split("\n")
     if lines and (not lines[-1] or not whole):
         lines.pop()
+    if not whole and not lines:
+        raise request.refuse(f"must have its header row in the first {HEAD} bytes, got a first line that is longer")
     return [line.rstrip("\r") for line in lines]
 
 
@@ -249,8 +251,6 @@ def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], li
     """Separator, names, units of a row below them, and the first data line."""
     candidates = [i for i, line in enumerate(lines[:HEAD_LINES]) if line.strip()]
     best = _header_line(lines, candidates, request)
-    if best is None and not lines:
-        raise request.refuse(f"must have its header row in the first {HEAD} bytes, got a first line that is longer")
     if best is None:
         request.choose([], "header")
         raise request.refuse("rows: must be at least 1, got 0")  # every wanted column was optional
