@@ -143,7 +143,8 @@ def _restated(self: Any) -> Any:
 
 
 def _refused(self: Any) -> Any:
-    raise TypeError(f"cannot pickle {type(self).__name__!r} object")
+    kind = type(self)
+    raise TypeError(f"cannot pickle '{kind.__module__}.{kind.__qualname__}' object")
 
 
 def as_values() -> None:
