@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("basis", "bindings", "control", "estimation", "plant", "reference", "simulation")
+ROOMS = ("basis", "control", "estimation", "plant", "reference")  # those of `bindings` ask for the system's limits
 CHECKED = "-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer"
 #: What pybind11 and Python do at exit is not looked at: leaks are what they leave to the system.
 ENVIRONMENT = {

@@ -268,7 +268,8 @@ class Bounds(ByValue):
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
         # Every quotient by a mass in the bounds lies between these.
         corners = np.array([[1.0, b, d] for b in self.viscous for d in self.disturbance])
-        quotients = np.vstack([corners / mass for mass in self.mass])
+        with np.errstate(over="ignore"):  # an infinite quotient is refused below, by the name of the bound
+            quotients = np.vstack([corners / mass for mass in self.mass])
         fields: dict[str, Any] = {
             "sample_rate": rate,
             "observer_gain_1": 400.0 * r,
