@@ -1,6 +1,7 @@
 """What the drawn calls of `python -m tests.attack bindings` found, and what no longer happens."""
 
 import copy
+import os
 import pickle
 import subprocess
 import sys
@@ -116,7 +117,8 @@ def test_the_attack_itself_sees_what_it_is_to_see(tmp_path):
     )
     script = tmp_path / "run.py"
     script.write_text(code)
-    environment = {**__import__("os").environ, "PYTHONPATH": f"{tmp_path}:{__import__('os').getcwd()}"}
+    path = os.pathsep.join([str(tmp_path), os.getcwd(), *sys.path])
+    environment = {**os.environ, "PYTHONPATH": path}
     done = subprocess.run(
         [sys.executable, str(script), str(tmp_path)], capture_output=True, text=True, env=environment, check=False
     )
