@@ -137,9 +137,7 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     Returns:
         One line: function, argument, rule, value.
     """
-    name, parameters = signature(doc)
-    if parameters and parameters[0].name == "self":
-        name, parameters, given = parameters[0].annotation.split(".")[-1], parameters[1:], given[1:]
+    name, parameters, given = _called(doc, given)
     places = [parameter for parameter in parameters if not parameter.by_name]
     if len(given) > len(places):
         words = ", ".join(f"{parameter.name}=..." for parameter in parameters[:3])
@@ -154,14 +152,20 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     return f"{name}: {_wrong_argument(known, values)}"
 
 
+def _called(doc: str, given: Sequence[Any]) -> tuple[str, list[Parameter], Sequence[Any]]:
+    """Name and parameters of a function, and what it was given; of a constructor the class, without the object."""
+    name, parameters = signature(doc)
+    if parameters and parameters[0].name == "self":
+        return parameters[0].annotation.split(".")[-1], parameters[1:], given[1:]
+    return name, parameters, given
+
+
 def told_of_truth_value(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
     """What is wrong with a call of the core one of whose numbers is True or False; None where nothing is.
 
     Args and the line are those of `told`.
     """
-    name, parameters = signature(doc)
-    if parameters and parameters[0].name == "self":
-        name, parameters, given = parameters[0].annotation.split(".")[-1], parameters[1:], given[1:]
+    name, parameters, given = _called(doc, given)
     places = [parameter for parameter in parameters if not parameter.by_name]
     known = {parameter.name: parameter for parameter in parameters}
     for word, value in {**{p.name: v for p, v in zip(places, given, strict=False)}, **named}.items():

@@ -5,15 +5,12 @@
 
 import collections
 import logging
-import time
-import warnings
 
 import pytest
 
-from cogging.cli.main import main
 from cogging.papers.result import Reproduction
 from tests.fixtures import hostile_calls
-from tests.fixtures.hostile_answers import Answer, everything, faults, place
+from tests.fixtures.hostile_answers import answered, faults, place
 
 #: How many calls of each kind the default run makes: 880 together.
 CALLS = {
@@ -26,7 +23,6 @@ CALLS = {
     "document": 60,
     "sidecar": 40,
 }
-SHOWN_BY_PYTHON = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)  # not shown, that is
 
 
 def run(call, folder, capfd, caplog):
@@ -34,25 +30,13 @@ def run(call, folder, capfd, caplog):
     before = place(call, folder)
     caplog.clear()
     capfd.readouterr()
-    started, status, raised = time.process_time(), None, ""
-    with warnings.catch_warnings(record=True) as told:
-        warnings.resetwarnings()
-        for kind in SHOWN_BY_PYTHON:
-            warnings.simplefilter("ignore", kind)
-        try:
-            status = main(call.arguments)
-        except SystemExit as end:
-            status = end.code
-        except BaseException as error:
-            raised = f"{type(error).__name__}: {error}"[:300]
-    seconds = time.process_time() - started
-    said = capfd.readouterr()
-    err = said.err + "".join(f"{warning.category.__name__}: {warning.message}\n" for warning in told)
-    err += "".join(f"{record.getMessage()}\n" for record in caplog.records if record.levelno >= logging.WARNING)
-    after = everything(folder)
-    left = sorted(name for name in after if after[name] != before.get(name))
-    left += sorted(f"{name} (gone)" for name in before if name not in after)
-    return Answer(status, said.out, err, seconds, left, raised, b"[axis]" in after.get("out.toml", b""))
+
+    def said():
+        out, err = capfd.readouterr()
+        shown = (record for record in caplog.records if record.levelno >= logging.WARNING)
+        return out, err + "".join(f"{record.getMessage()}\n" for record in shown)
+
+    return answered(call, folder, before, said)
 
 
 def count(kind, seeds, tmp_path, capfd, caplog, monkeypatch, request):
