@@ -268,7 +268,7 @@ class Bounds(ByValue):
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
         # Every quotient by a mass in the bounds lies between these.
         corners = np.array([[1.0, b, d] for b in self.viscous for d in self.disturbance])
-        with np.errstate(over="ignore"):  # an infinite quotient is refused below, by the name of the bound
+        with np.errstate(over="ignore"):  # the controller refuses a bound that is infinite
             quotients = np.vstack([corners / mass for mass in self.mass])
         fields: dict[str, Any] = {
             "sample_rate": rate,
