@@ -159,21 +159,28 @@ def test_what_a_statement_leaves_open():
     assert not exact.inside("axis.mass", 2.001)
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_bounded_least_squares_is_that_of_scipy(seed):
+@pytest.mark.parametrize("first", range(0, 200, 50))
+def test_bounded_least_squares_is_that_of_scipy(first):
     from scipy.optimize import lsq_linear
 
-    random = np.random.default_rng(seed)
-    p = int(random.integers(1, 7))
-    columns = random.normal(size=(p, 200)) * 10.0 ** random.uniform(-3.0, 3.0, (p, 1))
-    residual = random.normal(size=200)
-    reach = 0.3 / np.sqrt(np.einsum("ij,ij->i", columns, columns))
-    low, high = -reach * random.uniform(0.0, 1.0, p), reach * random.uniform(0.0, 1.0, p)
-    rows = np.vstack([columns, residual])
-    weights, left = bounded(products_of(rows, rows), low, high)
-    other = lsq_linear(columns.T, -residual, (low, high), tol=1e-14)
-    assert left == pytest.approx(2.0 * other.cost, rel=1e-6)
-    assert np.all((low <= weights) & (weights <= high))
+    for seed in range(first, first + 50):
+        random = np.random.default_rng(seed)
+        p = int(random.integers(1, 9))
+        columns = random.normal(size=(p, 150)) * 10.0 ** random.uniform(-3.0, 3.0, (p, 1))
+        if p > 1 and random.random() < 0.3:  # two nearly alike
+            columns[0] = columns[1] * random.uniform(0.5, 2.0) + 1e-3 * columns[0]
+        size = np.linalg.norm(columns, axis=1)
+        residual = random.normal(size=150) + random.uniform(0.0, 3.0) * np.sum(columns / size[:, None], axis=0)
+        reach = np.linalg.norm(residual) / size
+        low, high = (reach * 10.0 ** random.uniform(-3.0, 1.0, p) for _ in range(2))
+        low, high = np.where(random.random(p) < 0.2, 0.0, -low), np.where(random.random(p) < 0.2, np.inf, high)
+        rows = np.vstack([columns, residual])
+        weights, left = bounded(products_of(rows, rows), low, high)
+        scaled = (columns / size[:, None]).T
+        other = lsq_linear(scaled, -residual, (low * size - 1e-12, high * size), method="bvls", tol=1e-14)
+        assert left == pytest.approx(2.0 * other.cost, rel=1e-6), seed
+        assert left == pytest.approx(float(np.sum((residual + weights @ columns) ** 2)), rel=1e-9), seed
+        assert np.all((low <= weights) & (weights <= high)), seed
 
 
 def test_a_balance_closes_for_the_true_machine_and_tells_commands():

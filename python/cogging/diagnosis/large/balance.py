@@ -119,15 +119,15 @@ class LogBalance:
 
     def load_acceleration(self, antiresonance: float, damping_ratio: float) -> FloatArray:
         """Acceleration of a load that hangs on the motor, m/s^2, (n,); `antiresonance` in Hz."""
-        from scipy.signal import bilinear, lfilter
+        from scipy.signal import lfilter
 
-        step = self.balance.dynamics.sample_time
-        # The bilinear transform bends frequencies: at this one it shall be right.
-        w = 2.0 / step * np.tan(min(np.pi * antiresonance * step, BALANCE.turn_max))
-        numerator, denominator = [2.0 * damping_ratio * w, w * w], [1.0, 2.0 * damping_ratio * w, w * w]
         dynamics = self.balance.dynamics
-        b, a = bilinear(numerator, denominator, 1.0 / dynamics.sample_time)
-        return np.asarray(lfilter(b, a, dynamics.motion.acceleration))
+        # The bilinear transform s = 2 / h (z - 1) / (z + 1) bends frequencies: at this one it shall be right.
+        w = np.tan(min(np.pi * antiresonance * dynamics.sample_time, BALANCE.turn_max))  # omega h / 2
+        damped, squared = 2.0 * damping_ratio * w, w * w
+        numerator = np.array([damped + squared, 2.0 * squared, squared - damped])
+        denominator = np.array([1.0 + damped + squared, 2.0 * squared - 2.0, 1.0 - damped + squared])
+        return np.asarray(lfilter(numerator, denominator, dynamics.motion.acceleration))
 
 
 @dataclass(frozen=True)

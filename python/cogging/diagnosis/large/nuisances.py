@@ -89,8 +89,6 @@ def bounded(products: FloatArray, low: FloatArray, high: FloatArray) -> tuple[Fl
         products: products of columns and residual (the last) among themselves, (p + 1, p + 1).
         low, high: ends of each weight, (p,).
     """
-    from scipy.optimize import lsq_linear
-
     total, gram, right = float(products[-1, -1]), products[:-1, :-1], products[:-1, -1]
     size = np.sqrt(np.diag(gram))
     moves = (size > BALANCE.column_size * np.sqrt(total)) & (high > low)
@@ -100,12 +98,30 @@ def bounded(products: FloatArray, low: FloatArray, high: FloatArray) -> tuple[Fl
     size = size[moves]
     values, vectors = np.linalg.eigh(gram[np.ix_(moves, moves)] / np.outer(size, size))
     values = np.maximum(values, 1e-12 * values[-1])
-    root = (vectors * np.sqrt(values)).T
-    aim = -(vectors.T @ (right[moves] / size)) / np.sqrt(values)
-    inside = np.linalg.lstsq(root, aim, rcond=None)[0] / size
-    if not np.all((inside >= low[moves]) & (inside <= high[moves])):
-        ends = (low[moves] * size - BALANCE.no_room, high[moves] * size + BALANCE.no_room)
-        inside = np.clip(lsq_linear(root, aim, bounds=ends, method="bvls").x / size, low[moves], high[moves])
-    weights[moves] = inside
+    inside = _between(values, vectors, -right[moves] / size, low[moves] * size, high[moves] * size)
+    weights[moves] = np.clip(inside / size, low[moves], high[moves])
     left = float(total + 2.0 * weights @ right + weights @ gram @ weights)
     return weights, max(left, 1e-15 * total)
+
+
+def _between(values: FloatArray, vectors: FloatArray, aim: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """The w (p,) between bounds that makes w C w / 2 - aim w least, C of these eigenvalues and eigenvectors."""
+    from scipy.optimize import lsq_linear
+
+    curvature = (vectors * values) @ vectors.T
+    weights = vectors @ (vectors.T @ aim / values)
+    below, above = weights < low, weights > high
+    for _ in range(len(weights) + 1):  # hold what left its bounds, let go what would come back; mostly that ends soon
+        held = below | above
+        if held.any():
+            weights = np.where(below, low, np.where(above, high, 0.0))
+            rest = aim - curvature[:, held] @ weights[held]
+            weights[~held] = np.linalg.solve(curvature[~held][:, ~held], rest[~held])
+        slope = curvature @ weights - aim
+        below = (weights < low) | (below & (slope >= 0.0))
+        above = (weights > high) | (above & (slope <= 0.0))
+        if np.array_equal(held, below | above):
+            return np.asarray(weights)
+    root = (vectors * np.sqrt(values)).T
+    ends = (low - BALANCE.no_room, high + BALANCE.no_room)
+    return np.clip(lsq_linear(root, vectors.T @ aim / np.sqrt(values), bounds=ends, method="bvls").x, low, high)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -250,12 +250,13 @@ def _resonances(balances: Balances, nuisances: Nuisances, law: Effect) -> Iterat
     bottom = max(2.0 / balances.scales.time, 0.5)
     if not bottom < top:
         return
-    grid = [(f, d) for d in SEED.damping_ratios for f in np.geomspace(bottom, top, SEED.mode_frequencies)]
-    seeds = [seed for f, d in grid if (seed := _resonance(balances, nuisances, law, float(f), d)) is not None]
+    frequencies = np.geomspace(bottom, top, SEED.mode_frequencies)
+    grid = [(float(frequency), damping) for damping in SEED.damping_ratios for frequency in frequencies]
+    seeds = [seed for seed in _loads(balances, nuisances, law, grid) if seed is not None]
 
     def left(logarithms: FloatArray) -> float:
         frequency, damping = np.exp(np.clip(logarithms, np.log([bottom, 1e-3]), np.log([2.0 * top, 0.7])))
-        seed = _resonance(balances, nuisances, law, float(frequency), float(damping))
+        (seed,) = _loads(balances, nuisances, law, [(float(frequency), float(damping))])
         return np.inf if seed is None else seed.left
 
     for seed in sorted(seeds, key=lambda one: one.left)[: SEED.sharpened]:
@@ -264,24 +265,32 @@ def _resonances(balances: Balances, nuisances: Nuisances, law: Effect) -> Iterat
         ends = {"maxfev": SEED.mode_evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
         better = minimize(left, start, method="Nelder-Mead", options=ends)
         frequency, damping = np.exp(better.x)
-        yield _resonance(balances, nuisances, law, float(frequency), float(damping)) or seed
+        yield _loads(balances, nuisances, law, [(float(frequency), float(damping))])[0] or seed
 
 
-def _resonance(
-    balances: Balances, nuisances: Nuisances, law: Effect, antiresonance: float, damping: float
-) -> Seed | None:
-    """A load of the share that leaves least; None where it would have none of the mass, or nearly all."""
+def _loads(
+    balances: Balances, nuisances: Nuisances, law: Effect, tried: Sequence[tuple[float, float]]
+) -> list[Seed | None]:
+    """Loads of antiresonances (Hz) and damping ratios, each of the share that leaves least.
+
+    None where one would have none of the mass, or nearly all.
+    """
     mass = balances.model.axis.mass
     rows = []
     for source in balances.sources:
         dynamics = source.balance.dynamics
-        borne = mass * (dynamics.motion.acceleration - source.load_acceleration(antiresonance, damping))
-        rows.append(dynamics.filtered(borne[None, :]))
-    weights, left = nuisances.fitted(balances.joined(rows), np.zeros(1), np.array([np.inf]))
-    moved = weights[nuisances.paths.index("axis.mass")] if "axis.mass" in nuisances.paths else 0.0
-    share = float(weights[-1]) * mass / (mass + float(moved))
-    if not 0.0 < share < SEED.load_max:
-        return None
-    root = (1.0 - share) ** 0.5
-    shape = {"frequency": antiresonance / root, "damping_ratio": damping / root, "mass_ratio": share}
-    return Seed(Candidate(law, shape, (), ()), (), left)
+        answers = np.array([source.load_acceleration(frequency, damping) for frequency, damping in tried])
+        rows.append(dynamics.filtered(mass * (dynamics.motion.acceleration - answers)))
+    place = nuisances.paths.index("axis.mass") if "axis.mass" in nuisances.paths else None
+    found: list[Seed | None] = []
+    for (antiresonance, damping), column in zip(tried, balances.joined(rows), strict=True):
+        weights, left = nuisances.fitted(column[None, :], np.zeros(1), np.array([np.inf]))
+        moved = 0.0 if place is None else float(weights[place])
+        share = float(weights[-1]) * mass / (mass + moved)
+        if not 0.0 < share < SEED.load_max:
+            found.append(None)
+            continue
+        root = (1.0 - share) ** 0.5
+        shape = {"frequency": antiresonance / root, "damping_ratio": damping / root, "mass_ratio": share}
+        found.append(Seed(Candidate(law, shape, (), ()), (), left))
+    return found
