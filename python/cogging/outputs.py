@@ -8,16 +8,16 @@ import itertools
 import json
 import math
 import os
-import secrets
 import stat
 import sys
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
 import tomli_w
 
+from cogging import file_sets
 from cogging.files import InputError, require_file
 from cogging.shown import printable
 
@@ -62,6 +62,28 @@ def check_folder(path: AnyPath) -> None:
         raise InputError(f"{path}: cannot be made: Permission denied")
 
 
+@contextlib.contextmanager
+def made_folder(path: AnyPath) -> Iterator[None]:
+    """Make a folder for what is written within, with those on the way there; where that fails they go again.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    folder = Path(path)
+    made = list(itertools.takewhile(lambda place: not os.path.lexists(place), (folder, *folder.parents)))
+    try:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be made: {error.strerror}") from None
+        yield
+    except BaseException:
+        with contextlib.suppress(OSError):  # one that was not made, or in which something stands
+            for place in made:
+                place.rmdir()
+        raise
+
+
 def sidecar(log: AnyPath) -> str:
     """The file beside a log in which stands what a table of numbers cannot hold."""
     return f"{os.fspath(log)}.toml"
@@ -77,21 +99,25 @@ def write_text(path: AnyPath, text: str) -> None:
     write_bytes(path, text.encode())
 
 
-def write_bytes(path: AnyPath, content: bytes) -> None:
-    """Write a binary file beside its place and rename it (see write_text)."""
-    write_files({os.fspath(path): [content]})
+def write_bytes(path: AnyPath, content: bytes, *, synced: bool = True) -> None:
+    """Write a binary file beside its place and rename it (see write_files)."""
+    write_files({os.fspath(path): [content]}, synced=synced)
 
 
-def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
-    """Write files that belong together, each given in pieces: none takes its place before all are whole.
+def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = True) -> None:
+    """Write files that belong together, each given in pieces: all take their places, or none does (see file_sets).
 
     What stands there is replaced: behind a link its target, with the mode that it had. A new file has the mode that
     the user's mask leaves.
 
+    Args:
+        files: pieces by path; None where no file is to stand.
+        synced: data reach the disk before their names do, so that a power failure too leaves the old or the new.
+
     Raises:
         InputError: one cannot be written, or two are one file; nothing is left behind.
     """
-    targets = {path: target_of(path) for path in files}
+    targets = {path: target_of(path) if pieces is not None else _own_place(path) for path, pieces in files.items()}
     for path, other in itertools.combinations(targets, 2):
         if same_file(targets[path], targets[other]):
             raise InputError(f"{path}, {other}: must be different files, got one twice")
@@ -99,17 +125,44 @@ def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
     path = ""
     try:
         for path, pieces in files.items():
-            parts[path] = targets[path].with_name(f".{secrets.token_hex(8)}.part")
-            with _new_file(parts[path], targets[path]) as file:
-                for piece in pieces:
-                    file.write(piece)
-        for path in files:
-            parts[path].replace(targets[path])
+            if pieces is not None:
+                parts[path] = file_sets.beside(targets[path], file_sets.PART)
+                _write_part(parts[path], targets[path], pieces, synced and file_sets.synced)
+        there = [path for path in files if path in parts or os.path.lexists(targets[path])]
+        file_sets.take_places([file_sets.Change(targets[path], parts.get(path)) for path in there])
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        named = {os.fspath(place): path for places in (targets, parts) for path, place in places.items()}
+        raise InputError(_unwritten(error, named, path)) from None
     finally:
         for part in parts.values():
-            part.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # what has failed is told already
+                part.unlink(missing_ok=True)
+
+
+def _write_part(part: Path, target: Path, pieces: Iterable[bytes], synced: bool) -> None:
+    with _new_file(part, target) as file:
+        for piece in pieces:
+            file.write(piece)
+        if synced:
+            file.flush()
+            os.fsync(file.fileno())
+
+
+def _unwritten(error: OSError, named: Mapping[str, str], path: str) -> str:
+    """What to tell of an error: the output of the call that it concerns, and the file where that is another."""
+    why = error.strerror or str(error)
+    for place in (error.filename2, error.filename):
+        if isinstance(place, str | os.PathLike):
+            if os.fspath(place) in named:
+                return f"{named[os.fspath(place)]}: cannot be written: {why}"
+            why = f"{os.fspath(place)}: {why}"
+    return f"{path}: cannot be written: {why}"
+
+
+def _own_place(path: AnyPath) -> Path:
+    """Where a name itself stands, be it a link."""
+    given = Path(path)
+    return Path(os.path.realpath(given.parent), given.name)
 
 
 def _new_file(part: Path, target: Path) -> IO[bytes]:

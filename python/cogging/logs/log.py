@@ -210,16 +210,16 @@ class Log(ByValue):
             pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
         except ImportError as error:
             raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[parquet]'") from None
-        files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
+        files: dict[str, Iterable[bytes] | None] = {os.fspath(path): pieces}
         beside = sidecar(path)
         _require_sidecar(beside)
         metadata = {key: value for key, value in self.metadata.items() if key != READ_WITH}  # of the other file
         if metadata:
             document = {"version": importlib.metadata.version("cogging"), **metadata}
             files[beside] = [to_toml(_plain(document)).encode()]
+        else:
+            files[beside] = None  # what stands there is of another log
         write_files(files)
-        if not metadata:
-            Path(beside).unlink(missing_ok=True)  # of another log that stood here
 
     def _csv(self) -> Iterator[bytes]:
         columns = self.columns()
