@@ -198,6 +198,8 @@ def target_of(path: AnyPath) -> Path:
             raise InputError(f"{called}: cannot be written: {os.strerror(code)}")
         if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
             raise InputError(f"{called}: cannot be written: {os.strerror(errno.EACCES)}")
+        if target.exists() and not _may_replace(target):
+            raise InputError(f"{called}: cannot be written: {os.strerror(errno.EPERM)}")
     except OSError as error:
         raise InputError(f"{called}: cannot be written: {error.strerror}") from None
     except InputError:
@@ -205,6 +207,13 @@ def target_of(path: AnyPath) -> Path:
     except ValueError as error:  # a zero byte in the name
         raise InputError(f"{called!r}: cannot be written: {error}") from None
     return target
+
+
+def _may_replace(target: Path) -> bool:
+    """Whether the folder of a file lets this user rename another over it: where it is shared as /tmp is, its owner."""
+    folder = target.parent.stat()
+    owners = {0, folder.st_uid, target.stat().st_uid}
+    return not folder.st_mode & stat.S_ISVTX or not hasattr(os, "geteuid") or os.geteuid() in owners
 
 
 def same_file(one: AnyPath, other: AnyPath) -> bool:

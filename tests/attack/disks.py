@@ -1,0 +1,394 @@
+"""Full and read-only disks, errors, kills, other writers, wherever a file is written: `python -m tests.attack.disks`.
+
+Every kind of output (tests/attack/written.py) is written where an older version of it stands and where none does, while
+a file system of a few kilobytes or a few files is full at every stage, an error comes before any of its file
+operations, the process is killed there, a folder cannot be written to, twenty processes write at once. What stands
+afterwards is the old version or the new one, whole; what is told is one line that names the output; nothing else is
+left. After a kill the next writer may have to take back what was begun: that is counted apart, with what is left until
+then. Options: NAME ... kinds, --writers N, --short: every fifth case.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import ctypes
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from cogging.files import InputError
+from cogging.outputs import write_files
+from tests.attack.operations import at_operation
+from tests.attack.written import KINDS, VERSIONS, left, state
+
+Write = Callable[[Path, str], None]
+OLD, NEW = VERSIONS
+ERRORS = (errno.ENOSPC, errno.EIO, errno.EROFS, errno.EACCES)
+NOBODY = 65534
+PAGE = 4096
+ENDED = 77  # status of a child whose n-th operation never came
+MS_RDONLY, MS_REMOUNT = 1, 32
+
+
+class Disk:
+    """Folders to write into, and file systems of their own where the machine allows them."""
+
+    def __init__(self, place: Path) -> None:
+        self.place = place
+        self.mounts = can_mount()
+
+    @contextlib.contextmanager
+    def folder(self, options: str = "") -> Iterator[Path]:
+        """A new folder; with options of tmpfs it is a file system of its own."""
+        path = Path(tempfile.mkdtemp(dir=self.place))
+        if options:
+            mount("cogging", path, "tmpfs", 0, options)
+        try:
+            yield path
+        finally:
+            if options:
+                subprocess.run(["umount", path], check=True)
+            shutil.rmtree(path)
+
+
+def mount(source: str, target: Path, kind: str, flags: int, options: str) -> None:
+    """Mount a file system.
+
+    Raises:
+        OSError: it may not be.
+    """
+    library = ctypes.CDLL(None, use_errno=True)
+    given = [source.encode(), os.fsencode(target), kind.encode(), flags, options.encode()]
+    if library.mount(given[0], given[1], given[2], ctypes.c_ulong(given[3]), given[4]):
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+
+
+def can_mount() -> bool:
+    """Whether this process may mount a file system."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            mount("cogging", Path(folder), "tmpfs", 0, "size=64k")
+        except (OSError, AttributeError):
+            return False
+        return not subprocess.run(["umount", folder], check=False).returncode
+
+
+# One case ------------------------------------------------------------------------------------------------------------
+
+
+def in_child(work: Callable[[], object]) -> tuple[int, str]:
+    """Do something in a forked process; its status and what it told: nothing, one line, or a traceback."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        told = ""
+        try:
+            work()
+        except InputError as error:
+            told = f"InputError {error}"
+        except BaseException:
+            told = traceback.format_exc()
+        with contextlib.suppress(BaseException):
+            os.write(writing, told.encode()[-60_000:])
+        os._exit(2 if told else 0)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as pipe:
+        told = pipe.read().decode()
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return status, told
+
+
+class Judge:
+    """Says what came of writing a kind over its old version, or where there was none."""
+
+    def __init__(self, write: Write, disk: Disk) -> None:
+        self.write = write
+        self.whole = {}
+        for version in VERSIONS:
+            with disk.folder() as folder:
+                write(folder, version)
+                self.whole[version] = state(folder)
+        with disk.folder() as folder:  # as a new one is written over an old one
+            write(folder, OLD)
+            write(folder, NEW)
+            if state(folder) != self.whole[NEW] or left(folder):
+                raise AssertionError("a new version over an old one, undisturbed, is not the new one")
+        self.size = sum(map(len, self.whole[OLD].values())) + sum(map(len, self.whole[NEW].values()))
+
+    def standing(self, folder: Path, had_old: bool) -> str:
+        """ "old", "new" or "half"; where there was none before, nothing is the old version."""
+        found = state(folder)
+        if found == self.whole[NEW]:
+            return "new"
+        return "old" if found == (self.whole[OLD] if had_old else {}) else "half"
+
+    def told(self, status: int, told: str, folder: Path, standing: str) -> str:
+        """What is wrong with the answer of a writer that was not killed; "" if nothing is."""
+        if not told:
+            return "" if standing == "new" else f"done, and {standing}"
+        if not told.startswith("InputError "):
+            return f"traceback: {told.splitlines()[-1]}"
+        if "\n" in told:
+            return f"not one line: {told[:300]!r}"
+        return "" if str(folder) in told and standing == "old" else f"{standing}, and told {told[:300]!r}"
+
+    def next_writer(self, folder: Path) -> None:
+        """Somebody writes two files of his own where this kind is written."""
+        for place in sorted({path.parent for path in folder.rglob("*") if path.is_file()} | {folder}):
+            if not place.name.endswith(".pieces"):
+                own = [place / "own", place / "own too"]
+                write_files({str(path): [b"mine"] for path in own})
+                for path in own:
+                    path.unlink()
+
+
+class Tally:
+    """What came of a condition."""
+
+    def __init__(self) -> None:
+        self.counts: Counter[str] = Counter()
+        self.faults: list[str] = []
+
+    def add(self, standing: str, fault: str = "") -> None:
+        self.counts[standing] += 1
+        if standing == "half" or fault:
+            self.faults.append(fault or "half")
+
+    def text(self) -> str:
+        told = ", ".join(f"{self.counts[name]} {name}" for name in ("old", "new", "half"))
+        further = "".join(f", {n} {name}" for name, n in sorted(self.counts.items()) if name not in (*VERSIONS, "half"))
+        return f"{sum(self.counts[name] for name in (*VERSIONS, 'half'))} cases: {told}{further}"
+
+
+# Conditions ----------------------------------------------------------------------------------------------------------
+
+
+def begun(write: Write, folder: Path, had_old: bool) -> None:
+    if had_old:
+        write(folder, OLD)
+
+
+def full_disk(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
+    """A file system so small that it is full at every stage: in bytes, then in files."""
+    for option, most in (("size", 3 * judge.size // PAGE + 40), ("nr_inodes", 24)):
+        for had_old in (True, False):
+            for number in range(2, most, step):
+                limit = f"size={number * PAGE}" if option == "size" else f"nr_inodes={number}"
+                room = "size=64m,nr_inodes=1000"
+                with disk.folder(room) as folder:
+                    begun(judge.write, folder, had_old)
+                    try:
+                        mount("cogging", folder, "tmpfs", MS_REMOUNT, limit)
+                    except OSError:  # less than what is there
+                        continue
+                    status, told = in_child(lambda folder=folder: judge.write(folder, NEW))
+                    standing = judge.standing(folder, had_old)
+                    tally.add(standing, judge.told(status, told, folder, standing) or over(folder))
+
+
+def over(folder: Path) -> str:
+    """What is wrong with what is left beside the output; "" if nothing is."""
+    found = left(folder)
+    return f"left: {found}" if found else ""
+
+
+def concerns(folder: Path) -> Callable[[str, str], bool]:
+    return lambda event, path: path.startswith(str(folder))
+
+
+def failing(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
+    """An error before the n-th operation on files, for each n."""
+    for had_old in (True, False):
+        for code in ERRORS:
+            for number in range(1, 400, step):
+                with disk.folder() as folder:
+                    begun(judge.write, folder, had_old)
+
+                    def work(folder=folder, number=number, code=code):
+                        def fail(event, path):
+                            raise OSError(code, os.strerror(code), path)
+
+                        at_operation(number, concerns(folder), fail)
+                        judge.write(folder, NEW)
+
+                    status, told = in_child(work)
+                    standing = judge.standing(folder, had_old)
+                    tally.add(standing, judge.told(status, told, folder, standing))
+                    tally.counts["left something behind"] += bool(left(folder))
+                    if not told and number > 1:
+                        break
+
+
+def killed(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
+    """SIGKILL before the n-th operation on files, for each n; then the next writer comes."""
+    for had_old in (True, False):
+        for number in range(1, 400, step):
+            with disk.folder() as folder:
+                begun(judge.write, folder, had_old)
+
+                def work(folder=folder, number=number):
+                    at_operation(number, concerns(folder), lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+                    judge.write(folder, NEW)
+
+                status, told = in_child(work)
+                if told:
+                    tally.add("half", f"traceback: {told.splitlines()[-1]}")
+                at_once = judge.standing(folder, had_old)
+                judge.next_writer(folder)
+                standing = judge.standing(folder, had_old)
+                tally.add(standing)
+                tally.counts["of them by the next writer"] += at_once != standing
+                if not status:
+                    break
+                tally.counts["left a file by its name until then or longer"] += bool(left(folder))
+
+
+def read_only(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
+    """A file system that is read-only, a folder or files that somebody else may not write to."""
+    for had_old in (True, False):
+        if disk.mounts:
+            with disk.folder("size=64m") as folder:
+                begun(judge.write, folder, had_old)
+                mount("cogging", folder, "tmpfs", MS_REMOUNT | MS_RDONLY, "")
+                status, told = in_child(lambda folder=folder: judge.write(folder, NEW))
+                standing = judge.standing(folder, had_old)
+                tally.add(standing, judge.told(status, told, folder, standing) or over(folder))
+        for protect in (no_folder, no_files, sticky):
+            with disk.folder() as folder:
+                begun(judge.write, folder, had_old)
+                protect(folder)
+                status, told = in_child(lambda folder=folder: as_somebody(lambda: judge.write(folder, NEW)))
+                standing = judge.standing(folder, had_old)
+                tally.add(standing, judge.told(status, told, folder, standing) or over(folder))
+
+
+def no_folder(folder: Path) -> None:
+    for path in (folder, *folder.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o666)
+
+
+def no_files(folder: Path) -> None:
+    for path in (folder, *folder.rglob("*")):
+        path.chmod(0o777 if path.is_dir() else 0o444)
+
+
+def sticky(folder: Path) -> None:
+    """As /tmp: whoever may write, but nobody replaces another's."""
+    for path in (folder, *folder.rglob("*")):
+        path.chmod(0o1777 if path.is_dir() else 0o666)
+
+
+def as_somebody(work: Callable[[], object]) -> None:
+    """Without an administrator's rights."""
+    if os.geteuid() == 0:
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+    work()
+
+
+def writers(judge: Judge, disk: Disk, tally: Tally, many: int, *, kills: bool = False) -> None:
+    """Many processes write at once, old and new by turns; with kills, a third of them do not come to their end."""
+    for had_old in (True, False):
+        with disk.folder() as folder:
+            begun(judge.write, folder, had_old)
+            children = []
+            for number in range(many):
+                child = os.fork()
+                if not child:
+                    os._exit(_written_by_turns(judge, folder, number, kills=kills and number % 3 == 0))
+                children.append(child)
+            ends = [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children]
+            if kills:
+                judge.next_writer(folder)
+            found = state(folder)
+            standing = next((version for version in VERSIONS if found == judge.whole[version]), "half")
+            unlike = [end for end in ends if end not in (0, 2, -signal.SIGKILL)]
+            fault = f"ends: {unlike}" if unlike else "" if kills else over(folder)
+            tally.add(standing, fault)
+            tally.counts["writers done"] += ends.count(0)
+            tally.counts["writers refused"] += ends.count(2)
+            tally.counts["writers killed"] += ends.count(-signal.SIGKILL)
+
+
+def _written_by_turns(judge: Judge, folder: Path, number: int, *, kills: bool) -> int:
+    status = 0
+    if kills:
+        at_operation(3 + 5 * number, concerns(folder), lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+    for turn in range(4):
+        try:
+            judge.write(folder, VERSIONS[(number + turn) % 2])
+        except InputError:
+            status = 2
+        except BaseException:
+            traceback.print_exc()
+            return 3
+    return status
+
+
+# All -----------------------------------------------------------------------------------------------------------------
+
+
+def attacked(names: list[str], disk: Disk, many: int, step: int) -> dict[str, dict[str, Tally]]:
+    """Every condition for every kind."""
+    found: dict[str, dict[str, Tally]] = {}
+    for name in names:
+        judge = Judge(KINDS[name], disk)
+        conditions: dict[str, Callable[[Tally], None]] = {
+            "an error at any operation": lambda tally, judge=judge: failing(judge, disk, tally, step),
+            "killed at any operation": lambda tally, judge=judge: killed(judge, disk, tally, step),
+            "read-only": lambda tally, judge=judge: read_only(judge, disk, tally, step),
+            f"{many} writers": lambda tally, judge=judge: writers(judge, disk, tally, many),
+            f"{many} writers, some killed": lambda tally, judge=judge: writers(judge, disk, tally, many, kills=True),
+        }
+        if disk.mounts:
+            conditions["full disk"] = lambda tally, judge=judge: full_disk(judge, disk, tally, step)
+        found[name] = {}
+        for condition, make in conditions.items():
+            found[name][condition] = tally = Tally()
+            make(tally)
+            print(f"{name}, {condition}: {tally.text()}", flush=True)
+            for fault in tally.faults[:5]:
+                print(f"    {fault}", flush=True)
+    return found
+
+
+def main() -> int:
+    """Attack; status 1 where anything is half, left, or told otherwise than in one line."""
+    parser = argparse.ArgumentParser(prog="python -m tests.attack.disks", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(KINDS)}; all when none is named")
+    parser.add_argument("--writers", type=int, default=20)
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--json", help="where the counts are written")
+    parser.add_argument("--folder", default="/dev/shm" if os.path.isdir("/dev/shm") else None)
+    arguments = parser.parse_args()
+    alone = os.environ.get("COGGING_ALONE")
+    if not alone and shutil.which("unshare"):  # mounts of its own, which go with it
+        words = ["unshare", "-m"] if os.geteuid() == 0 else ["unshare", "-rm"]
+        if not subprocess.run([*words, "true"], capture_output=True, check=False).returncode:
+            os.environ["COGGING_ALONE"] = "1"
+            os.execvp(words[0], [*words, sys.executable, "-m", "tests.attack.disks", *sys.argv[1:]])
+    with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
+        os.chmod(folder, 0o755)
+        disk = Disk(Path(folder))
+        if not disk.mounts:
+            print("no file system may be mounted here: no full disk, none that is read-only", flush=True)
+        found = attacked(arguments.names or list(KINDS), disk, arguments.writers, 5 if arguments.short else 1)
+    if arguments.json:
+        counts = {name: {what: dict(t.counts) for what, t in tallies.items()} for name, tallies in found.items()}
+        Path(arguments.json).write_text(json.dumps(counts, indent=1))
+    return 1 if any(tally.faults for tallies in found.values() for tally in tallies.values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
