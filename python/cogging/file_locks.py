@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
 import sys
 import time
 from pathlib import Path
@@ -33,6 +34,8 @@ def opened_alone(path: Path, *, wait: float = 0.0, by_process: bool = False) -> 
     while True:
         file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
         try:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise OSError(errno.EINVAL, "must be a file, got a device or pipe", os.fspath(path))
             _lock(file, end, by_process)
             if os.path.lexists(path) and os.path.samestat(os.fstat(file.fileno()), os.lstat(path)):
                 return file

@@ -27,6 +27,7 @@ RECORD = ".cogging-writing"
 PART, OLD = ".cogging-{}.part", ".cogging-{}.old"  # beside a file: one that is not whole yet, what stood there
 OF_OURS = re.compile(r"\.cogging-[0-9a-f]{16}\.(part|old)")
 LONGEST_WAIT = 30.0  # s, for another writer, who takes milliseconds
+LARGEST_RECORD = 1 << 20  # bytes: of some thousand files
 PENDING, DONE = b"-", b"+"  # the first byte of a record: take it back, or only clear up behind it
 synced = True  # data reach the disk before their names do; what only tests many small files has no use for it
 
@@ -86,6 +87,22 @@ def take_places(changes: Sequence[Change]) -> None:
                 one.clear_up()
     for folder in folders:
         sync_folder(folder)
+
+
+def settle(folder: Path) -> None:
+    """Take back what a writer who was killed has begun in a folder; one who is still at it is waited for.
+
+    Raises:
+        OSError: it cannot be taken back, as where this user may not write.
+    """
+    record = folder / RECORD
+    try:
+        begun = sys.platform != "win32" and os.lstat(record).st_size > 0
+    except OSError:
+        return
+    if begun:
+        with _FolderSet(folder):
+            pass
 
 
 def sync_folder(folder: Path) -> None:
@@ -185,7 +202,7 @@ def _keep(target: Path, old: Path) -> None:
 
 def _finish(folder: Path, record: IO[bytes]) -> None:
     """Take back, or clear up, what a writer left who was killed."""
-    content = record.read()
+    content = record.read(LARGEST_RECORD)
     if not content:
         return
     entries = _entries(content)

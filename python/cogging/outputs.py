@@ -139,6 +139,21 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = T
                 part.unlink(missing_ok=True)
 
 
+def settle(path: AnyPath) -> None:
+    """Let a file that is read be of one set with what stands beside it, where a writer of both was killed.
+
+    Raises:
+        InputError: what that writer has begun cannot be taken back.
+    """
+    try:
+        file_sets.settle(Path(os.path.realpath(path)).parent)
+    except OSError as error:
+        what = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+        raise InputError(f"{path}: must be whole: its writer was killed and it cannot be restored: {what}") from None
+    except ValueError:  # a zero byte in the name, which whoever opens it tells
+        return
+
+
 def _write_part(part: Path, target: Path, pieces: Iterable[bytes], synced: bool) -> None:
     with _new_file(part, target) as file:
         for piece in pieces:

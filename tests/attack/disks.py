@@ -57,7 +57,7 @@ class Disk:
             yield path
         finally:
             if options:
-                subprocess.run(["umount", path], check=True)
+                unmount(path)
             shutil.rmtree(path)
 
 
@@ -73,14 +73,25 @@ def mount(source: str, target: Path, kind: str, flags: int, options: str) -> Non
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
 
+def unmount(target: Path) -> None:
+    """Take a file system away.
+
+    Raises:
+        OSError: it is in use.
+    """
+    if ctypes.CDLL(None, use_errno=True).umount(os.fsencode(target)):
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+
+
 def can_mount() -> bool:
     """Whether this process may mount a file system."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             mount("cogging", Path(folder), "tmpfs", 0, "size=64k")
+            unmount(Path(folder))
         except (OSError, AttributeError):
             return False
-        return not subprocess.run(["umount", folder], check=False).returncode
+    return True
 
 
 # One case ------------------------------------------------------------------------------------------------------------
@@ -209,7 +220,7 @@ def concerns(folder: Path) -> Callable[[str, str], bool]:
 def failing(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
     """An error before the n-th operation on files, for each n."""
     for had_old in (True, False):
-        for code in ERRORS:
+        for code in ERRORS[: None if step == 1 else 1]:
             for number in range(1, 400, step):
                 with disk.folder() as folder:
                     begun(judge.write, folder, had_old)

@@ -22,7 +22,7 @@ from cogging.calls import PATHS, takes, told_constructor
 from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
-from cogging.outputs import sidecar, target_of, to_toml, write_files
+from cogging.outputs import settle, sidecar, target_of, to_toml, write_files
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
@@ -334,6 +334,7 @@ def read_log(
         [True, True]
     """
     notes: list[str] = []
+    settle(path)
     table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows, notes=notes)
     time = table["time"]
     if time.size < 2:
