@@ -169,6 +169,33 @@ def test_a_record_that_a_stranger_has_planted_moves_nothing(told, tmp_path):
     assert (tmp_path / "victim").read_bytes() == b"mine"
 
 
+def test_a_record_of_another_in_a_shared_folder_is_not_heeded(tmp_path):
+    """As a stranger may leave one in /tmp, and hold its lock."""
+    if os.geteuid() != 0:
+        pytest.skip("only an administrator gives files away")
+    place(tmp_path)
+    (tmp_path / ".cogging-0123456789abcdef.old").write_bytes(b"a stranger's")
+    told = {"name": "a", "part": ".cogging-0123456789abcdef.part", "old": ".cogging-0123456789abcdef.old"}
+    told["after"] = os.stat(tmp_path / "a").st_ino
+    record = tmp_path / file_sets.RECORD
+    record.write_bytes(b"-" + json.dumps([told]).encode())
+    os.chown(record, 3, 3)
+    os.chown(tmp_path, 2, 2)
+    tmp_path.chmod(0o1777)
+    before = standing(tmp_path)
+    with opened_alone(record):
+        file_sets.settle(tmp_path)
+        assert standing(tmp_path) == before
+        write(tmp_path)
+    planted = {name: before[name] for name in (record.name, told["old"])}
+    assert standing(tmp_path) == {**NEW, **planted}
+    tmp_path.chmod(0o777)  # where anybody may rename anything, it is as good as any
+    told["after"] = os.stat(tmp_path / "a").st_ino
+    record.write_bytes(b"-" + json.dumps([told]).encode())
+    file_sets.settle(tmp_path)
+    assert standing(tmp_path) == {**NEW, "a": b"a stranger's"}
+
+
 def planted_pipe(record):
     os.mkfifo(record)
 

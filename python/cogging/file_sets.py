@@ -15,6 +15,7 @@ import os
 import re
 import secrets
 import shutil
+import stat
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -95,12 +96,12 @@ def settle(folder: Path) -> None:
     Raises:
         OSError: it cannot be taken back, as where this user may not write.
     """
-    record = folder / RECORD
     try:
-        begun = sys.platform != "win32" and os.lstat(record).st_size > 0
+        begun = os.lstat(folder / RECORD).st_size > 0
     except OSError:
         return
-    if begun:
+    if begun and sys.platform != "win32" and _is_trusted(folder):
+        opened_alone(folder / RECORD, wait=LONGEST_WAIT).close()  # or tells why it cannot
         with _FolderSet(folder):
             pass
 
@@ -125,8 +126,10 @@ class _FolderSet:
         self._record: IO[bytes] | None = None
 
     def __enter__(self) -> _FolderSet:
-        if sys.platform != "win32":  # where a file that is open cannot go
-            self._record = opened_alone(self._folder / RECORD, wait=LONGEST_WAIT)
+        if sys.platform != "win32" and _is_trusted(self._folder):  # on Windows a file that is open cannot go
+            with contextlib.suppress(PermissionError):  # of another user, whom this one cannot wait for
+                self._record = opened_alone(self._folder / RECORD, wait=LONGEST_WAIT)
+        if self._record is not None:
             try:
                 _finish(self._folder, self._record)
             except BaseException:
@@ -198,6 +201,16 @@ def _keep(target: Path, old: Path) -> None:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS):
             raise
         shutil.copy2(target, old)
+
+
+def _is_trusted(folder: Path) -> bool:
+    """Whether the record of a folder, if there is one, may be heeded: where it is shared as /tmp is, not another's."""
+    try:
+        owner = os.lstat(folder / RECORD).st_uid
+    except OSError:
+        return True
+    shared = os.stat(folder)
+    return not shared.st_mode & stat.S_ISVTX or owner in (0, os.geteuid(), shared.st_uid)
 
 
 def _finish(folder: Path, record: IO[bytes]) -> None:
