@@ -9,6 +9,7 @@ import sys
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import cogging
@@ -228,6 +229,25 @@ def test_threads_that_write_at_once_leave_one_version(tmp_path):
     with concurrent.futures.ThreadPoolExecutor(len(versions)) as pool:
         list(pool.map(by, versions))
     assert standing(tmp_path) in versions
+
+
+def test_logs_with_and_without_metadata_that_are_written_at_once_keep_their_own(tmp_path):
+    """Whether something stands beside a log is known only to who has the record."""
+
+    def log(number):
+        made = {name: np.full(3, float(number)) for name in ("position", "command")}
+        return cogging.Log(time=np.arange(3.0), **made, metadata={"seed": number} if number % 2 else {})
+
+    def by(number):
+        for _ in range(15):
+            log(number).write(tmp_path / "log.csv")
+
+    with concurrent.futures.ThreadPoolExecutor(6) as pool:
+        list(pool.map(by, range(1, 7)))
+    read = cogging.read_log(tmp_path / "log.csv")
+    number = int(read.command[0])
+    assert read.metadata.get("seed") == (number if number % 2 else None)
+    assert len(list(tmp_path.iterdir())) == 1 + number % 2
 
 
 def test_another_writer_is_waited_for_and_then_told(tmp_path, monkeypatch):

@@ -67,27 +67,33 @@ def take_places(changes: Sequence[Change]) -> None:
         OSError: one cannot be made; all is as it was.
     """
     folders = sorted({change.target.parent for change in changes})
-    if len(changes) == 1 and changes[0].part is not None:
-        os.replace(changes[0].part, changes[0].target)
-    elif changes:
-        with contextlib.ExitStack() as open_sets:
-            of_folder = [(at, [change for change in changes if change.target.parent == at]) for at in folders]
+    with contextlib.ExitStack() as open_sets:
+        sets: list[_FolderSet] = []
+        if len(changes) > 1:
             sets = [open_sets.enter_context(_FolderSet(folder)) for folder in folders]
-            try:
-                for one, (_, own) in zip(sets, of_folder, strict=True):
-                    one.prepare(own)
-                for one in sets:
-                    one.exchange()
-                for one in sets:
-                    one.settle()
-            except BaseException:
-                for one in sets:
-                    one.take_back()
-                raise
-            for one in sets:
-                one.clear_up()
+            changes = [change for change in changes if change.part is not None or os.path.lexists(change.target)]
+        if len(changes) == 1 and changes[0].part is not None:
+            os.replace(changes[0].part, changes[0].target)
+        elif changes:
+            _take_places(sets, changes)
     for folder in folders:
         sync_folder(folder)
+
+
+def _take_places(sets: Sequence[_FolderSet], changes: Sequence[Change]) -> None:
+    try:
+        for one in sets:
+            one.prepare(changes)
+        for one in sets:
+            one.exchange()
+        for one in sets:
+            one.settle()
+    except BaseException:
+        for one in sets:
+            one.take_back()
+        raise
+    for one in sets:
+        one.clear_up()
 
 
 def settle(folder: Path) -> None:
@@ -144,8 +150,10 @@ class _FolderSet:
                     (self._folder / RECORD).unlink(missing_ok=True)
 
     def prepare(self, changes: Iterable[Change]) -> None:
-        """Keep what stands there, and note what will be done, before it is."""
+        """Keep what stands there, and note what will be done, before it is; of the changes those of this folder."""
         for target, part in changes:
+            if target.parent != self._folder:
+                continue
             old = beside(target, OLD).name if os.path.lexists(target) else None
             after = None if part is None else os.lstat(part).st_ino
             self._entries.append(_Entry(target.name, None if part is None else part.name, old, after))

@@ -128,8 +128,7 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = T
             if pieces is not None:
                 parts[path] = file_sets.beside(targets[path], file_sets.PART)
                 _write_part(parts[path], targets[path], pieces, synced and file_sets.synced)
-        there = [path for path in files if path in parts or os.path.lexists(targets[path])]
-        file_sets.take_places([file_sets.Change(targets[path], parts.get(path)) for path in there])
+        file_sets.take_places([file_sets.Change(target, parts.get(path)) for path, target in targets.items()])
     except OSError as error:
         named = {os.fspath(place): path for places in (targets, parts) for path, place in places.items()}
         raise InputError(_unwritten(error, named, path)) from None

@@ -132,8 +132,8 @@ class Judge:
         with disk.folder() as folder:  # as a new one is written over an old one
             write(folder, OLD)
             write(folder, NEW)
-            if state(folder) != self.whole[NEW] or left(folder):
-                raise AssertionError("a new version over an old one, undisturbed, is not the new one")
+            if state(folder) != self.whole[NEW] or left(folder) or self.whole[NEW] == self.whole[OLD]:
+                raise AssertionError("a new version over an old one, undisturbed, is not the new one and another")
         self.size = sum(map(len, self.whole[OLD].values())) + sum(map(len, self.whole[NEW].values()))
 
     def standing(self, folder: Path, had_old: bool) -> str:

@@ -51,7 +51,8 @@ def _write_bare(folder: Path, version: str) -> None:
 
 @functools.cache
 def _model(version: str) -> Model:
-    return Model.from_dict({**MAPPED, "axis": {**MAPPED["axis"], "mass": 0.1 if version == "old" else 0.2}})
+    changed = {"axis": {**MAPPED["axis"], "mass": 0.1}, "cogging": {**MAPPED["cogging"], "sine": [[0.3], [0.2]]}}
+    return Model.from_dict(MAPPED if version == "old" else {**MAPPED, **changed})
 
 
 def _write_model(folder: Path, version: str) -> None:

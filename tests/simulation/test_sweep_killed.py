@@ -1,5 +1,6 @@
 """Sweeps that are killed, and two of them at one file; at length: `python -m tests.attack.killed`."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -46,12 +47,15 @@ def test_pieces_that_a_kill_left_of_a_done_sweep_are_not_another_sweeps(tmp_path
     same(found, cogging.sweep(SMALL, MOVE, MANY, **other))
 
 
+#: As a worker of a pool does, a fork of it lives on when it is killed.
 HOLD = """
-import sys
+import os, sys, time
 from pathlib import Path
 from cogging.file_locks import opened_alone
 with opened_alone(Path(sys.argv[1]), by_process=True):
-    print("held", flush=True)
+    if not (child := os.fork()):
+        time.sleep(60)
+    print(child, flush=True)
     sys.stdin.read()
 """
 
@@ -61,11 +65,15 @@ def test_a_sweep_that_another_process_makes_is_refused_and_goes_on_when_that_has
     stood = sorted(path.name for path in pieces.iterdir())
     streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     with subprocess.Popen([sys.executable, "-c", HOLD, pieces / "sweep.json"], **streams) as other:
-        assert other.stdout.readline() == "held\n"
+        child = int(other.stdout.readline())
         with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: another process is making this sweep"):
             cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW)
         assert sorted(path.name for path in pieces.iterdir()) == stood
         other.kill()
-    found = cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW)
+        other.wait()
+        try:
+            found = cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW)
+        finally:
+            os.kill(child, signal.SIGKILL)
     same(found, cogging.sweep(SMALL, MOVE, MANY, **FEW))
     assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]

@@ -354,7 +354,13 @@ def read_log(
 
 def _require_sidecar(path: str) -> None:
     """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
-    if os.path.lexists(path) and target_of(path).exists() and "version" not in read_toml(path):
+    try:
+        known = not os.path.lexists(path) or not target_of(path).exists() or "version" in read_toml(path)
+    except InputError:
+        if os.path.lexists(path):
+            raise
+        return  # gone meanwhile, with another writer's log
+    if not known:
         raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
 
 
