@@ -11,8 +11,6 @@ then. Options: NAME ... kinds, --writers N, --short: every fifth case.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import ctypes
 import errno
 import json
 import os
@@ -22,166 +20,20 @@ import subprocess
 import sys
 import tempfile
 import traceback
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 from cogging.files import InputError
-from cogging.outputs import write_files
+from tests.attack.judged import NEW, OLD, Judge, Tally, Write, in_child
+from tests.attack.mounted import Disk, mount
 from tests.attack.operations import at_operation
 from tests.attack.written import KINDS, VERSIONS, left, state
 
-Write = Callable[[Path, str], None]
-OLD, NEW = VERSIONS
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EROFS, errno.EACCES)
 NOBODY = 65534
 PAGE = 4096
-ENDED = 77  # status of a child whose n-th operation never came
+MOST_SIZES = 120  # of a file system that is too small
 MS_RDONLY, MS_REMOUNT = 1, 32
-
-
-class Disk:
-    """Folders to write into, and file systems of their own where the machine allows them."""
-
-    def __init__(self, place: Path) -> None:
-        self.place = place
-        self.mounts = can_mount()
-
-    @contextlib.contextmanager
-    def folder(self, options: str = "") -> Iterator[Path]:
-        """A new folder; with options of tmpfs it is a file system of its own."""
-        path = Path(tempfile.mkdtemp(dir=self.place))
-        if options:
-            mount("cogging", path, "tmpfs", 0, options)
-        try:
-            yield path
-        finally:
-            if options:
-                unmount(path)
-            shutil.rmtree(path)
-
-
-def mount(source: str, target: Path, kind: str, flags: int, options: str) -> None:
-    """Mount a file system.
-
-    Raises:
-        OSError: it may not be.
-    """
-    library = ctypes.CDLL(None, use_errno=True)
-    given = [source.encode(), os.fsencode(target), kind.encode(), flags, options.encode()]
-    if library.mount(given[0], given[1], given[2], ctypes.c_ulong(given[3]), given[4]):
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
-
-
-def unmount(target: Path) -> None:
-    """Take a file system away.
-
-    Raises:
-        OSError: it is in use.
-    """
-    if ctypes.CDLL(None, use_errno=True).umount(os.fsencode(target)):
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
-
-
-def can_mount() -> bool:
-    """Whether this process may mount a file system."""
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            mount("cogging", Path(folder), "tmpfs", 0, "size=64k")
-            unmount(Path(folder))
-        except (OSError, AttributeError):
-            return False
-    return True
-
-
-# One case ------------------------------------------------------------------------------------------------------------
-
-
-def in_child(work: Callable[[], object]) -> tuple[int, str]:
-    """Do something in a forked process; its status and what it told: nothing, one line, or a traceback."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if not child:
-        told = ""
-        try:
-            work()
-        except InputError as error:
-            told = f"InputError {error}"
-        except BaseException:
-            told = traceback.format_exc()
-        with contextlib.suppress(BaseException):
-            os.write(writing, told.encode()[-60_000:])
-        os._exit(2 if told else 0)
-    os.close(writing)
-    with os.fdopen(reading, "rb") as pipe:
-        told = pipe.read().decode()
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    return status, told
-
-
-class Judge:
-    """Says what came of writing a kind over its old version, or where there was none."""
-
-    def __init__(self, write: Write, disk: Disk) -> None:
-        self.write = write
-        self.whole = {}
-        for version in VERSIONS:
-            with disk.folder() as folder:
-                write(folder, version)
-                self.whole[version] = state(folder)
-        with disk.folder() as folder:  # as a new one is written over an old one
-            write(folder, OLD)
-            write(folder, NEW)
-            if state(folder) != self.whole[NEW] or left(folder) or self.whole[NEW] == self.whole[OLD]:
-                raise AssertionError("a new version over an old one, undisturbed, is not the new one and another")
-        self.size = sum(map(len, self.whole[OLD].values())) + sum(map(len, self.whole[NEW].values()))
-
-    def standing(self, folder: Path, had_old: bool) -> str:
-        """ "old", "new" or "half"; where there was none before, nothing is the old version."""
-        found = state(folder)
-        if found == self.whole[NEW]:
-            return "new"
-        return "old" if found == (self.whole[OLD] if had_old else {}) else "half"
-
-    def told(self, status: int, told: str, folder: Path, standing: str) -> str:
-        """What is wrong with the answer of a writer that was not killed; "" if nothing is."""
-        if not told:
-            return "" if standing == "new" else f"done, and {standing}"
-        if not told.startswith("InputError "):
-            return f"traceback: {told.splitlines()[-1]}"
-        if "\n" in told:
-            return f"not one line: {told[:300]!r}"
-        return "" if str(folder) in told and standing == "old" else f"{standing}, and told {told[:300]!r}"
-
-    def next_writer(self, folder: Path) -> None:
-        """Somebody writes two files of his own where this kind is written."""
-        for place in sorted({path.parent for path in folder.rglob("*") if path.is_file()} | {folder}):
-            if not place.name.endswith(".pieces"):
-                own = [place / "own", place / "own too"]
-                write_files({str(path): [b"mine"] for path in own})
-                for path in own:
-                    path.unlink()
-
-
-class Tally:
-    """What came of a condition."""
-
-    def __init__(self) -> None:
-        self.counts: Counter[str] = Counter()
-        self.faults: list[str] = []
-
-    def add(self, standing: str, fault: str = "") -> None:
-        self.counts[standing] += 1
-        if standing == "half" or fault:
-            self.faults.append(fault or "half")
-
-    def text(self) -> str:
-        told = ", ".join(f"{self.counts[name]} {name}" for name in ("old", "new", "half"))
-        further = "".join(f", {n} {name}" for name, n in sorted(self.counts.items()) if name not in (*VERSIONS, "half"))
-        return f"{sum(self.counts[name] for name in (*VERSIONS, 'half'))} cases: {told}{further}"
-
-
-# Conditions ----------------------------------------------------------------------------------------------------------
 
 
 def begun(write: Write, folder: Path, had_old: bool) -> None:
@@ -193,7 +45,7 @@ def full_disk(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
     """A file system so small that it is full at every stage: in bytes, then in files."""
     for option, most in (("size", 3 * judge.size // PAGE + 40), ("nr_inodes", 24)):
         for had_old in (True, False):
-            for number in range(2, most, step):
+            for number in range(2, most, max(step, most // MOST_SIZES)):
                 limit = f"size={number * PAGE}" if option == "size" else f"nr_inodes={number}"
                 room = "size=64m,nr_inodes=1000"
                 with disk.folder(room) as folder:
@@ -299,6 +151,36 @@ def sticky(folder: Path) -> None:
         path.chmod(0o1777 if path.is_dir() else 0o666)
 
 
+def in_the_way(judge: Judge, disk: Disk, tally: Tally, step: int) -> None:
+    """Links to files, also to none yet, which stay links, and modes, which stay; folders and endless links, refused."""
+    for had_old in (True, False):
+        with disk.folder() as folder, disk.folder() as elsewhere:
+            begun(judge.write, folder, True)
+            linked = [path for path in folder.rglob("*") if os.path.relpath(path, folder) in judge.whole[NEW]]
+            for number, path in enumerate(linked):
+                path.chmod(0o640)
+                shutil.move(path, elsewhere / f"{number}")
+                path.symlink_to(elsewhere / f"{number}")
+                if not had_old:
+                    (elsewhere / f"{number}").unlink()
+            status, told = in_child(lambda folder=folder: judge.write(folder, NEW))
+            standing = judge.standing(folder, had_old)
+            kept = all(path.is_symlink() for path in linked)
+            modes = not had_old or {path.stat().st_mode & 0o777 for path in linked} == {0o640}
+            fault = "" if kept and modes else f"links {kept}, modes {modes}"
+            tally.add(standing, judge.told(status, told, folder, standing) or fault or over(folder))
+    for name in judge.whole[NEW]:
+        for put in (Path.mkdir, lambda path: path.symlink_to(path)):
+            with disk.folder() as folder:
+                begun(judge.write, folder, True)
+                (folder / name).unlink()
+                put(folder / name)
+                before = state(folder)
+                status, told = in_child(lambda folder=folder: judge.write(folder, NEW))
+                standing = "old" if state(folder) == before else "half"
+                tally.add(standing, judge.told(status, told, folder, standing) or over(folder))
+
+
 def as_somebody(work: Callable[[], object]) -> None:
     """Without an administrator's rights."""
     if os.geteuid() == 0:
@@ -347,9 +229,6 @@ def _written_by_turns(judge: Judge, folder: Path, number: int, *, kills: bool) -
     return status
 
 
-# All -----------------------------------------------------------------------------------------------------------------
-
-
 def attacked(names: list[str], disk: Disk, many: int, step: int) -> dict[str, dict[str, Tally]]:
     """Every condition for every kind."""
     found: dict[str, dict[str, Tally]] = {}
@@ -359,6 +238,7 @@ def attacked(names: list[str], disk: Disk, many: int, step: int) -> dict[str, di
             "an error at any operation": lambda tally, judge=judge: failing(judge, disk, tally, step),
             "killed at any operation": lambda tally, judge=judge: killed(judge, disk, tally, step),
             "read-only": lambda tally, judge=judge: read_only(judge, disk, tally, step),
+            "links and folders in the way": lambda tally, judge=judge: in_the_way(judge, disk, tally, step),
             f"{many} writers": lambda tally, judge=judge: writers(judge, disk, tally, many),
             f"{many} writers, some killed": lambda tally, judge=judge: writers(judge, disk, tally, many, kills=True),
         }

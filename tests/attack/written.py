@@ -88,8 +88,7 @@ def _give(folder: Path, version: str) -> None:
 @functools.cache
 def _exported(version: str, form: str) -> dict[str, bytes]:
     made = forms.to(_model(version), form)
-    beside = dict(made.beside) or {".txt": version.encode()}
-    return {"": made.content, **beside}
+    return {"": made.content, **made.beside}
 
 
 def _export(form: str, folder: Path, version: str) -> None:
@@ -125,6 +124,7 @@ KINDS: dict[str, Callable[[Path, str], None]] = {
     "result, report, model": _give,
     "drive table": functools.partial(_export, "csv"),
     "C++ header": functools.partial(_export, "cpp"),
+    "FMU": functools.partial(_export, "fmi"),
     "reproduce": _reproduce,
     "sweep.csv": functools.partial(_sweep, ".csv"),
     "sweep.parquet": functools.partial(_sweep, ".parquet"),
