@@ -51,7 +51,8 @@ def _write_bare(folder: Path, version: str) -> None:
 
 @functools.cache
 def _model(version: str) -> Model:
-    changed = {"axis": {**MAPPED["axis"], "mass": 0.1}, "cogging": {**MAPPED["cogging"], "sine": [[0.3], [0.2]]}}
+    changed = {"axis": {"mass": 0.1}, "cogging": {"sine": [[0.3], [0.2]]}, "controller": {"kp": 2100.0}}
+    changed = {section: {**MAPPED[section], **fields} for section, fields in changed.items()}
     return Model.from_dict(MAPPED if version == "old" else {**MAPPED, **changed})
 
 
