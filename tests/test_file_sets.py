@@ -143,7 +143,10 @@ def test_what_somebody_has_put_there_since_stays(tmp_path, monkeypatch):
     assert (tmp_path / file_sets.RECORD).exists()
     (tmp_path / "by hand").write_bytes(b"mine")
     (tmp_path / "by hand").replace(tmp_path / "a")
-    file_sets.settle(tmp_path)
+    begun = standing(tmp_path)
+    file_sets.settle([tmp_path / "another"])
+    assert standing(tmp_path) == begun, "of no concern to who reads another file"
+    file_sets.settle([tmp_path / "b"])
     assert standing(tmp_path) == {**OLD, "a": b"mine"}
 
 
@@ -165,8 +168,9 @@ def test_a_record_that_a_stranger_has_planted_moves_nothing(told, tmp_path):
         victim.write_bytes(b"mine")
     told["after"] = os.stat(tmp_path / "victim").st_ino
     (folder / file_sets.RECORD).write_bytes(b"-" + json.dumps([told]).encode())
-    file_sets.settle(folder)
-    assert standing(folder) == {**OLD, "victim": b"mine"}
+    file_sets.settle([folder / "victim", folder / "a"])
+    outputs.write_files({str(folder / "x"): [b""], str(folder / "y"): [b""]})
+    assert standing(folder) == {**OLD, "victim": b"mine", "x": b"", "y": b""}
     assert (tmp_path / "victim").read_bytes() == b"mine"
 
 
@@ -185,7 +189,7 @@ def test_a_record_of_another_in_a_shared_folder_is_not_heeded(tmp_path):
     tmp_path.chmod(0o1777)
     before = standing(tmp_path)
     with opened_alone(record):
-        file_sets.settle(tmp_path)
+        file_sets.settle([tmp_path / "a"])
         assert standing(tmp_path) == before
         write(tmp_path)
     planted = {name: before[name] for name in (record.name, told["old"])}
@@ -193,8 +197,29 @@ def test_a_record_of_another_in_a_shared_folder_is_not_heeded(tmp_path):
     tmp_path.chmod(0o777)  # where anybody may rename anything, it is as good as any
     told["after"] = os.stat(tmp_path / "a").st_ino
     record.write_bytes(b"-" + json.dumps([told]).encode())
-    file_sets.settle(tmp_path)
+    file_sets.settle([tmp_path / "a"])
     assert standing(tmp_path) == {**NEW, "a": b"a stranger's"}
+
+
+def test_a_log_that_cannot_be_restored_is_one_line(tmp_path, monkeypatch):
+    """A folder that may only be read, with what a killed writer has begun: not read as if it were whole."""
+    log = cogging.Log(time=np.arange(3.0), position=np.zeros(3), command=np.ones(3), metadata={"seed": 1})
+    log.write(tmp_path / "log.csv")
+    told = {"name": "log.csv.toml", "part": ".cogging-0123456789abcdef.part", "old": None, "after": 0}
+
+    def refused(path, **_):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), f"{path}")
+
+    for first, whole in ((b"-", False), (b"+", True)):
+        (tmp_path / file_sets.RECORD).write_bytes(first + json.dumps([told]).encode())
+        with monkeypatch.context() as patch:
+            patch.setattr(file_sets, "opened_alone", refused)
+            if whole:
+                assert cogging.read_log(tmp_path / "log.csv").metadata["seed"] == 1
+            else:
+                with pytest.raises(InputError, match=r"log\.csv: must be whole: its writer was killed .* denied$"):
+                    cogging.read_log(tmp_path / "log.csv")
+    assert cogging.read_log(tmp_path / "log.csv").metadata["seed"] == 1
 
 
 def planted_pipe(record):

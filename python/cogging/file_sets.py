@@ -96,20 +96,31 @@ def _take_places(sets: Sequence[_FolderSet], changes: Sequence[Change]) -> None:
         one.clear_up()
 
 
-def settle(folder: Path) -> None:
-    """Take back what a writer who was killed has begun in a folder; one who is still at it is waited for.
+def settle(targets: Sequence[Path]) -> None:
+    """Take back what a writer who was killed has begun with any of some files; one who is still at it is waited for.
+
+    Args:
+        targets: places in one folder, behind links.
 
     Raises:
         OSError: it cannot be taken back, as where this user may not write.
     """
+    folder = targets[0].parent
     try:
-        begun = os.lstat(folder / RECORD).st_size > 0
-    except OSError:
+        if sys.platform == "win32" or not stat.S_ISREG(os.lstat(folder / RECORD).st_mode) or not _is_trusted(folder):
+            return
+        content = _content(folder / RECORD)
+    except OSError:  # none, or none that this user is told of
         return
-    if begun and sys.platform != "win32" and _is_trusted(folder):
+    if content[:1] == PENDING and {entry.name for entry in _entries(content)} & {path.name for path in targets}:
         opened_alone(folder / RECORD, wait=LONGEST_WAIT).close()  # or tells why it cannot
         with _FolderSet(folder):
             pass
+
+
+def _content(record: Path) -> bytes:
+    with open(record, "rb") as file:
+        return file.read(LARGEST_RECORD)
 
 
 def sync_folder(folder: Path) -> None:
@@ -208,6 +219,7 @@ def _keep(target: Path, old: Path) -> None:
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS):
             raise
+        os.close(os.open(old, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600))  # nobody else's to read meanwhile
         shutil.copy2(target, old)
 
 

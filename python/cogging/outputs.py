@@ -139,13 +139,14 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = T
 
 
 def settle(path: AnyPath) -> None:
-    """Let a file that is read be of one set with what stands beside it, where a writer of both was killed.
+    """Let a log that is read be of one set with its sidecar, where a writer of both was killed.
 
     Raises:
         InputError: what that writer has begun cannot be taken back.
     """
     try:
-        file_sets.settle(Path(os.path.realpath(path)).parent)
+        target = Path(os.path.realpath(path))
+        file_sets.settle([target, Path(sidecar(target))])
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
         raise InputError(f"{path}: must be whole: its writer was killed and it cannot be restored: {what}") from None

@@ -21,6 +21,7 @@ from cogging.files import InputError
 from cogging.outputs import target_of, write_bytes
 
 Table = dict[str, Any]
+LARGEST_TOLD = 4096  # bytes of `sweep.json`, which has 80
 
 
 class Pieces:
@@ -69,7 +70,7 @@ class Pieces:
 
     def _begin(self, digest: str) -> None:
         """Hold the sweep against that of the folder; a new one begins with none of what stands there."""
-        text = self._lock.read()
+        text = self._lock.read(LARGEST_TOLD)
         try:
             if text:
                 if json.loads(text).get("digest") != digest:
