@@ -4,6 +4,7 @@ import concurrent.futures
 import errno
 import json
 import os
+import stat
 import subprocess
 import sys
 import threading
@@ -295,7 +296,7 @@ def test_data_reach_the_disk_before_their_names_and_names_before_the_end(tmp_pat
         plain = getattr(os, name)
 
         def call(*given, name=name, plain=plain):
-            folder = name == "fsync" and os.path.isdir(f"/dev/fd/{given[0]}")
+            folder = name == "fsync" and stat.S_ISDIR(os.fstat(given[0]).st_mode)
             calls.append("folder" if folder else name)
             return plain(*given)
 

@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,8 @@ class Disk:
         finally:
             if options:
                 unmount(path)
+            for place, _, _ in os.walk(path):
+                os.chmod(place, 0o700)  # from above, where a case has taken the right to change it
             shutil.rmtree(path)
 
 
@@ -56,6 +59,8 @@ def unmount(target: Path) -> None:
 
 def can_mount() -> bool:
     """Whether this process may mount a file system."""
+    if sys.platform != "linux":
+        return False
     with tempfile.TemporaryDirectory() as folder:
         try:
             mount("cogging", Path(folder), "tmpfs", 0, "size=64k")

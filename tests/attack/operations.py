@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from collections.abc import Callable
@@ -23,7 +24,8 @@ def operation_of(event: str, arguments: tuple[Any, ...]) -> tuple[str, str] | No
         return None
     path = os.fsdecode(arguments[0])
     if event in ("os.remove", "os.rmdir") and arguments[1] not in (-1, None):
-        path = os.path.join(os.readlink(f"/proc/self/fd/{arguments[1]}"), path)
+        with contextlib.suppress(OSError):
+            path = os.path.join(os.readlink(f"/proc/self/fd/{arguments[1]}"), path)
     return event, path
 
 
