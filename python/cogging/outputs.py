@@ -8,16 +8,16 @@ import itertools
 import json
 import math
 import os
-import secrets
 import stat
 import sys
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
 import tomli_w
 
+from cogging import file_sets
 from cogging.files import InputError, require_file
 from cogging.shown import printable
 
@@ -62,6 +62,28 @@ def check_folder(path: AnyPath) -> None:
         raise InputError(f"{path}: cannot be made: Permission denied")
 
 
+@contextlib.contextmanager
+def made_folder(path: AnyPath) -> Iterator[None]:
+    """Make a folder for what is written within, with those on the way there; where that fails they go again.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    folder = Path(path)
+    made = list(itertools.takewhile(lambda place: not os.path.lexists(place), (folder, *folder.parents)))
+    try:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be made: {error.strerror}") from None
+        yield
+    except BaseException:
+        with contextlib.suppress(OSError):  # one that was not made, or in which something stands
+            for place in made:
+                place.rmdir()
+        raise
+
+
 def sidecar(log: AnyPath) -> str:
     """The file beside a log in which stands what a table of numbers cannot hold."""
     return f"{os.fspath(log)}.toml"
@@ -77,21 +99,25 @@ def write_text(path: AnyPath, text: str) -> None:
     write_bytes(path, text.encode())
 
 
-def write_bytes(path: AnyPath, content: bytes) -> None:
-    """Write a binary file beside its place and rename it (see write_text)."""
-    write_files({os.fspath(path): [content]})
+def write_bytes(path: AnyPath, content: bytes, *, synced: bool = True) -> None:
+    """Write a binary file beside its place and rename it (see write_files)."""
+    write_files({os.fspath(path): [content]}, synced=synced)
 
 
-def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
-    """Write files that belong together, each given in pieces: none takes its place before all are whole.
+def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = True) -> None:
+    """Write files that belong together, each given in pieces: all take their places, or none does (see file_sets).
 
     What stands there is replaced: behind a link its target, with the mode that it had. A new file has the mode that
     the user's mask leaves.
 
+    Args:
+        files: pieces by path; None where no file is to stand.
+        synced: data reach the disk before their names do, so that a power failure too leaves the old or the new.
+
     Raises:
         InputError: one cannot be written, or two are one file; nothing is left behind.
     """
-    targets = {path: target_of(path) for path in files}
+    targets = {path: target_of(path) if pieces is not None else _own_place(path) for path, pieces in files.items()}
     for path, other in itertools.combinations(targets, 2):
         if same_file(targets[path], targets[other]):
             raise InputError(f"{path}, {other}: must be different files, got one twice")
@@ -99,17 +125,59 @@ def write_files(files: Mapping[str, Iterable[bytes]]) -> None:
     path = ""
     try:
         for path, pieces in files.items():
-            parts[path] = targets[path].with_name(f".{secrets.token_hex(8)}.part")
-            with _new_file(parts[path], targets[path]) as file:
-                for piece in pieces:
-                    file.write(piece)
-        for path in files:
-            parts[path].replace(targets[path])
+            if pieces is not None:
+                parts[path] = file_sets.beside(targets[path], file_sets.PART)
+                _write_part(parts[path], targets[path], pieces, synced and file_sets.synced)
+        file_sets.take_places([file_sets.Change(target, parts.get(path)) for path, target in targets.items()])
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        named = {os.fspath(place): path for places in (targets, parts) for path, place in places.items()}
+        raise InputError(_unwritten(error, named, path)) from None
     finally:
         for part in parts.values():
-            part.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # what has failed is told already
+                part.unlink(missing_ok=True)
+
+
+def settle(path: AnyPath) -> None:
+    """Let a log that is read be of one set with its sidecar, where a writer of both was killed.
+
+    Raises:
+        InputError: what that writer has begun cannot be taken back.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        file_sets.settle([target, Path(sidecar(target))])
+    except OSError as error:
+        what = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+        raise InputError(f"{path}: must be whole: its writer was killed and it cannot be restored: {what}") from None
+    except ValueError:  # a zero byte in the name, which whoever opens it tells
+        return
+
+
+def _write_part(part: Path, target: Path, pieces: Iterable[bytes], synced: bool) -> None:
+    with _new_file(part, target) as file:
+        for piece in pieces:
+            file.write(piece)
+        if synced:
+            file.flush()
+            os.fsync(file.fileno())
+
+
+def _unwritten(error: OSError, named: Mapping[str, str], path: str) -> str:
+    """What to tell of an error: the output of the call that it concerns, and the file where that is another."""
+    why = error.strerror or str(error)
+    for place in (error.filename2, error.filename):
+        if isinstance(place, str | os.PathLike):
+            if os.fspath(place) in named:
+                return f"{named[os.fspath(place)]}: cannot be written: {why}"
+            why = f"{os.fspath(place)}: {why}"
+    return f"{path}: cannot be written: {why}"
+
+
+def _own_place(path: AnyPath) -> Path:
+    """Where a name itself stands, be it a link."""
+    given = Path(path)
+    return Path(os.path.realpath(given.parent), given.name)
 
 
 def _new_file(part: Path, target: Path) -> IO[bytes]:
@@ -145,6 +213,8 @@ def target_of(path: AnyPath) -> Path:
             raise InputError(f"{called}: cannot be written: {os.strerror(code)}")
         if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
             raise InputError(f"{called}: cannot be written: {os.strerror(errno.EACCES)}")
+        if target.exists() and not _may_replace(target):
+            raise InputError(f"{called}: cannot be written: {os.strerror(errno.EPERM)}")
     except OSError as error:
         raise InputError(f"{called}: cannot be written: {error.strerror}") from None
     except InputError:
@@ -152,6 +222,13 @@ def target_of(path: AnyPath) -> Path:
     except ValueError as error:  # a zero byte in the name
         raise InputError(f"{called!r}: cannot be written: {error}") from None
     return target
+
+
+def _may_replace(target: Path) -> bool:
+    """Whether the folder of a file lets this user rename another over it: where it is shared as /tmp is, its owner."""
+    folder = target.parent.stat()
+    owners = {0, folder.st_uid, target.stat().st_uid}
+    return not folder.st_mode & stat.S_ISVTX or not hasattr(os, "geteuid") or os.geteuid() in owners
 
 
 def same_file(one: AnyPath, other: AnyPath) -> bool:

@@ -216,11 +216,11 @@ def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypat
     out, left = tmp_path / "runs.csv", [5]
     plain = sweep_pieces.write_bytes
 
-    def fills(path, content):
+    def fills(path, content, **options):
         left[0] -= 1
         if left[0] < 0:
             raise cogging.InputError(f"{path}: cannot be written: No space left on device")
-        plain(path, content)
+        plain(path, content, **options)
 
     monkeypatch.setattr(sweep_pieces, "write_bytes", fills)
     text = r"No space left on device; finished runs stand in .*runs\.csv\.pieces, the same call goes on from there$"

@@ -22,7 +22,7 @@ from cogging.calls import PATHS, takes, told_constructor
 from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
-from cogging.outputs import sidecar, target_of, to_toml, write_files
+from cogging.outputs import settle, sidecar, target_of, to_toml, write_files
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
@@ -210,16 +210,16 @@ class Log(ByValue):
             pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
         except ImportError as error:
             raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[parquet]'") from None
-        files: dict[str, Iterable[bytes]] = {os.fspath(path): pieces}
+        files: dict[str, Iterable[bytes] | None] = {os.fspath(path): pieces}
         beside = sidecar(path)
         _require_sidecar(beside)
         metadata = {key: value for key, value in self.metadata.items() if key != READ_WITH}  # of the other file
         if metadata:
             document = {"version": importlib.metadata.version("cogging"), **metadata}
             files[beside] = [to_toml(_plain(document)).encode()]
+        else:
+            files[beside] = None  # what stands there is of another log
         write_files(files)
-        if not metadata:
-            Path(beside).unlink(missing_ok=True)  # of another log that stood here
 
     def _csv(self) -> Iterator[bytes]:
         columns = self.columns()
@@ -334,6 +334,7 @@ def read_log(
         [True, True]
     """
     notes: list[str] = []
+    settle(path)
     table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows, notes=notes)
     time = table["time"]
     if time.size < 2:
@@ -353,7 +354,13 @@ def read_log(
 
 def _require_sidecar(path: str) -> None:
     """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
-    if os.path.lexists(path) and target_of(path).exists() and "version" not in read_toml(path):
+    try:
+        known = not os.path.lexists(path) or not target_of(path).exists() or "version" in read_toml(path)
+    except InputError:
+        if os.path.lexists(path):
+            raise
+        return  # gone meanwhile, with another writer's log
+    if not known:
         raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
 
 

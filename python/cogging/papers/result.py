@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.files import InputError
-from cogging.outputs import to_json, write_files
+from cogging.outputs import made_folder, to_json, write_files
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -248,19 +247,19 @@ class Reproduction(ByValue):
         return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write `<paper>.json` and one PNG a figure into a folder, which is made if need be; says which."""
+        """Write `<paper>.json` and one PNG a figure into a folder, which is made if need be; says which.
+
+        They take their places as one: the folder holds the old ones or the new ones, and other files stay.
+
+        Raises:
+            InputError: one cannot be written; all is as it was.
+        """
         out = Path(folder)
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{out}: cannot be made: {error.strerror}") from None
-        written = [out / f"{self.paper}.json"]
-        content = [to_json(self.to_dict(), indent=2).encode()]
-        for name, figure in self.figures.items():
-            written.append(out / f"{name}.png")
-            content.append(png(figure))
-        write_files({os.fspath(path): [piece] for path, piece in zip(written, content, strict=True)})
-        return written
+        content = {out / f"{self.paper}.json": to_json(self.to_dict(), indent=2).encode()}
+        content |= {out / f"{name}.png": png(figure) for name, figure in self.figures.items()}
+        with made_folder(out):
+            write_files({os.fspath(path): [piece] for path, piece in content.items()})
+        return list(content)
 
 
 def png(figure: Figure) -> bytes:

@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -226,25 +227,25 @@ def sweep(
 
 def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None, progress: Progress) -> SweepRuns:
     """Run all points piece by piece, and write what they gave where it is asked for."""
-    kept = None if out is None else Pieces(out, _asked(common, points))
-    try:
-        table = _table(common, points, kept, executor, progress)
-    except BaseException:
-        if kept is not None:
-            kept.remove_empty()
-        raise
-    found = SweepRuns(table, common.paths, units_of(common.setup, common.paths, table))
-    if _none_began(found):
-        if kept is not None:
-            kept.remove()
-        raise ValueError(f"no run could begin: {found.table['reason'][0]}")
-    if kept is not None:
+    with nullcontext() if out is None else Pieces(out, _asked(common, points)) as kept:
         try:
-            found.write(out)
-        except InputError as error:
-            raise InputError(f"{error}; {kept.stands}") from None
-        kept.remove()
-    return found
+            table = _table(common, points, kept, executor, progress)
+        except BaseException:
+            if kept is not None:
+                kept.remove_empty()
+            raise
+        found = SweepRuns(table, common.paths, units_of(common.setup, common.paths, table))
+        if _none_began(found):
+            if kept is not None:
+                kept.remove()
+            raise ValueError(f"no run could begin: {found.table['reason'][0]}")
+        if kept is not None:
+            try:
+                found.write(out)
+            except InputError as error:
+                raise InputError(f"{error}; {kept.stands}") from None
+            kept.remove()
+        return found
 
 
 def _points(setup: Setup, vary: Any, method: str, runs: int, seed: int) -> tuple[tuple[str, ...], FloatArray]:

@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
 import os
 import shutil
+import sys
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
+from cogging.file_locks import opened_alone, rewrite
 from cogging.files import InputError
-from cogging.outputs import target_of, write_bytes, write_text
+from cogging.outputs import target_of, write_bytes
 
 Table = dict[str, Any]
+LARGEST_TOLD = 4096  # bytes of `sweep.json`, which has 80
 
 
 class Pieces:
     """Keeps the tables of a sweep's pieces, so that a sweep that was ended goes on where it was.
+
+    One process at a time has them: it holds a lock on `sweep.json`, which goes with the process. That file is the first
+    in the folder and the first to go: without it, what else stands there is of a sweep that is done.
 
     Attributes:
         folder: where they stand; it goes when the sweep is done.
@@ -35,25 +42,60 @@ class Pieces:
             asked: all that decides what the runs give, as JSON can hold it.
 
         Raises:
-            InputError: another sweep's pieces stand there, or none can be written.
+            InputError: another sweep's pieces stand there, another process is at it, or none can be written.
         """
         target = target_of(out)
         self.folder = target.with_name(f"{target.name}.pieces")
         self._called = f"{os.fspath(out)}.pieces"
-        digest = digest_of(asked)
-        told = self.folder / "sweep.json"
+        self._told = self.folder / "sweep.json"
         try:
+            self._lock = self._opened()
+        except BlockingIOError:
+            raise InputError(
+                f"{self._called}: another process is making this sweep, or another to the same file"
+            ) from None
+        except OSError as error:
+            raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
+        try:
+            self._begin(digest_of(asked))
+        except BaseException:
+            self._lock.close()
+            raise
+
+    def _opened(self) -> IO[bytes]:
+        while True:
             self.folder.mkdir(exist_ok=True)
-            if told.exists():
-                if json.loads(told.read_text()).get("digest") != digest:
+            with contextlib.suppress(FileNotFoundError):  # the folder has gone meanwhile, with a sweep that was done
+                return opened_alone(self._told, by_process=True)
+
+    def _begin(self, digest: str) -> None:
+        """Hold the sweep against that of the folder; a new one begins with none of what stands there."""
+        text = self._lock.read(LARGEST_TOLD)
+        try:
+            if text:
+                if json.loads(text).get("digest") != digest:
                     raise InputError(
                         f"{self._called}: holds pieces of another sweep, or of another version: "
                         "remove it, or write to another file"
                     )
                 return
-        except (OSError, json.JSONDecodeError, AttributeError) as error:
+            for path in self._finished():
+                path.unlink()
+            rewrite(self._lock, json.dumps({"digest": digest}).encode() + b"\n")
+            os.fsync(self._lock.fileno())
+        except (ValueError, AttributeError) as error:
+            if isinstance(error, InputError):
+                raise
             raise InputError(f"{self._called}: cannot be used: {error}") from None
-        write_text(told, json.dumps({"digest": digest}) + "\n")
+        except OSError as error:
+            self.remove()
+            raise InputError(f"{self._called}: cannot be written: {error.strerror}") from None
+
+    def __enter__(self) -> Pieces:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.close()
 
     def keep(self, table: Table) -> None:
         """Write a piece.
@@ -64,14 +106,14 @@ class Pieces:
         file = io.BytesIO()
         np.savez(file, **{name: _saved(values) for name, values in table.items()})  # type: ignore[arg-type]
         try:
-            write_bytes(self.folder / f"{table['run'][0]:09d}.npz", file.getvalue())
+            write_bytes(self.folder / f"{table['run'][0]:09d}.npz", file.getvalue(), synced=False)  # see _read
         except InputError as error:
             raise InputError("; ".join(filter(None, (str(error), self.stands)))) from None
 
     def tables(self, runs: int) -> list[Table]:
         """The pieces that were finished, of a sweep of so many runs; no two hold the same run."""
         done, tables = np.zeros(runs, dtype=bool), []
-        for path in sorted(self.folder.glob("[0-9]*.npz")):
+        for path in self._finished():
             table = _read(path)
             places = np.arange(0) if table is None else table["run"]
             if table is not None and places[-1] < runs and not done[places].any():
@@ -81,19 +123,26 @@ class Pieces:
 
     def remove(self) -> None:
         """Take the folder away."""
+        if sys.platform == "win32":  # which removes no file that is open
+            self._lock.close()
+        with contextlib.suppress(OSError):
+            self._told.unlink(missing_ok=True)
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def remove_empty(self) -> None:
         """Take the folder away where it has no piece."""
-        if not any(self.folder.glob("[0-9]*.npz")):
+        if not self._finished():
             self.remove()
 
     @property
     def stands(self) -> str:
         """What to tell of the finished runs where a sweep has ended before its time; nothing where none is."""
-        if not any(self.folder.glob("[0-9]*.npz")):
+        if not self._finished():
             return ""
         return f"finished runs stand in {self._called}, the same call goes on from there"
+
+    def _finished(self) -> list[Path]:
+        return sorted(self.folder.glob("[0-9]*.npz"))
 
 
 def digest_of(asked: Mapping[str, Any]) -> str:
