@@ -45,7 +45,7 @@ class Pieces:
         try:
             self.folder.mkdir(exist_ok=True)
             if told.exists():
-                if json.loads(told.read_text()).get("digest") != digest:
+                if json.loads(told.read_text(encoding="utf-8")).get("digest") != digest:
                     raise InputError(
                         f"{self._called}: holds pieces of another sweep, or of another version: "
                         "remove it, or write to another file"
