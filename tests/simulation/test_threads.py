@@ -48,7 +48,7 @@ def columns(log):
 
 @pytest.mark.parametrize("shared", [True, False])
 def test_runs_on_threads_are_the_runs_of_one(shared):
-    """The columns of each run, with a seed of its own, whether plant, controller and reference are one object or four."""
+    """Each with a seed of its own, whether plant, controller and reference are one object or four."""
     given = [(plant(), pid(), sine()) for _ in range(THREADS)]
     alone = [columns(cogging.closed_loop(*given[0], duration=0.5, seed=i)) for i in range(THREADS)]
     assert not np.array_equal(alone[0], alone[1])  # the seeds tell them apart
