@@ -65,9 +65,8 @@ def run(*command: str | Path, **options: object) -> float:
     begin = time.monotonic()
     path = os.pathsep.join([str(Path(command[0]).parent), os.environ["PATH"]])
     environment = {**os.environ, "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PATH": path}
-    done = subprocess.run(
-        [str(word) for word in command], capture_output=True, text=True, env=environment, check=False, **options
-    )
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, encoding="utf-8", env=environment, check=False, **options)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, command))}\n{(done.stdout + done.stderr)[-4000:]}")
     return time.monotonic() - begin
@@ -86,7 +85,9 @@ def build_sources(tools: Path, out: Path) -> Path:
     """The source archive, which is looked through."""
     run(tools, "-m", "build", "--sdist", "--outdir", out, ROOT)
     (archive,) = out.glob("cogging-*.tar.gz")
-    names = subprocess.run(["tar", "tzf", archive], capture_output=True, text=True, check=True).stdout.splitlines()
+    names = subprocess.run(
+        ["tar", "tzf", archive], capture_output=True, encoding="utf-8", check=True
+    ).stdout.splitlines()
     inside = {name.partition("/")[2] for name in names}
     if lacking := [name for name in NEEDED_OF_SOURCES if name not in inside]:
         sys.exit(f"{archive.name}: lacks {', '.join(lacking)}")
