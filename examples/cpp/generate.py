@@ -114,7 +114,7 @@ def main():
     parser.add_argument("--out", type=Path, required=True, metavar="HEADER.hpp")
     options = parser.parse_args()
     try:
-        options.out.write_text(header(cogging.Model.read(options.model), options.model.name))
+        options.out.write_text(header(cogging.Model.read(options.model), options.model.name), encoding="utf-8")
     except (cogging.InputError, OSError) as error:
         print(f"generate.py: {error}", file=sys.stderr)
         return 2

@@ -34,7 +34,7 @@ def write(path, motion, seed):
     log = cogging.simulate(MACHINE, {**motion, **REST}, seed=seed)
     columns = zip(1e3 * log.time, 1e3 * log.position, 1e3 * log.reference, log.command, strict=True)
     rows = [f"{t:.0f},{x:.4f},{r:.5f},{f:.4f}\n" for t, x, r, f in columns]
-    path.write_text("t [ms],x [mm],x_ref [mm],F [N]\n" + "".join(rows))
+    path.write_text("t [ms],x [mm],x_ref [mm],F [N]\n" + "".join(rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

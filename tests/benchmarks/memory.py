@@ -1,6 +1,5 @@
 """The most memory that a process has held."""
 
-import resource
 import sys
 from pathlib import Path
 
@@ -11,4 +10,6 @@ def peak_megabytes():
     if status.exists():
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
         return int(line.split()[1]) / 1024.0
+    import resource  # not on Windows
+
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1024.0**2 if sys.platform == "darwin" else 1024.0)

@@ -207,7 +207,7 @@ def test_a_file_called_minus_is_written_by_its_path(tmp_path, monkeypatch, capsy
     assert json.loads((tmp_path / "-").read_text())[0]["log"] == "log.csv"
 
 
-@pytest.mark.skipif(shutil.which("bash") is None, reason="a shell of POSIX")
+@pytest.mark.skipif(os.name == "nt" or shutil.which("bash") is None, reason="a shell of POSIX")
 def test_a_pipe_reads_json(tmp_path):
     command_files.write(tmp_path)
     reader = "import json, sys; print(json.load(sys.stdin)[0]['rows'])"

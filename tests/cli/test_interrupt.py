@@ -198,7 +198,7 @@ def test_a_handler_that_returns_changes_nothing_and_what_it_raises_is_raised():
         np.testing.assert_array_equal(disturbed[name], column, err_msg=name)
 
 
-STATUS = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
+STATUS = {signal.SIGINT: 130, signal.SIGTERM: 143, getattr(signal, "SIGHUP", 1): 129}  # not on Windows
 CONSOLE = ["-c", "import sys; from cogging_command import main; sys.exit(main())"]
 SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out/log.csv"]
 AUDIT = ["audit", "log.mat"]

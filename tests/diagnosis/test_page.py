@@ -1,10 +1,12 @@
 """The report."""
 
+import html.parser
 from dataclasses import replace
 
+import jinja2
 import numpy as np
 import pytest
-from markupsafe import escape
+from markupsafe import Markup, escape
 
 from cogging.diagnosis.entries import NearRest, ShapeTerm
 from cogging.diagnosis.report.pictures import pictures_of
@@ -75,3 +77,46 @@ def test_a_way_that_the_axis_did_not_move_has_no_empty_picture():
     for part, lost in (("coordinates", 1), ("folded", 1), ("time", 0)):
         assert len(pictures[part]) == len(both[part]) - lost
     assert not any("backward" in one.finding for part in pictures.values() for one in part if "Gap" in one.finding)
+
+
+HOSTILE = '"><script>alert(1)</script><img src=x onerror=y>&'
+
+
+class Elements(html.parser.HTMLParser):
+    """The elements of a page with the names of their attributes, and all that is text or value."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.elements, self.texts = [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, *(name for name, _ in attrs)))
+        self.texts += [value for _, value in attrs if value]
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+@pytest.mark.parametrize("verdict", ["named", "ambiguous", "unlisted", "data_mismatch", "controller_mismatch"])
+def test_every_place_of_the_page_escapes_what_is_put_there(verdict, found, monkeypatch):
+    """Hostile letters behind whatever the template writes, text by text: the page has the same elements as without."""
+    pictures = pictures_of(found)
+    monkeypatch.setattr("cogging.diagnosis.report.page.pictures_of", lambda result: pictures)
+    result = found if verdict == "named" else drawn_result(np.random.default_rng(2), verdict)
+    plain = Elements(result.html(title="a log"))
+    made = jinja2.Environment
+
+    def hostile(autoescape, **options):
+        return made(autoescape=safe and autoescape, finalize=put, **options)
+
+    def put(value):
+        return value if isinstance(value, Markup) or not isinstance(value, str) else value + HOSTILE
+
+    monkeypatch.setattr(jinja2, "Environment", hostile)
+    safe = True
+    page = Elements(result.html(title="a log"))
+    assert page.elements == plain.elements
+    assert sum(HOSTILE in text for text in page.texts) > 20
+    safe = False  # what the test would see
+    assert ("script",) in Elements(result.html(title="a log")).elements

@@ -108,6 +108,7 @@ def test_cogging_is_found_where_its_parent_found_it(found_through, tmp_path):
 
 def mdf_with(path, conversion, version="4.10", time_conversion=None, raw=None):
     """An MDF file whose `command` (raw counts) has a conversion."""
+    pytest.importorskip("asammdf")
     from asammdf import MDF, Signal
 
     raw = np.arange(200, dtype=np.int16) if raw is None else raw
@@ -123,12 +124,14 @@ def mdf_with(path, conversion, version="4.10", time_conversion=None, raw=None):
 
 
 def conversion4(kind, **fields):
+    pytest.importorskip("asammdf")
     from asammdf.blocks import v4_blocks, v4_constants
 
     return v4_blocks.ChannelConversion(conversion_type=getattr(v4_constants, f"CONVERSION_TYPE_{kind}"), **fields)
 
 
 def conversion3(kind, **fields):
+    pytest.importorskip("asammdf")
     from asammdf.blocks import v2_v3_blocks, v2_v3_constants
 
     return v2_v3_blocks.ChannelConversion(conversion_type=getattr(v2_v3_constants, f"CONVERSION_TYPE_{kind}"), **fields)
@@ -190,6 +193,7 @@ def test_a_formula_in_a_log_is_refused_by_name_and_not_evaluated(case, tmp_path,
 
 def test_a_formula_that_no_other_rule_refuses_is_not_evaluated(tmp_path):
     """The reader's last rule, tried in a process of its own as the reader is."""
+    pytest.importorskip("asammdf")
     code = """
 import numpy as np
 from cogging.logs.readers.formulas import Formulas
@@ -274,6 +278,7 @@ PHYSICAL = {
 
 @pytest.mark.parametrize("version", PHYSICAL)
 def test_conversions_give_physical_numbers(version, tmp_path):
+    pytest.importorskip("asammdf")
     from asammdf import MDF, Signal
 
     cases = PHYSICAL[version]

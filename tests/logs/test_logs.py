@@ -247,6 +247,7 @@ def test_a_struct_and_a_group_can_be_named(tmp_path):
 
 @pytest.mark.parametrize("version", ["3.30", "4.10"])
 def test_asam_mdf(version, tmp_path):
+    pytest.importorskip("asammdf")
     from asammdf import MDF, Signal
 
     time = np.arange(50) * 1e-3

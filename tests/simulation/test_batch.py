@@ -143,7 +143,7 @@ def peak(rows, runs):
         move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
         batch = cogging.closed_loop_batch([plant] * {runs}, [pid] * {runs}, move, duration={rows} / 5000.0, threads=2)
         assert batch.indexes["error_rms"].min() > 0.0
-        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / {2**20 if sys.platform == "darwin" else 1024})
     """
     return float(subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True, capture_output=True).stdout)
 

@@ -1,11 +1,14 @@
 """Runs as pandas frames, xarray Datasets and files: the same numbers, units, and what stands where a run failed."""
 
+import csv
+import re
 import sys
 
 import numpy as np
 import pytest
 
 import cogging
+from cogging.simulation.frames import write_frame
 from cogging.simulation.reductions import COLUMNS, INDEXES, unit_of
 from tests.fixtures.sweeps import MOVE, SMALL
 
@@ -151,3 +154,18 @@ def test_what_is_missing_names_its_extra(batch, runs, tmp_path, monkeypatch):
 def test_every_column_and_index_has_a_unit():
     assert all(unit_of(name) for name in (*COLUMNS, *INDEXES, *ASKED))
     assert unit_of("seed") == unit_of("reason") == unit_of("run") == unit_of("error_quantil(0.9)") == ""
+
+
+def test_no_cell_of_a_csv_is_a_formula(runs, batch, tmp_path):
+    """Spreadsheets run cells that begin with = + - @: what is written here is a number, or begins with a letter."""
+    write_frame(tmp_path / "runs.csv", runs.table)
+    write_frame(tmp_path / "batch.csv", {"run": [0, 1, 2], "reason": batch.to_frame()["reason"].to_numpy()})
+    cogging.simulate(SMALL, MOVE, seed=1).write(tmp_path / "log.csv")
+    texts = []
+    for name in ("runs.csv", "batch.csv", "log.csv"):
+        with open(tmp_path / name, encoding="utf-8", newline="") as file:
+            cells = {cell for row in csv.reader(file) for cell in row if cell}
+        texts += [cell for cell in cells if not re.fullmatch(r"[+-]?\d[\d.]*(e[+-]?\d+)?|inf", cell)]
+    assert {text for text in texts if not text[0].isalpha()} == set()
+    assert {"reason", "axis.mass", "position"} <= set(texts)
+    assert len([text for text in texts if " " in text]) > 5  # the reasons

@@ -79,7 +79,9 @@ def controllers() -> dict[str, ListedController]:
         made[f"arc {name}"] = Arc(lu2008.controller_parameters(AXIS, name))
         made[f"dcarc {name}"] = Dcarc(lu2008.controller_parameters(AXIS, name))
     made["output_feedback_arc"] = _output_feedback_arc()
-    gains = parse_toml(importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text())
+    gains = parse_toml(
+        importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text(encoding="utf-8")
+    )
     for name, radius in POLE_RADII.items():
         made[name] = _observer_based(observer_problem(radius), gains[name])
     return made

@@ -157,7 +157,7 @@ def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
 
 @functools.cache
 def _shipped() -> dict[str, Any]:
-    text = importlib.resources.files("cogging.papers.lu2008").joinpath("maps.toml").read_text()
+    text = importlib.resources.files("cogging.papers.lu2008").joinpath("maps.toml").read_text(encoding="utf-8")
     return parse_toml(text)
 
 

@@ -118,7 +118,9 @@ CAUSES = (
 
 def conditions_file() -> dict[str, Any]:
     """What causes_calibration.py wrote: sizes and amplitudes."""
-    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text()
+    text = (
+        importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text(encoding="utf-8")
+    )
     return parse_toml(text)
 
 

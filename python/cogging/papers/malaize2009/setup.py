@@ -127,7 +127,7 @@ class Calibrated:
 
 def shipped(motor: Motor) -> Calibrated:
     """The calibrated values that come with the package (written by calibration.py)."""
-    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text()
+    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text(encoding="utf-8")
     part = parse_toml(text)[motor.name]
     return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
 

@@ -62,7 +62,9 @@ class Conditions:
 
 def shipped_file() -> dict[str, Any]:
     """What plant.toml holds."""
-    return parse_toml(importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text())
+    return parse_toml(
+        importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text(encoding="utf-8")
+    )
 
 
 def conditions_of(part: Mapping[str, Any]) -> Conditions:

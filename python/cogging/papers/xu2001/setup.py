@@ -97,7 +97,7 @@ class Unknowns:
 
 def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
     """The calibrated unknowns that come with the package, by friction law."""
-    text = importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text()
+    text = importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text(encoding="utf-8")
     return Unknowns(**parse_toml(text)[law]["unknowns"])
 
 
