@@ -31,9 +31,22 @@ void tell_of_memory(std::exception_ptr thrown) {
   }
 }
 
-// True and False are no numbers, though Python and pybind11 take them for 1 and 0.
-bool is_truth_value(const py::handle& value) {
-  return PyBool_Check(value.ptr()) || std::string_view(Py_TYPE(value.ptr())->tp_name).starts_with("numpy.bool");
+// True and False are no numbers, though Python and pybind11 take them for 1 and 0, and neither is a text of digits, of
+// which numpy makes one. Whether an argument may hold such a thing: cogging.calls then looks at it and its signature.
+bool may_hold_no_number(const py::handle& value, int depth = 4) {
+  PyObject* object = value.ptr();
+  if (PyFloat_CheckExact(object) || PyLong_CheckExact(object) || object == Py_None) return false;
+  if (PyBool_Check(object) || PyUnicode_Check(object) || PyBytes_Check(object)) return true;
+  if (PyList_Check(object) || PyTuple_Check(object)) {
+    const auto list = py::reinterpret_borrow<py::sequence>(value);
+    for (py::size_t i = 0; depth > 0 && i < list.size(); ++i)
+      if (may_hold_no_number(list[i], depth - 1)) return true;
+    return false;
+  }
+  if (py::isinstance<py::array>(value))
+    return std::string_view("fiuc").find(py::reinterpret_borrow<py::array>(value).dtype().kind()) ==
+           std::string_view::npos;
+  return std::string_view(Py_TYPE(object)->tp_name).starts_with("numpy.bool") || py::hasattr(value, "__array__");
 }
 
 // A call that no signature takes is answered by pybind11 in many lines of C++ types. It is answered in one instead, by
@@ -43,9 +56,9 @@ py::cpp_function told_in_one_line(const py::object& bound, const std::string& na
   const std::string doc = bound.attr("__doc__").cast<std::string>();
   const std::string untaken = bound.attr("__name__").cast<std::string>() + "(): incompatible ";  // pybind11's words
   const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
-    if (std::any_of(given.begin(), given.end(), is_truth_value) ||
-        std::any_of(named.begin(), named.end(), [](const auto& one) { return is_truth_value(one.second); })) {
-      const py::object line = py::module_::import("cogging.calls").attr("told_of_truth_value")(doc, given, named);
+    if (std::any_of(given.begin(), given.end(), [](const auto& one) { return may_hold_no_number(one); }) ||
+        std::any_of(named.begin(), named.end(), [](const auto& one) { return may_hold_no_number(one.second); })) {
+      const py::object line = py::module_::import("cogging.calls").attr("told_of_no_number")(doc, given, named);
       if (!line.is_none()) throw py::type_error(line.cast<std::string>());
     }
     try {

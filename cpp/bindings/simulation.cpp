@@ -1,5 +1,6 @@
 #include "bindings.hpp"
 #include "cogging/estimation/replay_controller.hpp"
+#include "cogging/memory.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
 #include "own_controller.hpp"
@@ -61,6 +62,27 @@ milliseconds after another thread has set it.)")
       .def("set", &StopFlag::set, "End what the threads that heed this flag do in the core, now and later.")
       .def("heed", &StopFlag::heed, "Heed this flag, and no other, in the calling thread.");
 
+  module.def("memory_left", &memory_left, R"(Bytes that this process may still take.
+
+What the machine has left, no more than control groups and the limit of addresses allow; where the system does not say,
+half of its memory, or 8 GiB.)");
+  module.def(
+      "require_memory",
+      [](const std::string& name, double bytes, const std::string& what, const std::string& value) {
+        require_memory(name, bytes, what, value);
+      },
+      py::arg("name"), py::arg("bytes"), py::arg("what"), py::arg("value"),
+      R"(Refuse what would not fit into memory, before any of it is taken: over 64 MB, more than 0.8 of memory_left.
+
+Args:
+    name: of the field that asks.
+    bytes: that are asked.
+    what: it is that takes them, in words.
+    value: of the field.
+
+Raises:
+    ValueError: names field, rule and value.)");
+
   module.def(
       "closed_loop",
       [](const Plant<>& plant, const py::object& controller, const Reference& reference, double duration,
@@ -89,8 +111,9 @@ called in every row with Python's lock held.
 
 Raises:
     TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
-    ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
-        needs more than 1e5 steps (the message says how fast).
+    ValueError: the reference leaves the travel, a motion without an end and no duration, more samples than fit into
+        memory, a delay as long as the run, a plant so fast that a sample needs more than 1e5 steps (the message says
+        how fast).
     ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
     DivergedError: the state left the travel by half its length or is not finite; says when and where.)");
 

@@ -12,12 +12,14 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from cogging.arrays import no_number_in
 from cogging.shown import nearest_name, quoted
 
 F = TypeVar("F", bound=Callable[..., Any])
 C = TypeVar("C")
 MANY = 12  # names that are listed where none is alike
 PATH: tuple[type, ...] = (str, os.PathLike)
+ARRAY = "an array of real numbers"
 ANYTHING = re.compile(r"\[(object|typing\.Any)\]")  # a list whose entries the core looks at itself: controllers
 
 
@@ -152,7 +154,7 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     return f"{name}: {_wrong_argument(known, values)}"
 
 
-def _called(doc: str, given: Sequence[Any]) -> tuple[str, list[Parameter], Sequence[Any]]:
+def _called(doc: str, given: Sequence[Any]) -> tuple[str, Sequence[Parameter], Sequence[Any]]:
     """Name and parameters of a function, and what it was given; of a constructor the class, without the object."""
     name, parameters = signature(doc)
     if parameters and parameters[0].name == "self":
@@ -160,8 +162,8 @@ def _called(doc: str, given: Sequence[Any]) -> tuple[str, list[Parameter], Seque
     return name, parameters, given
 
 
-def told_of_truth_value(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
-    """What is wrong with a call of the core one of whose numbers is True or False; None where nothing is.
+def told_of_no_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
+    """What is wrong with a call of the core where a number is due and a truth value or a text stands; None: nothing.
 
     Args and the line are those of `told`.
     """
@@ -169,10 +171,16 @@ def told_of_truth_value(doc: str, given: Sequence[Any], named: Mapping[str, Any]
     places = [parameter for parameter in parameters if not parameter.by_name]
     known = {parameter.name: parameter for parameter in parameters}
     for word, value in {**{p.name: v for p, v in zip(places, given, strict=False)}, **named}.items():
-        if isinstance(value, bool | np.bool_) and word in known:
-            annotation = known[word].annotation
-            if "Supports" in annotation and "Sequence[" not in annotation:
-                return f"{name}: {word}: must be {broken_rule(annotation, value)}, got {described(value)}"
+        annotation = known[word].annotation if word in known else ""
+        array = "ArrayLike" in annotation or "NDArray" in annotation
+        if not array and ("Supports" not in annotation or "str" in annotation):
+            continue
+        alone = not array and "Sequence[" not in annotation
+        found = [value] * isinstance(value, bool | np.bool_) if alone else no_number_in(value)
+        if found:
+            rule = ARRAY if array else _in_words(annotation, [])
+            among = "" if found[0] is value else " among them"
+            return f"{name}: {word}: must be {rule}, got {described(found[0])}{among}"
     return None
 
 
@@ -188,7 +196,8 @@ def _wrong_argument(known: Mapping[str, Parameter], values: Mapping[str, Any]) -
     return f"these arguments do not go together: {', '.join(values) or 'none'}"
 
 
-def signature(doc: str) -> tuple[str, list[Parameter]]:
+@functools.cache
+def signature(doc: str) -> tuple[str, tuple[Parameter, ...]]:
     """The name of a function of the core and its parameters, as its docstring begins."""
     name, _, rest = doc.partition("(")
     depth, parts, start, at = 0, [], 0, 0
@@ -216,7 +225,7 @@ def signature(doc: str) -> tuple[str, list[Parameter]]:
         word, _, kind = part.partition(": ")
         kind, equals, _ = kind.partition(" = ")
         parameters.append(Parameter(word.lstrip("*"), kind, not equals, by_name))
-    return name.strip(), parameters
+    return name.strip(), tuple(parameters)
 
 
 def broken_rule(annotation: str, value: Any) -> str:
@@ -227,7 +236,7 @@ def broken_rule(annotation: str, value: Any) -> str:
     if "Sequence[" in annotation:
         return "" if _sequence_fits(annotation, kinds, value) else _in_words(annotation, kinds)
     if "ArrayLike" in annotation or "NDArray" in annotation:
-        return "" if _numeric(value) else "an array of real numbers"
+        return "" if _numeric(value) else ARRAY
     return "" if _fits(annotation, kinds, value) else _in_words(annotation, kinds)
 
 
@@ -252,12 +261,12 @@ def _sequence_fits(annotation: str, kinds: Sequence[str], value: Any) -> bool:
     if ANYTHING.search(annotation):
         return True
     wanted = int | np.integer if "SupportsInt" in annotation else int | float | np.number
-    return all(isinstance(entry, wanted) for entry in value)
+    return all(isinstance(entry, wanted) and not isinstance(entry, bool) for entry in value)
 
 
 def _numeric(value: Any) -> bool:
     try:
-        return np.asarray(value).dtype.kind in "fiub"
+        return np.asarray(value).dtype.kind in "fiu"
     except ValueError:
         return False
 

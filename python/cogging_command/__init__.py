@@ -170,8 +170,12 @@ def main() -> int:
     """The console script `cogging`."""
 
     def run() -> int:
-        from cogging.cli.main import main as command
-
+        try:
+            from cogging.cli.main import main as command
+        except (MemoryError, ImportError) as error:
+            said = " ".join(str(error).split())
+            os.write(2, f"cogging: cannot begin: {said or 'there is no memory left'}\n".encode(errors="replace"))
+            return 2
         return command()
 
     return run_command(run)

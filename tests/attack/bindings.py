@@ -1,7 +1,8 @@
 """Calls of the bindings: arguments of wrong shape, kind, layout and life, from several threads, drawn by a seed.
 
 A case is sound when it returns, or raises one of ERRORS with words of ours. What counts as a fault: a crash (the
-process is watched from outside), a hang, SystemError, and an exception that shows the insides of a library.
+process is watched from outside), a hang, SystemError, an exception that shows the insides of a library, and a truth
+value or a text of digits that was taken for a number.
 """
 
 from __future__ import annotations
@@ -106,16 +107,36 @@ def _judge(target: Target, subject: Any, positional: list[Any], named: dict[str,
             result = subject(*positional, **named)
         else:
             result = getattr(subject, target.name)(*positional, **named)
+        taken = taken_for_number(target, positional, named)
         if alone:  # what comes back must live on when all that it was made of is gone
             del subject, positional, named
             gc.collect()
         _use(result)
+        return taken
     except ERRORS as error:
         if INSIDES.search(str(error)):
             return f"{type(error).__name__} shows the insides of a library: {error}"
     except BaseException as error:
         return f"{type(error).__name__}: {error}"
     return None
+
+
+def taken_for_number(target: Target, positional: list[Any], named: dict[str, Any]) -> str | None:
+    """What a call took for a number that is none."""
+    given = {parameter.name: value for parameter, value in zip(target.parameters, positional, strict=False)} | named
+    for parameter in target.parameters:
+        numeric = any(word in parameter.annotation for word in ("Supports", "ArrayLike", "NDArray"))
+        if numeric and "str" not in parameter.annotation and _no_number(given.get(parameter.name)):
+            return f"{parameter.name} took {given[parameter.name]!r} for a number"[:200]
+    return None
+
+
+def _no_number(value: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return bool(value.size) and (value.dtype.kind in "bSU" or _no_number(value.tolist()))
+    if isinstance(value, list | tuple):
+        return any(map(_no_number, value))
+    return isinstance(value, bool | np.bool_ | str | bytes)
 
 
 def _use(result: Any) -> None:

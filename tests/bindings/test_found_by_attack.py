@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging.estimation.innovations import Innovations
+from cogging.identification.inverse_dynamics import InverseDynamics
 from tests.attack.binding_values import make_pool
 from tests.attack.bindings import run_case
+from tests.fixtures import command_files
 
 POOL = make_pool()
 UNPICKLED = {"CompiledController", "Predictor", "Prediction", "StopFlag"}
@@ -89,6 +92,128 @@ def test_truth_values_stay_what_they_are_where_they_are_asked_for():
 def test_sizes_that_no_axis_has_are_refused(made, line):
     with pytest.raises(ValueError, match=line):
         made()
+
+
+NO_NUMBERS = {
+    "True in a list": [True, 2.0],
+    "False in an inner list": [[1.0], [False]],
+    "truth values": np.array([True, False]),
+    "texts of digits": np.array(["1", "2"]),
+    "digits in a list": ["1.5", "2"],
+    "an object": np.array([1.0, True], dtype=object),
+    "bytes": [b"1", b"2"],
+}
+TAKES_NUMBERS = {
+    "array of the core": lambda values: cogging.performance([0.0, 1.0], values, [0.0, 1.0]),
+    "list of the core": lambda values: cogging.SplineHarmonics(pitch=0.05, harmonics=[1], periods=values),
+    "field": lambda values: cogging.ObserverBasedParameters(periods=values),
+    "log": lambda values: cogging.Log(time=[0.0, 1.0], position=values, command=[0.0, 1.0]),
+    "scan": lambda values: cogging.fit_map(values, [0.0, 1.0], pitch=0.05),
+    "added command": lambda values: cogging.closed_loop(
+        POOL["Plant"], POOL["Pid"], POOL["Sampled"], duration=1e-3, added_command=values
+    ),
+}
+
+
+@pytest.mark.parametrize("what", NO_NUMBERS)
+@pytest.mark.parametrize("where", TAKES_NUMBERS)
+def test_truth_values_and_texts_within_arrays_are_no_numbers(where, what):
+    with pytest.raises(
+        (TypeError, ValueError), match=r"must be .*numbers?, got (True$|a list: |.* among them|bool|<U1|\|S1)"
+    ):
+        TAKES_NUMBERS[where](NO_NUMBERS[what])
+
+
+@pytest.mark.parametrize("kind", [float, np.float32, np.int16, np.uint8, int])
+def test_numbers_of_any_kind_are_numbers(kind):
+    values = [kind(1), kind(2)]
+    for made in (values, np.array(values), np.array(values, dtype=object)):
+        assert cogging.performance([0.0, 1.0], made, [0.0, 1.0]).error_max == 2.0
+        assert cogging.Log(time=[0.0, 1.0], position=made, command=[0.0, 1.0]).position[1] == 2.0
+    assert cogging.AxisParameters(mass=kind(2)).mass == 2.0
+
+
+@pytest.mark.parametrize("text", ["3.2", b"3.2", "nan"])
+@pytest.mark.parametrize(("kind", "field"), [("AxisParameters", "mass"), ("PointToPointParameters", "repeats")])
+def test_texts_of_digits_are_no_numbers(kind, field, text):
+    with pytest.raises(TypeError, match=rf"{kind}: {field}: must be a (whole )?number, got "):
+        getattr(cogging._core, kind)(**{field: text})
+
+
+@pytest.mark.parametrize("field", ["seed", "threads"])
+def test_truth_values_are_no_counts(field):
+    model, reference = command_files.model(), command_files.REFERENCE
+    calls = [lambda value: cogging.predict_error(model, reference, samples=2, **{field: value})]
+    calls.append(lambda value: cogging.sweep(model, reference, {"axis.mass": [0.1]}, duration=0.01, **{field: value}))
+    if field == "seed":
+        calls.append(lambda value: cogging.simulate(model, reference, seed=value))
+    for call in calls:
+        call(1)
+        call(np.int64(1))
+        with pytest.raises((TypeError, ValueError), match=rf"{field}: must be a whole number.*, got True"):
+            call(True)
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "value", "told"),
+    [
+        ("axis", "mass", True, "must be a number, got True"),
+        ("axis", "mass", "3.2", "must be a number, got '3.2'"),
+        ("axis", "travel", [False, 0.5], "must be 2 numbers"),
+        ("cogging", "sine", [[True], [0.1]], "must be rows of numbers"),
+        ("cogging", "harmonics", [True, 2], "must be a list of whole numbers"),
+        ("controller", "kp", "9600", "must be a number, got '9600'"),
+        ("simulation", "steps_per_sample", True, "must be a whole number"),
+    ],
+)
+def test_truth_values_and_texts_of_a_model_file_are_no_numbers(section, key, value, told):
+    document = copy.deepcopy(command_files.MODEL) | {"simulation": {"steps_per_sample": 2}}
+    document["cogging"] = {"pitch": 0.05, "harmonics": [1, 2], "sine": [[0.1], [0.1]], "cosine": [[0.0], [0.0]]}
+    assert cogging.Model.from_dict(copy.deepcopy(document)).steps_per_sample == 2
+    document[section][key] = value
+    with pytest.raises(ValueError, match=rf"^{section}.{key}: {told}"):
+        cogging.Model.from_dict(document)
+
+
+@pytest.mark.parametrize("in_lanes", [False, True])
+@pytest.mark.parametrize("where", ["command_delay.delay", "controller.delay"])
+def test_a_delay_as_long_as_the_run_is_refused(where, in_lanes):
+    """0.1 s of 1000 Hz; a delay of one sample less is a run, whose command acts in its last sample alone."""
+    move = cogging.Sine(cogging.SineParameters(center=0.1, amplitude=0.01, frequency=2.0))
+
+    def run(delay):
+        of_machine, of_controller = (delay, 0.0) if where.startswith("command") else (0.0, delay)
+        axis = cogging.AxisParameters(mass=0.1, coulomb_width=1e-3)
+        plant = cogging.Plant(axis, effects=[cogging.effects.CommandDelay(delay=of_machine)])
+        controller = cogging.Speed(cogging.SpeedParameters(kp=1.0, delay=of_controller))
+        if not in_lanes:
+            return cogging.closed_loop(plant, controller, move, duration=0.1)
+        return cogging.closed_loop_batch([plant] * 8, [controller] * 8, move, duration=0.1, threads=1, logs=True)[7]
+
+    moved = run(0.099).true_position
+    assert (moved[:100] == moved[0]).all()
+    for delay in (0.1, 5.0):
+        with pytest.raises(ValueError, match=rf"{where}: must be shorter than the run of 0.1 s, got {delay:g}$"):
+            run(delay)
+
+
+def test_a_time_below_zero_counts_from_its_first_row():
+    model = command_files.model()
+    made = cogging.simulate(model, command_files.REFERENCE, seed=1)
+    log = cogging.Log.of(made.columns())
+    later = cogging.Log.of({**log.columns(), "time": log.time - 5.0})
+    told = "time begins at -5 s: what acts over time counts from the first row"
+    assert told in cogging.audit(later).text()
+    assert "time begins" not in cogging.audit(log).text()
+    pushed = model.replace(effects=[cogging.effects.DisturbanceStep(force=0.2, start=0.1, stop=0.2)])
+    for residual in (
+        lambda one, of: Innovations(one, of).predictor.predict(of.plant()).position,
+        lambda one, of: InverseDynamics(one, cutoff=40.0).of([of])[0],
+    ):
+        first, shifted, without = residual(log, pushed), residual(later, pushed), residual(log, model)
+        size = np.abs(first - without).max()
+        assert size > 0.0
+        assert np.abs(shifted - first).max() < 1e-6 * size
 
 
 @pytest.mark.parametrize("seed", range(0, 600, 3))

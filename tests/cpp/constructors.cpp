@@ -18,6 +18,7 @@
 #include "cogging/control/pid.hpp"
 #include "cogging/control/speed.hpp"
 #include "cogging/lanes.hpp"
+#include "cogging/memory.hpp"
 #include "cogging/plant/amplifier.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/reference/filtered.hpp"
@@ -150,11 +151,27 @@ void plant() {
   effects(static_cast<const Effect<double>*>(nullptr));
 }
 
+// What does not fit into memory is refused by name, and what does is not.
+void memory() {
+  const auto refused = [](double bytes) {
+    try {
+      require_memory("duration", bytes, "samples", "1");
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what()).rfind("duration: must fit into memory: samples take ", 0) == 0;
+    }
+    return false;
+  };
+  check::holds(memory_left() > 0.0, "memory: none is left");
+  check::holds(refused(4.0 * memory_left() + 1e9), "memory: more than there is was granted");
+  check::holds(!refused(0.1 * memory_left()), "memory: a part of what there is was refused");
+}
+
 }  // namespace
 
 int main() {
   controllers();
   references();
   plant();
+  memory();
   return check::status();
 }

@@ -13,6 +13,7 @@
 #include "../bindings.hpp"
 #include "../own_controller.hpp"
 #include "../without_gil.hpp"
+#include "cogging/memory.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/run_record.hpp"
@@ -56,6 +57,30 @@ struct RecordedBatch {
     reasons.resize(plants.size());
     in_lanes.assign(plants.size(), 0);
     columns.resize(request.columns.empty() ? 0 : plants.size());
+  }
+
+  /// How many rows run i keeps of each column; none where it cannot begin, which it says itself.
+  double rows_kept(std::size_t i) const {
+    const double rate = std::visit([](const auto& c) { return c.sample_rate(); }, controllers[i]);
+    try {
+      return std::ceil(static_cast<double>(ReferenceRows::count(reference(i), one_of(durations, i), rate)) /
+                       static_cast<double>(request.every));
+    } catch (const std::invalid_argument&) {
+      return 0.0;
+    }
+  }
+
+  /// Refuses rows that do not fit into memory, of these runs and as many more like them as make `runs_in_all`.
+  void require_room(std::size_t runs_in_all) const {
+    if (plants.empty()) return;
+    const auto runs = static_cast<double>(plants.size()), all = std::max(runs, static_cast<double>(runs_in_all));
+    const auto kept = static_cast<double>(request.columns.size());
+    double in_all = 0.0;  // rows
+    for (std::size_t i = 0; kept > 0.0 && i < plants.size(); ++i) in_all += rows_kept(i);
+    require_memory(
+        "duration", 8.0 * all / runs * (in_all * kept + runs * static_cast<double>(width())),
+        format(all) + " runs of " + format(std::floor(in_all / runs)) + " rows of " + format(kept) + " columns",
+        format(ReferenceRows::length(reference(0), durations[0])));
   }
 
   template <class T>
@@ -215,7 +240,7 @@ void bind_batch(py::module_& module) {
          double start, double stop, double final_window, const std::vector<AskedReduction>& reductions,
          const std::vector<std::string>& columns, std::size_t every, bool keeps_refused,
          const std::vector<double>& initial_positions, double initial_velocity,
-         const std::vector<double>& added_command) {
+         const std::vector<double>& added_command, std::size_t runs_in_all) {
         require_one_for_each("controllers", controllers, plants.size(), false);
         require_one_for_each("references", references, plants.size(), true);
         require_one_for_each("durations", durations, plants.size(), true);
@@ -238,6 +263,7 @@ void bind_batch(py::module_& module) {
         RecordedBatch batch{
             plants,           given,         references, durations,    seeds, steps_per_sample, initial_positions,
             initial_velocity, added_command, request,    keeps_refused};
+        batch.require_room(runs_in_all);
         batch.make_room();
         without_gil([&](StopRequest* request_to_stop) { batch.run(threads, request_to_stop); });
         return kept_of(std::move(batch));
@@ -246,14 +272,18 @@ void bind_batch(py::module_& module) {
       py::arg("seeds"), py::arg("steps_per_sample"), py::arg("threads"), py::arg("start"), py::arg("stop"),
       py::arg("final_window"), py::arg("reductions"), py::arg("columns"), py::arg("every"), py::arg("keeps_refused"),
       py::arg("initial_positions") = std::vector<double>{}, py::arg("initial_velocity") = 0.0,
-      py::arg("added_command") = std::vector<double>{},
+      py::arg("added_command") = std::vector<double>{}, py::arg("runs_in_all") = 0,
       R"(Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
 
 `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
 run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
 `in_lanes`: of each run whether it shared its steps with others of its course.
 `initial_positions` (m): one for all runs, one for each or none, where each starts on its reference; `added_command` (V,
-one entry a row or none) is added to what each controller computes, as by closed_loop.)");
+one entry a row or none) is added to what each controller computes, as by closed_loop.
+`runs_in_all`: of how many the caller will keep as much as of these, for which there must be room in memory.
+
+Raises:
+    ValueError: a list of another length, what a run alone refuses, rows that do not fit into memory.)");
 
   module.def(
       "instruction_sets",

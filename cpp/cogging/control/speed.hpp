@@ -83,6 +83,7 @@ refused is w, which goes through the delay as ever.)";
   const Parameters& parameters() const { return parameters_; }
   double sample_rate() const { return parameters_.sample_rate; }
   double command_limit() const { return parameters_.command_limit; }
+  double dead_time() const { return parameters_.delay; }  // s
   std::span<const Scalar> estimates() const { return {}; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).

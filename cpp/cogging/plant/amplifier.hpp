@@ -47,6 +47,7 @@ class Amplifier {
     ++accepted_;
   }
 
+  double delay() const { return laws_.delay(); }  // s
   /// Whether one command acts over a whole sample, and at once.
   bool holds() const { return switch_ == 0.0 && !laws_.lagging(); }
   /// The drive of such a sample.

@@ -11,6 +11,7 @@
 
 #include "cogging/control/controller.hpp"
 #include "cogging/interruption.hpp"
+#include "cogging/memory.hpp"
 #include "cogging/plant/amplifier.hpp"
 #include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
@@ -113,6 +114,26 @@ inline void require_added_command(const RunOptions& options, std::size_t rows) {
           "must have an entry for each row", static_cast<double>(options.added_command.size()));
 }
 
+/// A command that comes when the run is over is none.
+inline void require_delay(std::string_view name, double delay, const ReferenceRows& reference) {
+  const double end = reference.time(reference.size() - 1);
+  require(delay <= 0.0 || delay < end, name, "must be shorter than the run of " + format(end) + " s", delay);
+}
+
+template <class C>
+void require_delays(double of_amplifier, const C& controller, const ReferenceRows& reference) {
+  require_delay("command_delay.delay", of_amplifier, reference);
+  if constexpr (requires { controller.dead_time(); })
+    require_delay("controller.delay", controller.dead_time(), reference);
+}
+
+/// Refuses a log that does not fit into memory.
+inline void require_room_for_log(std::size_t rows, std::size_t columns, double duration) {
+  const auto count = static_cast<double>(rows), width = static_cast<double>(columns);
+  require_memory("duration", 8.0 * count * width, format(count) + " samples of " + format(width) + " columns",
+                 format(duration));
+}
+
 /// The command of row k that acts on the amplifier: cut at the limit, with what is added behind the controller.
 template <class Scalar, class C>
 COGGING_INLINE Scalar command_of_row(C& controller, const ReferenceRows& reference, std::size_t k, double time,
@@ -149,6 +170,7 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
   NormalNumbers encoder_noise(options.seed ^ 0x9e3779b97f4a7c15ULL);
   StopCheck stop(options.stop);
   const std::size_t rows = reference.size();
+  detail::require_delays(amplifier.delay(), controller, reference);
   recorder.begin(rows, reference.sample_rate(), stop);
   detail::require_added_command(options, rows);
   reference.require_within(plant.axis.travel);
@@ -177,11 +199,15 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
 }
 
 /// The log of a run. A pure function of its arguments: the controller is copied, and the noise comes from the seed.
+/// Raises std::invalid_argument for more samples than fit into memory, before it takes any.
 template <class Scalar, ClosesLoop<Scalar> C>
 Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Reference& reference,
                         const RunOptions& options) {
   detail::require_options(options);
   StopCheck stop(options.stop);
+  const std::size_t count = ReferenceRows::count(reference, options.duration, controller.sample_rate());
+  const std::size_t estimates = options.record_estimates ? controller.estimates().size() : 0;
+  detail::require_room_for_log(count, log_columns + estimates, ReferenceRows::length(reference, options.duration));
   ReferenceRows rows(reference, options.duration, controller.sample_rate(), stop,
                      std::numeric_limits<std::size_t>::max());
   LogRecorder<Scalar> recorder(options.record_estimates);

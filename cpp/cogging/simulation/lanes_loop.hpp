@@ -134,6 +134,7 @@ class MachinesInLanes {
     }
   }
 
+  double delay() const { return amplifier_.delay(); }
   bool none_left() const { return at_work_.none(); }
   const AxisState<Scalar>& state() const { return state_; }
 
@@ -218,6 +219,7 @@ void closed_loop_in_lanes(Recorder& recorder, std::span<RunInLane> runs, C contr
   MachinesInLanes<count> machines(runs, 1.0 / controller.sample_rate(), reference.at(0).position, options);
   StopCheck stop(options.stop);
   const std::size_t rows = reference.size();
+  detail::require_delays(machines.delay(), controller, reference);
   recorder.begin(rows, reference.sample_rate(), stop);
   detail::require_added_command(options, rows);
   reference.require_within(runs[0].plant->axis.travel);

@@ -9,6 +9,8 @@
 
 namespace cogging {
 
+inline constexpr std::size_t log_columns = 8;  // of a log without estimates
+
 /// Columns of a run, one entry a sample. The true position and velocity are the plant's own, not the
 /// encoder's.
 template <class Scalar = double>

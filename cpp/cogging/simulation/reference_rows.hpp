@@ -27,7 +27,7 @@ class ReferenceRows {
                 std::size_t kept_most = kept_by_default)
       : reference_(&reference),
         sample_rate_(sample_rate),
-        count_(count_samples(reference, duration, sample_rate)),
+        count_(count(reference, duration, sample_rate)),
         kept_(std::min(count_, kept_most)) {
     for (auto* column : {&position_, &velocity_, &acceleration_}) {
       stop.ask();  // a column of a long run takes long to clear
@@ -75,15 +75,21 @@ class ReferenceRows {
     acceleration = std::move(acceleration_);
   }
 
- private:
-  static std::size_t count_samples(const Reference& reference, double duration, double sample_rate) {
-    if (!(duration > 0.0)) duration = reference.end();
+  /// How many rows a run has; 0 s: to the motion's own end. Raises std::invalid_argument as the constructor does.
+  static std::size_t count(const Reference& reference, double duration, double sample_rate) {
+    duration = length(reference, duration);
     require(std::isfinite(duration), "duration", "must be given for a reference without an end of its own", duration);
     const double samples = duration * sample_rate;
     require(samples >= 1.0 && samples < 1e9, "duration", "must hold 1 to 1e9 samples", duration);
     return static_cast<std::size_t>(std::floor(samples + 1e-6)) + 1;
   }
 
+  /// What a duration asks for, s.
+  static double length(const Reference& reference, double duration) {
+    return duration > 0.0 ? duration : reference.end();
+  }
+
+ private:
   const Reference* reference_;
   double sample_rate_;
   std::size_t count_, kept_;

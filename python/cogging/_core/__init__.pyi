@@ -9,7 +9,7 @@ import typing
 from . import references
 from . import effects
 from . import controllers
-__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PlantAlong', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'performance', 'project', 'references', 'replay_controller', 'smooth_sign', 'whiten']
+__all__: list[str] = ['AdaptiveRobustParameters', 'Arc', 'AxisParameters', 'BSpline', 'CONTROLLERS', 'Cascade', 'CascadeParameters', 'CoggingModel', 'CompiledController', 'ControllerError', 'Dcarc', 'DivergedError', 'EFFECTS', 'EncoderParameters', 'FilteredSine', 'FilteredSineParameters', 'NoiseParameters', 'NumberReader', 'ObserverBased', 'ObserverBasedParameters', 'OutputFeedbackArc', 'OutputFeedbackArcParameters', 'Performance', 'Pid', 'PidParameters', 'Plant', 'PlantAlong', 'PointToPoint', 'PointToPointParameters', 'Prediction', 'Predictor', 'REFERENCES', 'Reference', 'Sampled', 'Sine', 'SineParameters', 'Speed', 'SpeedParameters', 'SplineHarmonics', 'StopFlag', 'autoregression', 'closed_loop', 'closed_loop_records', 'cogging_slope_max', 'controllers', 'desired_compensation_condition', 'desired_compensation_matrix', 'effects', 'format_rows', 'friction_slope_max', 'instruction_set', 'instruction_sets', 'memory_left', 'performance', 'project', 'references', 'replay_controller', 'require_memory', 'smooth_sign', 'whiten']
 class DivergedError(RuntimeError):
     pass
 class BSpline:
@@ -2310,6 +2310,7 @@ class NumberReader:
         ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line. A
             call while another thread is within one.
     """
+    LINE_MAX: typing.ClassVar[int] = 16777216
     def __init__(self, *, separator: str, fields: typing.SupportsInt | typing.SupportsIndex, wanted: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], labels: collections.abc.Sequence[str], first_row: typing.SupportsInt | typing.SupportsIndex = 0, end_row: typing.SupportsInt | typing.SupportsIndex | None = None, first_line: typing.SupportsInt | typing.SupportsIndex = 1, expected_rows: typing.SupportsInt | typing.SupportsIndex = 0, decimal: str = '.') -> None:
         ...
     def __reduce__(self) -> typing.Any:
@@ -2359,12 +2360,13 @@ def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, d
     
     Raises:
         TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
-        ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a sample
-            needs more than 1e5 steps (the message says how fast).
+        ValueError: the reference leaves the travel, a motion without an end and no duration, more samples than fit into
+            memory, a delay as long as the run, a plant so fast that a sample needs more than 1e5 steps (the message says
+            how fast).
         ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
         DivergedError: the state left the travel by half its length or is not finite; says when and where.
     """
-def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool, initial_positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> dict:
+def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool, initial_positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], runs_in_all: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """
     Many runs on `threads` threads (0 = all cores) without their rows: what cogging.closed_loop_batch keeps.
     
@@ -2373,6 +2375,10 @@ def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: co
     `in_lanes`: of each run whether it shared its steps with others of its course.
     `initial_positions` (m): one for all runs, one for each or none, where each starts on its reference; `added_command` (V,
     one entry a row or none) is added to what each controller computes, as by closed_loop.
+    `runs_in_all`: of how many the caller will keep as much as of these, for which there must be room in memory.
+    
+    Raises:
+        ValueError: a list of another length, what a run alone refuses, rows that do not fit into memory.
     """
 def cogging_slope_max(basis: SplineHarmonics, amplitude: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
@@ -2461,6 +2467,13 @@ def instruction_sets() -> dict[str, int]:
     """
     Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.
     """
+def memory_left() -> float:
+    """
+    Bytes that this process may still take.
+    
+    What the machine has left, no more than control groups and the limit of addresses allow; where the system does not say,
+    half of its memory, or 8 GiB.
+    """
 def performance(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], error: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], command: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], *, start: typing.SupportsFloat | typing.SupportsIndex = ..., stop: typing.SupportsFloat | typing.SupportsIndex = ..., final_window: typing.SupportsFloat | typing.SupportsIndex = 2.0) -> Performance:
     """
     Indexes over the rows with start <= time < stop (s); arrays (n,): s, m, V.
@@ -2512,6 +2525,19 @@ def replay_controller(controller: typing.Any, *, time: typing.Annotated[numpy.ty
         >>> time, at_rest = 0.01 * np.arange(3), np.zeros(3)
         >>> cogging.replay_controller(pid, time=time, reference=at_rest, position=[0.0, 1e-6, -2e-6]).tolist()
         [0.0, -0.001, 0.002]
+    """
+def require_memory(name: str, bytes: typing.SupportsFloat | typing.SupportsIndex, what: str, value: str) -> None:
+    """
+    Refuse what would not fit into memory, before any of it is taken: over 64 MB, more than 0.8 of memory_left.
+    
+    Args:
+        name: of the field that asks.
+        bytes: that are asked.
+        what: it is that takes them, in words.
+        value: of the field.
+    
+    Raises:
+        ValueError: names field, rule and value.
     """
 def smooth_sign(velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

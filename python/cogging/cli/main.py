@@ -57,7 +57,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(f"cogging: {' '.join(str(error).split())}")
         return 2
     except MemoryError as error:
-        complain(f"cogging: needs more memory than there is: {str(error) or 'a smaller file or fewer samples may do'}")
+        said = "" if "std::" in str(error) else str(error)  # of another library's C++
+        complain(f"cogging: needs more memory than there is: {said or 'a smaller file or fewer samples may do'}")
+        return 2
+    except ImportError as error:  # a library that is not there, or for whose code no memory is left
+        complain(f"cogging: {' '.join(str(error).split())}")
         return 2
     except (ArithmeticError, RecursionError) as error:  # the last resort: what no rule of a field has foreseen
         complain(f"cogging: these files lead to numbers that cannot be computed with: {error}")

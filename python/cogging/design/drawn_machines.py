@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, real_array
+from cogging.memory import require_machines
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model
 from cogging.model.parameters import with_values
@@ -52,6 +53,7 @@ def drawn_samples(
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
     alone = {path: intervals.of(path) for path in intervals.paths if path not in joint}
     spread = {path: interval for path, interval in alone.items() if interval is not None and interval[0] < interval[1]}
+    require_machines("samples", samples, len(joint) + len(spread))
     machines = []
     for place in range(samples):
         numbers = np.random.default_rng([seed, place])
@@ -87,7 +89,7 @@ def covariance_root(
         ValueError: a path that the model has not or twice, a matrix that is not finite, (p, p), symmetric and without
             negative eigenvalues.
     """
-    names, matrix = list(covariance[0]), np.asarray(covariance[1], dtype=float)
+    names, matrix = list(covariance[0]), real_array("covariance", covariance[1])
     for name in names:
         if name not in paths:
             raise ValueError(f"covariance: {name!r} must be a parameter of the model")

@@ -27,6 +27,7 @@ from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
+from cogging.memory import require_rows
 from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.model.units import Units
@@ -88,6 +89,7 @@ def diagnose(
     expected = read_plan(planned)
     model, vocabulary = _with_vocabulary(model, also)
     ready = prepared(logs, model, confirm, names, confirm_names)
+    require_rows("diagnose", [*ready.given, *ready.confirm])
     told = _diagnosed(ready, model, vocabulary, expected, empirical=empirical, progress=progress)
     return labelled(told, model.units, [*ready.names, *ready.confirm_names], apart=IN_THEIR_OWN_UNITS)
 

@@ -58,7 +58,7 @@ class Innovations:
         self.gap = max(5.0 * sample_time, 0.1 / bandwidth)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
-            log.time,
+            log.time - log.time[0],  # what acts over time counts from the first row
             log.position,
             log.command,
             bandwidth=bandwidth,

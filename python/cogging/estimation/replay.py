@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError, Sampled, closed_loop
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, real_array
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.innovations import Innovations, initial_velocity
 from cogging.estimation.residuals import quiet, steps_needed
@@ -42,7 +42,8 @@ class Replay:
                 f"time: must be evenly spaced by the controller's 1 / sample_rate = {sample_time:g} s to be replayed, "
                 f"got steps from {steps.min():g} to {steps.max():g} s"
             )
-        self.log, self.added_command = log, None if added_command is None else np.asarray(added_command, dtype=float)
+        self.log = log
+        self.added_command = None if added_command is None else real_array("added_command", added_command)
         time = np.arange(len(log)) * sample_time
         self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
         self.duration = float(time[-1])

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
-from cogging.arrays import FloatArray, IntArray
+from cogging.arrays import FloatArray, IntArray, real_array
 from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.model.labelled import labelled
@@ -306,10 +306,7 @@ def _points(velocity: FloatArray, force: FloatArray, same_speed: float) -> tuple
 
 
 def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: must be real numbers, got {type(values).__name__}") from None
+    array = real_array(name, values)
     if array.ndim != 1 or array.size == 0:
         raise ValueError(f"{name}: must be one-dimensional and not empty, got shape {array.shape}")
     bad = np.flatnonzero(~np.isfinite(array))

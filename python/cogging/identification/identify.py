@@ -18,6 +18,7 @@ from cogging.log_check.hints import hints
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
+from cogging.memory import require_rows
 from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, parameters_of, role_of
@@ -92,6 +93,7 @@ def identify(
     called, added = _one_each(given, names, added_commands)
     paths = _paths(model, free)
     read = [log if isinstance(log, Log) else read_log(log) for log in given]
+    require_rows("identify", read, len(paths))
     for name, log in zip(called, read, strict=True):
         _require_motion(name, log, model.units)
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)

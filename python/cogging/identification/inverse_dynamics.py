@@ -71,7 +71,7 @@ class InverseDynamics:
         self.even = np.interp(even, running, log.time) if self.pauses else even
         self.motion = self._smooth(self.readings)
         self.lost = self._lost_between_rows(self.command)
-        self.predictor = Predictor(self.even, self.motion.position, self.command)
+        self.predictor = Predictor(self.even - log.time[0], self.motion.position, self.command)
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) at the even times, (models, n)."""

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import DivergedError, friction_slope_max
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, real_array
 from cogging.estimation.replay import Replay
 from cogging.identification.force_balance import Simulator
 from cogging.identification.inverse_dynamics import InverseDynamics
@@ -103,7 +103,7 @@ class LoggedRun:
             InputError: units that cannot be those of the model.
             ValueError: added_command is not as long as the log.
         """
-        added = None if added_command is None else np.asarray(added_command, dtype=float)
+        added = None if added_command is None else real_array("added_command", added_command)
         if added is not None and added.shape != log.time.shape:
             raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {added.shape}")
         check_against_model(log, model, name)

@@ -15,6 +15,7 @@ from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.log_check.outliers import find_outliers
 from cogging.logs.log import READ_WITH, Log, require_sizes
+from cogging.memory import require_rows
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.simulation.arguments import LOG, MODEL_OR_NONE
@@ -55,6 +56,7 @@ class Audit(ByValue):
         read_with: what was found of the log's file that bears on its numbers: decimal commas.
         controller: the stated controller beside the log; None where the model states none or no model is given.
         units: labels of the model's units.
+        begins_at: s, the time of the first row; where it is negative the text says that time counts from that row.
 
     Example:
         >>> print(cogging.audit(log))
@@ -83,6 +85,7 @@ class Audit(ByValue):
     read_with: tuple[str, ...] = ()
     controller: ControllerCheck | None = None
     units: Units = field(default_factory=Units)
+    begins_at: float = 0.0
 
     def _brief(self) -> str:
         told = f"{self.rows} rows, {self.duration:.6g} s at {self.rate:.6g} Hz, {self.gaps} gaps"
@@ -112,6 +115,8 @@ class Audit(ByValue):
             f"command {self.command[0]:.4g} to {self.command[1]:.4g} V, rms {self.command_rms:.4g} V, "
             f"{100 * self.saturation_share:.3g} % saturated",
         ]
+        if self.begins_at < 0.0:
+            lines.append(f"time begins at {self.begins_at:.6g} s: what acts over time counts from the first row")
         lines += [f"read with {', '.join(self.read_with)}"] * bool(self.read_with)
         told = [self.units.in_words(line) for line in lines]
         return "\n".join(told + _controller_lines(self.controller, self.units.command))
@@ -161,6 +166,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
     if len(log) < 2:
         raise ValueError(f"log: must have at least 2 rows, got {len(log)}")
     require_sizes(log)
+    require_rows("audit", [log])
     steps = np.diff(log.time)
     step = float(np.median(steps))
     is_gap = steps > GAP * step
@@ -194,6 +200,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
         read_with=tuple(log.metadata.get(READ_WITH, ())),
         controller=check_controller(log, model) if model is not None else None,
         units=Units() if model is None else model.units,
+        begins_at=float(log.time[0]),
     )
 
 

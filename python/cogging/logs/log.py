@@ -17,10 +17,11 @@ import numpy.typing as npt
 
 from cogging import plot
 from cogging._core import format_rows
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, no_number_in
 from cogging.calls import PATHS, takes, told_constructor
 from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
+from cogging.memory import require_table
 from cogging.model.units import Units
 from cogging.outputs import settle, sidecar, target_of, to_toml, write_files
 from cogging.tables import frame_of, html_table
@@ -231,6 +232,7 @@ class Log(ByValue):
     def _matlab(self) -> Iterable[bytes]:
         from scipy.io import savemat
 
+        require_table("rows", len(self), len(self.columns()), 1.5)
         buffer = io.BytesIO()
         savemat(buffer, self.columns(), oned_as="column")
         return [buffer.getvalue()]
@@ -239,6 +241,7 @@ class Log(ByValue):
         import pyarrow as pa
         import pyarrow.parquet as parquet
 
+        require_table("rows", len(self), len(self.columns()), 4.0)
         buffer = pa.BufferOutputStream()
         parquet.write_table(pa.table(self.columns()), buffer, write_page_checksum=True)
         return [buffer.getvalue().to_pybytes()]
@@ -251,6 +254,8 @@ def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:
         ValueError: it is none.
     """
     array = given if type(given) is np.ndarray and given.dtype.kind != "O" else _array(name, given)
+    if isinstance(given, list | tuple) and (found := no_number_in(given)):
+        raise ValueError(f"{name}: must be real numbers, got {found[0]!r} among them")
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name}: must be real numbers, got {'none' if given is None else array.dtype}")
     if array.ndim != dimensions:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray, Mask, real_array
 from cogging.files import LARGEST
 from cogging.logs.log import SMALLEST
 
@@ -126,12 +126,7 @@ def _kept(
 
 
 def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
-    try:
-        if np.iscomplexobj(values):
-            raise TypeError
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: must be real numbers, got {type(values).__name__}") from None
+    array = real_array(name, values)
     if array.ndim != 1:
         raise ValueError(f"{name}: must be one-dimensional, got {array.ndim} dimensions")
     bad = np.flatnonzero(~np.isfinite(array))

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import SplineHarmonics
+from cogging._core import SplineHarmonics, require_memory
 from cogging.arrays import FloatArray
 from cogging.mapping.spline_fit import normal_equations, predict
+from cogging.memory import POINT
 
 Lines = npt.NDArray[np.bool_]
 
@@ -63,6 +64,9 @@ class HarmonicSpectrum:
         self.position, self.pitch = position, pitch
         travel = float(np.ptp(position))
         reach = int(0.5 * travel / pitch - 1e-9)
+        lines = float(highest + 1) + 2.0 * reach + 1.0
+        told = f"{len(position)} points by {lines:g} lines"
+        require_memory("pitch", POINT * len(position) * lines, told, f"{pitch:g}")
         self.harmonic = np.arange(highest + 1)
         offset = np.arange(-reach, reach + 1)
         self.frequency: FloatArray = self.harmonic[:, None] / pitch + offset / travel

@@ -290,6 +290,7 @@ def _in_parts(
     lanes = _core.instruction_sets().get(_core.instruction_set(), 1)
     at_once = lanes * (options["threads"] or os.cpu_count() or 1)
     size = at_once * -(-max(1, len(plants) // TOLD) // at_once)
+    options = {**options, "runs_in_all": len(plants)}
     parts = [range(first, min(first + size, len(plants))) for first in range(0, len(plants), size)]
     values: list[FloatArray] = []
     failures: list[Failed] = []

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import numpy.typing as npt
 
 from cogging import _core
 from cogging._core import Plant, Reference
+from cogging.arrays import real_array
 from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
@@ -75,6 +75,6 @@ def closed_loop(
         record_estimates=record_estimates,
         initial_position=initial_position,
         initial_velocity=initial_velocity,
-        added_command=None if added_command is None else np.asarray(added_command, dtype=float),
+        added_command=None if added_command is None else real_array("added_command", added_command),
     )
     return Log.of(columns)

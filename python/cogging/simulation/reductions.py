@@ -146,7 +146,7 @@ def kept_of_runs(
     """Run in the core; the arguments as closed_loop_batch takes them, with one reference, duration and number of steps
     for all runs or one for each. With `keeps_refused`, a run that cannot begin is a failure among the others.
     `starts`: `initial_positions` (m, one for all, one for each or none), and of all runs `initial_velocity` and
-    `added_command` (a list), as closed_loop takes them."""
+    `added_command` (a list), as closed_loop takes them; `runs_in_all`, of how many as much will be kept."""
     further = names_of(reductions)[len(INDEXES) :]
     start, stop, final_window = window
     kept: dict[str, Any] = _core.closed_loop_records(

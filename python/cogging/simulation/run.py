@@ -6,10 +6,10 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
+from cogging.arrays import real_array
 from cogging.calls import takes
 from cogging.effects.custom import Custom
 from cogging.logs.log import Log
@@ -90,7 +90,7 @@ def simulate(
         record_estimates=record_estimates,
         initial_position=initial_position,
         initial_velocity=initial_velocity,
-        added_command=None if added_command is None else np.asarray(added_command, dtype=float),
+        added_command=None if added_command is None else real_array("added_command", added_command),
     )
     return Log.of(columns, metadata)
 

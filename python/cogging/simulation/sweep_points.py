@@ -11,6 +11,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.files import LARGEST, FieldError, refuse_unknown_keys
+from cogging.memory import require_table
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.model import Model, is_number
 from cogging.shown import nearest, quoted
@@ -23,6 +24,7 @@ RUNS_MAX = 10**8
 SEED_EXACT = 2**53  # up to which a list of numbers holds every whole one
 THREADS_MOST = 1024
 SEED_MOST = 2**62  # that of run i is no more than 2^63 - 1, which a column of whole numbers can hold
+TABLE = 12  # columns of a sweep's table beside the varied numbers
 TINY = 1e-12  # from the ends of (0, 1), where a normal number is infinite
 
 
@@ -154,13 +156,13 @@ def points_of(variations: list[Variation], method: str, runs: int, seed: int) ->
     if method == "grid":
         axes = [variation.grid() for variation in variations]
         total = math.prod(len(axis) for axis in axes)
-        _require_runs(total)
+        _require_runs(total, len(variations))
         places = np.unravel_index(np.arange(total), [len(axis) for axis in axes])
         return np.stack([axis[place] for axis, place in zip(axes, places, strict=True)], axis=1)
     if method not in METHODS:
         near = nearest(str(method), METHODS)
         raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}{near}")
-    _require_runs(runs)
+    _require_runs(runs, len(variations))
     shares = _shares(method, runs, len(variations), seed)
     return np.stack([variation.of_shares(shares[:, i]) for i, variation in enumerate(variations)], axis=1)
 
@@ -177,9 +179,10 @@ def _shares(method: str, runs: int, dimensions: int, seed: int) -> FloatArray:
     return np.asarray(sobol.random_base2(math.ceil(math.log2(runs)))[:runs])  # of all that keep it balanced, the first
 
 
-def _require_runs(runs: int) -> None:
+def _require_runs(runs: int, varied: int) -> None:
     if not 1 <= runs <= RUNS_MAX:
         raise FieldError("", "runs", f"must be from 1 to {RUNS_MAX}, got {runs}")
+    require_table("runs", runs, 3 * varied + TABLE)  # places and values of a grid, and the table that comes of them
 
 
 def _between(path: str, table: Mapping[str, Any]) -> Variation:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging.design.drawn_machines import DRAWS_MAX
 from cogging.files import FieldError
+from cogging.memory import require_machines
 from cogging.model.intervals import Intervals
 from cogging.simulation.sweep_points import BOUNDS, Variation, variation_of
 from cogging.simulation.varied import SEED, Setup, refuse_unknown_paths, with_numbers
@@ -67,6 +68,7 @@ def machines_of(setup: Setup, variations: list[Variation], count: int, seed: int
     """
     from scipy.stats import qmc
 
+    require_machines("machines", count, len(variations))
     numbers = np.random.default_rng([seed, stream])
     seeds = numbers.integers(2**63, size=count)
     if not variations:

@@ -11,6 +11,7 @@ from cogging._core import PointToPoint, PointToPointParameters, Sampled
 from cogging.arrays import FloatArray
 from cogging.diagnosis.experiment.limits import MotionLimits
 from cogging.diagnosis.thresholds import MOTION
+from cogging.memory import LOG_COLUMNS, require_table
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class Track:
         self.limits, self.low, self.high = limits, low + margin, high - margin
         self.slow_down(1.0)
         self.rate, self.rows = rate, max(3, int(np.floor(duration * rate)) + 1)
+        require_table("duration", self.rows, LOG_COLUMNS)
         self.place = 0.5 * (low + high) if start is None else start
         self.pieces: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         self.used = 1  # rows, that before the first move included

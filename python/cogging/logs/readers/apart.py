@@ -23,6 +23,7 @@ from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.logs.readers import matlab, mdf, parquet
 from cogging.logs.readers.isolated import confine, isolated
+from cogging.logs.readers.limits import memory_most, seconds_most
 from cogging.logs.readers.request import Request
 
 #: Formats by name: what they are called, the extra that brings the library, and the reader.
@@ -32,10 +33,6 @@ FORMATS: dict[str, tuple[str, str, Callable[[Request], dict[str, Any]]]] = {
     "mdf": ("ASAM MDF file", "mdf", mdf.read),
     "parquet": ("Parquet file", "parquet", parquet.read),
 }
-SECONDS = 30.0  # in which a small file must be read
-BYTES_A_SECOND = 2e6  # slower is no reading
-MEMORY = 8 << 30  # bytes, for a small file
-EXPANSION = 64  # of compressed numbers
 START = "from cogging.logs.readers.apart import serve; serve(job)"
 TEMPORARY = ("mdf",)  # formats whose library wants a temporary file whatever it does
 ANSWER = b"\0cogging: what was read\0\n"  # behind whatever else was written to standard output
@@ -55,12 +52,14 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
     Raises:
         InputError: the file cannot be used, or its reader fails in whatever way; the library is not installed.
     """
+    from cogging._core import memory_left, require_memory  # which the process that reads does without
+
     size = os.path.getsize(request.path)
-    seconds = SECONDS + size / BYTES_A_SECOND
+    seconds = seconds_most(size)
     what = FORMATS[kind][0]
     job = {
         "kind": kind,
-        "memory": MEMORY + EXPANSION * size,
+        "memory": memory_most(size, memory_left()),
         "seconds": seconds,
         "path": os.path.abspath(request.path),
         "shown": os.fspath(request.path),
@@ -84,7 +83,7 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         timer.daemon = True
         timer.start()
         try:
-            columns = _received(process, request)
+            columns = _received(process, request, require_memory)
             if columns is not None:
                 return columns
             status = process.wait()
@@ -107,7 +106,9 @@ def _temporary_folder(request: Request) -> Iterator[str]:
         yield name
 
 
-def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, FloatArray] | None:
+def _received(
+    process: subprocess.Popen[bytes], request: Request, require_memory: Callable[[str, float, str, str], None]
+) -> dict[str, FloatArray] | None:
     """The columns that serve() writes, or None if it ends before all are there.
 
     Raises:
@@ -125,8 +126,13 @@ def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, F
         raise InputError(answer["error"])
     if request.survey is not None:
         request.survey.extend((name, unit) for name, unit in answer["survey"])
-    columns = {name: np.empty(answer["rows"]) for name in answer["names"]}
-    for column in columns.values() if answer["rows"] else ():
+    rows, names = answer["rows"], answer["names"]
+    try:
+        require_memory("rows", 8.0 * rows * len(names), f"{rows} rows of {len(names)} columns", str(rows))
+    except ValueError as error:
+        raise request.refuse(str(error)) from None
+    columns = {name: np.empty(rows) for name in names}
+    for column in columns.values() if rows else ():
         rest = column.data.cast("B")
         while rest:
             got = stream.readinto(rest)  # type: ignore[attr-defined]
@@ -198,7 +204,7 @@ def _numbers(request: Request, table: Mapping[str, Any]) -> dict[str, FloatArray
     arrays: dict[str, FloatArray] = {}
     for name, values in table.items():
         array = np.asarray(values)
-        if array.dtype.names is not None or array.dtype.kind not in "fiub":
+        if array.dtype.names is not None or array.dtype.kind not in "fiu":
             raise request.refuse(f"{name}: must be real numbers, got {_described(array)}")
         if sum(length != 1 for length in array.shape) > 1:
             shape = " x ".join(map(str, array.shape))
@@ -225,5 +231,7 @@ def _described(array: npt.NDArray[Any]) -> str:
         return "complex numbers"
     if fields:
         return f"a struct of {', '.join(sorted(fields))}"
+    if array.dtype.kind == "b":
+        return "truth values"
     kinds = {"U": "text", "S": "text", "O": "objects (cells or texts)", "M": "dates", "m": "durations"}
     return kinds.get(array.dtype.kind, str(array.dtype))

@@ -39,15 +39,18 @@ def datasets(file: Any, request: Request) -> dict[str, Any]:
     return present
 
 
-def numbers_of(item: Any, name: str, request: Request) -> npt.NDArray[Any]:
-    """The content of a dataset; an empty array of its kind where that is none of numbers.
+def numbers_of(item: Any, name: str, request: Request, columns: int) -> npt.NDArray[Any]:
+    """The content of a dataset, one of so many columns; an empty array of its kind where that is none of numbers.
 
     Raises:
-        InputError: it is a text or a cell of MATLAB, or stands in another file.
+        InputError: it is a text, a cell or logical values of MATLAB, stands in another file, or is larger than a file
+            of this size may say.
     """
-    if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
+    if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell", b"logical"):
         raise request.refuse(f"{name}: must be real numbers, got {item.attrs['MATLAB_class'].decode()}")
     _require_own(item, name, request, DEEPEST)
+    rows = item.size or 0  # none of an empty one
+    request.require_room(name, rows, float(rows) * max(1.0, item.dtype.itemsize / 8.0) * columns)
     return np.asarray(item[()]) if item.dtype.kind in NUMBERS else np.empty(0, dtype=item.dtype)
 
 

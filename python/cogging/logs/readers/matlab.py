@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from typing import Any
 
@@ -20,14 +21,25 @@ def read(request: Request) -> dict[str, Any]:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of scipy about duplicate names
-        kinds = {name: kind for name, _, kind in whosmat(request.path)}
+        listed = whosmat(request.path)
+        kinds = {name: kind for name, _, kind in listed}
         wanted = {request.in_file(name) for name in (*request.names, *request.optional)}
+        for name, shape, kind in listed:
+            if name in wanted and kind == "logical":
+                raise request.refuse(f"{name}: must be real numbers, got truth values")
+            if name in wanted:
+                size = math.prod(map(int, shape))
+                request.require_room(name, size, float(size) * len(wanted & set(kinds)))
         roots = {name for name in kinds if name in wanted or kinds[name] == "struct"}
         variables = loadmat(request.path, variable_names=sorted(roots)) if roots else {}
+        structs = sorted(name for name in roots if kinds[name] == "struct")  # which alone hide what is logical in them
+        stated = loadmat(request.path, variable_names=structs, mat_dtype=True) if structs else {}
     present = {name: variables.get(name) for name, kind in kinds.items() if kind != "struct"}
     for name, kind in kinds.items():
         if kind == "struct":
-            present.update(_fields(name, variables.get(name)))
+            kept = _fields(name, stated.get(name))
+            logical = {field: value for field, value in kept.items() if getattr(value, "dtype", "f8") == np.bool_}
+            present.update(_fields(name, variables.get(name)) | logical)
     names = list(present)
     return {name: present[names[place]] for name, place in request.choose(names, "file").items()}
 
@@ -58,4 +70,4 @@ def read_hdf5(request: Request) -> dict[str, Any]:
         present = datasets(file, request)
         names = list(present)
         chosen = request.choose(names, "file")
-        return {name: numbers_of(present[names[place]], name, request) for name, place in chosen.items()}
+        return {name: numbers_of(present[names[place]], name, request, len(chosen)) for name, place in chosen.items()}

@@ -50,6 +50,7 @@ def read(request: Request) -> dict[str, Any]:
             _require_numbers(request, name, file.groups[group].channels[channel], version)
         for group in groups:
             _require_time(request, file, group, version)
+            _require_room(request, file.groups[group].channel_group, len(chosen) + wants_master)
         columns = {name: _samples(request, file, name, *place) for name, place in chosen.items()}
         if wants_master:
             columns["time"] = file.get_master(next(iter(groups)))
@@ -94,6 +95,13 @@ def _samples(request: Request, file: Any, name: str, group: int, channel: int) -
         row = int(signal.invalidation_bits.argmax())
         raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
     return signal.samples
+
+
+def _require_room(request: Request, group: Any, columns: int) -> None:
+    """Refuse a group that states more cycles, or longer records, than a file of this size may hold."""
+    record = getattr(group, "samples_byte_nr", 0) + getattr(group, "invalidation_bytes_nr", 0)
+    cycles = int(group.cycles_nr)
+    request.require_room("cycles", cycles, float(cycles) * max(float(columns), record / 8.0))
 
 
 def _require_time(request: Request, file: Any, group: int, version: int) -> None:

@@ -25,6 +25,8 @@ def read(request: Request) -> dict[str, Any]:
             kind = schema.field(place).type
             if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind)):
                 raise request.refuse(f"{name}: must be real numbers, got {kind}")
+        rows = file.metadata.num_rows
+        request.require_room("rows", rows, float(rows) * len(chosen))
         columns = {}
         for name, place in chosen.items():
             values = file.read(columns=[schema.names[place]], use_threads=False).column(0)

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cogging.files import InputError
+from cogging.logs.readers.limits import COLUMNS, numbers_most
 from cogging.shown import nearest, shortened
 
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
@@ -64,6 +65,23 @@ class Request:
         """Make the error that names the file."""
         return InputError(f"{self.shown or self.path}: {problem}")
 
+    def require_room(self, name: str, rows: int, numbers: float) -> None:
+        """Refuse what a file asks for beyond its size, before any of it is read.
+
+        Args:
+            name: of what asks.
+            rows: of it.
+            numbers: that they take together, of 8 bytes each.
+
+        Raises:
+            InputError: names the size and what is asked.
+        """
+        size = os.path.getsize(self.path)
+        if 8 * numbers > numbers_most(size):
+            most = numbers_most(size) // 8
+            rule = f"must ask for at most {most} numbers in a file of {size} bytes"
+            raise self.refuse(f"{name}: {rule}, got {rows} rows, {numbers:.4g} numbers")
+
     def in_file(self, name: str) -> str:
         """What a column is called in the file."""
         return self.columns.get(name, name)
@@ -83,6 +101,8 @@ class Request:
             stated_apart = units or [""] * len(present)
             self.survey.extend((name.strip(), unit.strip()) for name, unit in zip(present, stated_apart, strict=True))
             return {}
+        if len(present) > COLUMNS:
+            raise self.refuse(f"{place}: must have at most {COLUMNS} columns, got {len(present)}")
         parts = [split_unit(text) for text in present]
         found = {}
         for name in (*self.names, *self.optional):

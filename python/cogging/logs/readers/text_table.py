@@ -11,13 +11,13 @@ from typing import IO
 
 from tqdm import tqdm
 
-from cogging._core import NumberReader
+from cogging._core import NumberReader, require_memory
 from cogging.arrays import FloatArray
 from cogging.files import InputError
+from cogging.logs.readers.limits import HEADER
 from cogging.logs.readers.request import Request, split_unit
 
 BLOCK = 1 << 22  # bytes read at once
-HEAD = 1 << 18  # bytes in which the header row must stand
 HEAD_LINES = 200
 ROWS_ALIKE = 3  # lines of as many numbers, one after the other, that are taken for a table's
 LARGE = 100 << 20  # bytes from which a bar shows how far the reading is
@@ -71,8 +71,8 @@ def survey(request: Request) -> None:
 
 def _head(file: IO[bytes], size: int) -> bytes:
     """The beginning of a file, in which the header row must stand."""
-    head = file.read(min(HEAD, size))
-    while len(head) < min(HEAD, size) and (more := file.read(HEAD - len(head))):
+    head = file.read(min(HEADER, size))
+    while len(head) < min(HEADER, size) and (more := file.read(HEADER - len(head))):
         head += more
     return head
 
@@ -92,6 +92,9 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
         request.notes.append(DECIMAL_COMMAS)
     mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
     limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
+    expected = int(1.1 * limit / mean) + 16
+    told = f"about {limit / mean:.3g} rows of {len(order)} columns"
+    require_memory("rows", 8.0 * expected * len(order), told, f"{size} bytes")
     reader = NumberReader(
         separator=separator,
         fields=len(labels),
@@ -100,7 +103,7 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
         first_row=rows.start or 0,
         end_row=rows.stop,
         first_line=first_data + 1,
-        expected_rows=int(1.1 * limit / mean) + 16,
+        expected_rows=expected,
         decimal=decimal,
     )
     return reader, index, order, first_data
@@ -164,7 +167,7 @@ def _readable(error: ValueError, request: Request) -> InputError:
 
 def _lines(head: bytes, request: Request) -> list[str]:
     """The lines of the file's beginning, the last one left out where it may be cut."""
-    whole = len(head) < HEAD
+    whole = len(head) < HEADER
     if b"\0" in head:
         raise request.refuse(f"must be UTF-8 text, got a zero at byte {head.index(0)}")
     try:
@@ -179,7 +182,7 @@ def _lines(head: bytes, request: Request) -> list[str]:
     if lines and (not lines[-1] or not whole):
         lines.pop()
     if not whole and not lines:
-        raise request.refuse(f"must have its header row in the first {HEAD} bytes, got a first line that is longer")
+        raise request.refuse(f"must have its header row in the first {HEADER} bytes, got a first line that is longer")
     return [line.rstrip("\r") for line in lines]
 
 
