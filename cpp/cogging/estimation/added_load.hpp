@@ -122,7 +122,7 @@ class LooseLoad {
  private:
   struct Solution {
     double stiffness;
-    bool rests;
+    bool rests = false;
     Oscillator oscillator;
   };
 
