@@ -24,7 +24,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 #: Those of the core; `bindings` would ask for the system's limits.
 ROOMS = ("basis", "control", "estimation", "plant", "reference", "simulation")
-PROGRAMS = {"constructors": (), "drive": (), "lanes": (), "numbers": (), "soak": ("100000",)}  # and what each is told
+PROGRAMS = ("constructors", "drive", "lanes", "numbers", "soak")
 PARTS = ("calls", "rooms", "programs", "threads")
 #: What GCC calls undefined leaves out numbers that no integer holds. A division by zero is none: IEEE says what it is.
 #: Not optimised: the build is then half as long, and longer than what runs.
@@ -62,7 +62,7 @@ def main() -> int:
 def _checked(parts: Sequence[str], build: Path, beside: Path, cases: int, at_once: ThreadPoolExecutor) -> list[int]:
     """What runs under the sanitizers of addresses and undefined behaviour; of each command, whether it found any."""
     in_python = {"calls", "rooms"} & set(parts)
-    programs = PROGRAMS if "programs" in parts else {}
+    programs = PROGRAMS if "programs" in parts else ()
     if not in_python and not programs:
         return []
     targets = [*(["_core"] if in_python else []), *programs]
@@ -74,7 +74,7 @@ def _checked(parts: Sequence[str], build: Path, beside: Path, cases: int, at_onc
         calls = [sys.executable, "-m", "tests.attack", "bindings", "--cases", str(cases), "--processes", "1"]
         rooms = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{room}" for room in ROOMS)]
         commands += [(name, done, environment) for name, done in (("calls", calls), ("rooms", rooms)) if name in parts]
-    commands += [(name, [f"{program(build, name)}", *told], ALONE) for name, told in programs.items()]
+    commands += [(name, [f"{program(build, name)}"], ALONE) for name in programs]
     return [done.result() for done in [at_once.submit(run, *command) for command in commands]]
 
 
