@@ -138,10 +138,10 @@ def program(build: Path, name: str) -> Path:
 def run(name: str, command: Sequence[str], environment: Mapping[str, str] | None = None) -> int:
     """A command to its end, told under its name with its times; 0, or 1 where it found something."""
     begun = time.monotonic()
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"  # pip puts cmake and ninja there
+    everything = {**os.environ, "PATH": path, **(environment or {})}
     with tempfile.TemporaryFile() as said:
-        process = subprocess.Popen(
-            command, cwd=ROOT, env={**os.environ, **(environment or {})}, stdout=said, stderr=subprocess.STDOUT
-        )
+        process = subprocess.Popen(command, cwd=ROOT, env=everything, stdout=said, stderr=subprocess.STDOUT)
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = status  # it has been waited for
         said.seek(0)
