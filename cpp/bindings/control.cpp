@@ -38,7 +38,7 @@ void bind_controller(py::module_& module, py::dict& controllers) {
           [](const C& c) { return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end())); },
           "What it believes now, (p,): a copy; empty for a controller that does not adapt.")
       .def_property_readonly(
-          "samples_refused", [](const C& c) { return static_cast<std::uint64_t>(c.samples_refused()); },
+          "samples_refused", [](const C& c) { return whole_part<std::uint64_t>(c.samples_refused()); },
           "How many samples were refused so far, for a reading or a reference that is not finite.")
       .def("update", &C::update, py::arg("applied"),
            "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "

@@ -186,7 +186,7 @@ COGGING_LANES_RULE(require_not_negative)
 template <std::size_t count>
 struct LaneIndex {
   Lanes<count> whole;
-  bool same;
+  bool same = false;
 
   int operator[](std::size_t i) const { return static_cast<int>(whole[i]); }
   COGGING_INLINE friend LaneIndex operator*(const LaneIndex& a, int factor) {

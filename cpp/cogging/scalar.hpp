@@ -35,6 +35,17 @@ inline bool all(bool condition) {
   return condition;
 }
 
+/// The whole number in a value, towards 0: the type's own end of one that lies beyond it, and 0 of a NaN. Of both C++
+/// itself would give any number at all.
+template <class Integer = int>
+Integer whole_part(double value) {
+  using Limits = std::numeric_limits<Integer>;
+  constexpr double beyond = 2.0 * static_cast<double>(Limits::max() / 2 + 1);  // the largest itself may be no double
+  if (value >= beyond) return Limits::max();
+  if (value <= static_cast<double>(Limits::min())) return Limits::min();
+  return value == value ? static_cast<Integer>(value) : Integer{0};
+}
+
 /// How many numbers a scalar holds, and each of them.
 template <class Scalar>
 inline constexpr std::size_t lanes_of = 1;

@@ -92,7 +92,7 @@ class AxisUnit {
     const double start = time_of(sample_), end = time_of(sample_ + 1);
     const auto steps_of = [&](double from, double until) {
       const bool whole = from == start && until == end;
-      return whole ? steps_ : std::max(1, static_cast<int>(std::ceil(steps_ * (until - from) / (end - start))));
+      return whole ? steps_ : std::max(1, whole_part(std::ceil(steps_ * (until - from) / (end - start))));
     };
     commands_.over(sample_, start, time_, to, [&](Drive<double> drive, double from, double until) {
       drive.force = force_;

@@ -20,7 +20,7 @@ class HeldCommands {
   HeldCommands(const std::vector<Effect<>>& effects, double sample_time) : laws_(effects), sample_time_(sample_time) {
     const double samples = laws_.delay() / sample_time;
     require(samples < 1e6, "command_delay.delay", "must be below a million samples", laws_.delay());
-    whole_ = static_cast<std::int64_t>(samples);
+    whole_ = whole_part<std::int64_t>(samples);
     part_ = (samples - static_cast<double>(whole_)) * sample_time;
     carry(whole_, part_);
   }

@@ -1,73 +1,157 @@
-"""The core and its bindings under the address and undefined-behaviour sanitizers: `python -m tests.attack.sanitized`.
+"""The core and its bindings under the compiler's sanitizers: `python -m tests.attack.sanitized [PART ...]`.
 
-Builds the module with them in a folder of its own, and runs there, beside a copy of the package, the drawn calls of the
-bindings and the tests of the core's rooms. Needs a compiler with its sanitizers' libraries, as GCC has them, and what
-the package is built with. Options: `--cases N` drawn calls, `--build FOLDER` to keep the build.
+Addresses and undefined behaviour: the module, built with both in a folder of its own and beside a copy of the package,
+takes the drawn calls of the bindings (`calls`) and the tests of the core's rooms (`rooms`); the programs of tests/cpp
+(`programs`), which hold no Python, are looked at for leaks too. Threads: batches on 1 to 16 of them (`threads`). Two
+parts run at once; each tells its processor time. Needs a compiler with its sanitizers' libraries, as GCC has them, and
+what the package is built with. `--cases N` drawn calls, `--build FOLDER` to keep what was built.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import platform
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("basis", "control", "estimation", "plant", "reference")  # those of `bindings` ask for the system's limits
-CHECKED = "-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer"
+#: Those of the core; `bindings` would ask for the system's limits.
+ROOMS = ("basis", "control", "estimation", "plant", "reference", "simulation")
+PROGRAMS = ("constructors", "drive", "lanes", "numbers", "soak")
+PARTS = ("calls", "rooms", "programs", "threads")
+#: What GCC calls undefined leaves out numbers that no integer holds. A division by zero is none: IEEE says what it is.
+#: Not optimised: the build is then half as long, and longer than what runs.
+CHECKED = "-O0 -g1 -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer"
+THREADS = "-O1 -g1 -fsanitize=thread -fno-omit-frame-pointer"
 #: What pybind11 and Python do at exit is not looked at: leaks are what they leave to the system.
-ENVIRONMENT = {
+IN_PYTHON = {
     "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1",
-    "UBSAN_OPTIONS": "print_stacktrace=1",
     "PYTHONMALLOC": "malloc",
     "OPENBLAS_NUM_THREADS": "1",
 }
+ALONE = {"ASAN_OPTIONS": "detect_leaks=1:detect_stack_use_after_return=1", "TSAN_OPTIONS": "halt_on_error=1"}
 
 
 def main() -> int:
     """Build and run; status 1 where anything was found."""
     parser = argparse.ArgumentParser(prog="python -m tests.attack.sanitized", description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"{', '.join(PARTS)}; all when none is named")
     parser.add_argument("--cases", type=int, default=20_000)
     parser.add_argument("--build", default="")
     arguments = parser.parse_args()
+    parts = arguments.parts or PARTS
+    if unknown := set(parts) - set(PARTS):
+        parser.error(f"PART: must be one of {', '.join(PARTS)}, got {', '.join(sorted(unknown))}")
     with tempfile.TemporaryDirectory() as folder:
         beside = Path(folder)
-        shutil.copytree(ROOT / "python", beside / "python", ignore=shutil.ignore_patterns("_core*.so", "__pycache__"))
-        module = built(Path(arguments.build or beside / "build"))
-        shutil.copy(module, beside / "python" / "cogging")
-        environment = {**os.environ, **ENVIRONMENT, "LD_PRELOAD": libraries(), "PYTHONPATH": f"{beside / 'python'}"}
-        calls = [sys.executable, "-m", "tests.attack", "bindings", "--cases", str(arguments.cases)]
-        tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{room}" for room in ROOMS)]
-        status = 0
-        for command in (calls, tests):
-            status |= subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
-    return 1 if status else 0
+        build = Path(arguments.build or beside / "build").resolve()
+        with ThreadPoolExecutor(2) as at_once:  # one part builds while another runs
+            threads = at_once.submit(_threads, build / "threads") if "threads" in parts else None
+            checked = _checked(parts, build / "checked", beside, arguments.cases, at_once)
+            found = [*checked, *([threads.result()] if threads else [])]
+    return 1 if any(found) else 0
 
 
-def built(folder: Path) -> Path:
-    """The module, built with the sanitizers in a folder."""
-    eigen = next((place for path in sys.path if (place := Path(path) / "cmeel.prefix").exists()), "")
-    bindings = subprocess.run(
-        [sys.executable, "-m", "pybind11", "--cmakedir"], capture_output=True, text=True, check=True
-    ).stdout.strip()
+def _checked(parts: Sequence[str], build: Path, beside: Path, cases: int, at_once: ThreadPoolExecutor) -> list[int]:
+    """What runs under the sanitizers of addresses and undefined behaviour; of each command, whether it found any."""
+    in_python = {"calls", "rooms"} & set(parts)
+    programs = PROGRAMS if "programs" in parts else ()
+    if not in_python and not programs:
+        return []
+    targets = [*(["_core"] if in_python else []), *programs]
+    if configured(build, CHECKED, python=bool(in_python)) or built(build, targets):
+        return [1]
+    commands: list[tuple[str, list[str], Mapping[str, str]]] = []
+    if in_python:
+        environment = {**IN_PYTHON, "LD_PRELOAD": libraries(), "PYTHONPATH": f"{package(build, beside)}"}
+        calls = [sys.executable, "-m", "tests.attack", "bindings", "--cases", str(cases), "--processes", "1"]
+        rooms = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{room}" for room in ROOMS)]
+        commands += [(name, done, environment) for name, done in (("calls", calls), ("rooms", rooms)) if name in parts]
+    commands += [(name, [f"{program(build, name)}"], ALONE) for name in programs]
+    return [done.result() for done in [at_once.submit(run, *command) for command in commands]]
+
+
+def _threads(build: Path) -> int:
+    """Batches under the sanitizer of threads; whether anything was found."""
+    if configured(build, THREADS, python=False) or built(build, ["batches"]):
+        return 1
+    return run("threads", [f"{program(build, 'batches')}"], ALONE)
+
+
+def configured(build: Path, checks: str, *, python: bool) -> int:
+    """Sets up a build with these checks; 0, or 1 where that failed."""
     options = {
         "CMAKE_BUILD_TYPE": "Release",
-        "CMAKE_CXX_FLAGS_RELEASE": "-O1 -g1 -DNDEBUG",
-        "CMAKE_CXX_FLAGS": CHECKED,
+        "CMAKE_CXX_FLAGS_RELEASE": "-DNDEBUG",
+        "CMAKE_CXX_FLAGS": checks,
         "CMAKE_INTERPROCEDURAL_OPTIMIZATION": "OFF",
-        "CMAKE_PREFIX_PATH": f"{eigen};{bindings}",
         "COGGING_FMI": "OFF",
-        "COGGING_PYTHON": "ON",
-        "Python_EXECUTABLE": sys.executable,
+        "COGGING_PYTHON": "ON" if python else "OFF",
+        "COGGING_TESTS": "ON",
+        "COGGING_INSTRUCTION_SETS": lanes(),
     }
+    if python:
+        eigen = next((place for path in sys.path if (place := Path(path) / "cmeel.prefix").exists()), "")
+        asked = [sys.executable, "-m", "pybind11", "--cmakedir"]
+        bindings = subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()
+        options |= {"CMAKE_PREFIX_PATH": f"{eigen};{bindings}", "Python_EXECUTABLE": sys.executable}
+    if cache := shutil.which("ccache"):
+        options["CMAKE_CXX_COMPILER_LAUNCHER"] = cache
     given = [f"-D{name}={value}" for name, value in options.items()]
-    subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *given], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", folder, "--target", "_core"], check=True, stdout=subprocess.DEVNULL)
-    (module,) = folder.rglob("_core*.so")
-    return module
+    return run("", ["cmake", "-S", f"{ROOT}", "-B", f"{build}", "-G", "Ninja", *given])
+
+
+def built(build: Path, targets: Sequence[str]) -> int:
+    """Builds them; 0, or 1 where that failed."""
+    together = str(os.cpu_count() or 1)  # ninja would start two more, each of which may need 3 GB
+    command = ["cmake", "--build", f"{build}", "--parallel", together, "--target", *targets]
+    return run(f"build of {', '.join(targets)}", command)
+
+
+def lanes() -> str:
+    """One instruction set for packs of runs, the widest that any processor of today has: fewer are built sooner."""
+    machine = platform.machine().lower()
+    return {"x86_64": "v3", "amd64": "v3", "aarch64": "neon", "arm64": "neon"}.get(machine, "")
+
+
+def package(build: Path, beside: Path) -> Path:
+    """A copy of the package with the module that was built."""
+    copy = beside / "python"
+    shutil.copytree(ROOT / "python", copy, ignore=shutil.ignore_patterns("_core*.so", "__pycache__"))
+    (module,) = build.rglob("_core*.so")
+    shutil.copy(module, copy / "cogging")
+    return copy
+
+
+def program(build: Path, name: str) -> Path:
+    """One of the programs of tests/cpp."""
+    return build / "tests" / "cpp" / name
+
+
+def run(name: str, command: Sequence[str], environment: Mapping[str, str] | None = None) -> int:
+    """A command to its end, told under its name with its times; 0, or 1 where it found something."""
+    begun = time.monotonic()
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"  # pip puts cmake and ninja there
+    everything = {**os.environ, "PATH": path, **(environment or {})}
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen(command, cwd=ROOT, env=everything, stdout=said, stderr=subprocess.STDOUT)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = status  # it has been waited for
+        said.seek(0)
+        text = said.read().decode(errors="replace")
+    if name or status:
+        elapsed = time.monotonic() - begun
+        line = f"{name or ' '.join(command)}: {'found something' if status else 'sound'}"
+        print(f"{line}, {used.ru_utime + used.ru_stime:.0f} s of processor, {elapsed:.0f} s", flush=True)
+        print(text if status else "\n".join(text.splitlines()[-1:]), flush=True)
+    return 1 if status else 0
 
 
 def libraries() -> str:

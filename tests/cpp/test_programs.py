@@ -1,4 +1,4 @@
-"""What CTest says of the programs in C++: constructors, controllers as a drive has them, lanes, a soak."""
+"""What CTest says of the programs in C++: constructors, numbers, controllers as a drive has them, lanes, a soak."""
 
 import xml.etree.ElementTree as ElementTree
 
@@ -7,4 +7,4 @@ def test_programs_pass(cmake, programs, tmp_path):
     report = tmp_path / "report.xml"
     cmake.run(cmake.ctest, "--test-dir", programs, "--output-on-failure", "-C", "Debug", "--output-junit", report)
     passed = {case.get("name") for case in ElementTree.parse(report).iter("testcase") if case.get("status") == "run"}
-    assert passed == {"constructors", "drive", "drive_refuses", "lanes", "soak"}
+    assert passed == {"constructors", "drive", "drive_refuses", "lanes", "numbers", "soak"}

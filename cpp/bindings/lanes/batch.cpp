@@ -40,7 +40,7 @@ struct RecordedBatch {
   double initial_velocity;
   const std::vector<double>& added_command;
   RecordRequest request;
-  bool keeps_refused;
+  bool keeps_refused = false;
   SharedRows rows{};
   std::vector<double> values{};  // (runs, indexes and reductions)
   std::vector<std::vector<std::vector<double>>> columns{};

@@ -1,5 +1,6 @@
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 #include "run_lanes.hpp"
 
@@ -9,7 +10,11 @@
   void force_lanes_##set(const PackOfForces&);
 #ifdef COGGING_LANES_v2
 COGGING_DECLARED(v2)
+#endif
+#ifdef COGGING_LANES_v3
 COGGING_DECLARED(v3)
+#endif
+#ifdef COGGING_LANES_v4
 COGGING_DECLARED(v4)
 #endif
 #ifdef COGGING_LANES_neon
@@ -18,16 +23,26 @@ COGGING_DECLARED(neon)
 
 std::vector<InstructionSet> instruction_sets() {
   std::vector<InstructionSet> sets;
-#ifdef COGGING_LANES_v2
+#if defined(COGGING_LANES_v2) || defined(COGGING_LANES_v3) || defined(COGGING_LANES_v4)
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt"))
-    sets.push_back({"v2", COGGING_LANES_v2, run_lanes_v2, force_lanes_v2});
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
-      __builtin_cpu_supports("bmi2"))
-    sets.push_back({"v3", COGGING_LANES_v3, run_lanes_v3, force_lanes_v3});
-  if (sets.size() == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    sets.push_back({"v4", COGGING_LANES_v4, run_lanes_v4, force_lanes_v4});
+  const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
+  const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                  __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  [[maybe_unused]] const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                                   __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                                   __builtin_cpu_supports("avx512vl");
+  const auto add = [&sets](bool is_there, InstructionSet set) {
+    if (is_there) sets.push_back(std::move(set));
+  };
+#endif
+#ifdef COGGING_LANES_v2
+  add(v2, {"v2", COGGING_LANES_v2, run_lanes_v2, force_lanes_v2});
+#endif
+#ifdef COGGING_LANES_v3
+  add(v3, {"v3", COGGING_LANES_v3, run_lanes_v3, force_lanes_v3});
+#endif
+#ifdef COGGING_LANES_v4
+  add(v4, {"v4", COGGING_LANES_v4, run_lanes_v4, force_lanes_v4});
 #endif
 #ifdef COGGING_LANES_neon
   sets.push_back({"neon", COGGING_LANES_neon, run_lanes_neon, force_lanes_neon});

@@ -30,7 +30,7 @@ struct PackOfForces {
   std::span<double* const> rows;
   const cogging::Recording& log;
   std::span<const double> middle_position, middle_velocity;  // m, m/s
-  cogging::StopRequest* stop;
+  cogging::StopRequest* stop = nullptr;
 };
 
 /// Instructions for which this module was compiled and that this machine has.

@@ -129,7 +129,7 @@ the mean of both, which is without friction. What is learned at rest ends with i
         sample_time_(1.0 / parameters.sample_rate),
         measured_rotation_(parameters.rotation == "measured") {
     const double samples = parameters.delay * parameters.sample_rate;
-    whole_ = static_cast<std::size_t>(samples + 1e-9);
+    whole_ = whole_part<std::size_t>(samples + 1e-9);
     fraction_ = std::max(0.0, samples - static_cast<double>(whole_));
     for (int n = 0; n < count_; ++n) wavenumber_[n] = 2.0 * std::numbers::pi / parameters.periods[n];
     state_.fill(Scalar(0.0));

@@ -344,7 +344,7 @@ filters of the applied command go on through samples that are refused; that of t
     if (parameters_.filter_steps == "euler") {
       for (int i = 0; i < 9; ++i) sum[i] += block[i];
     } else {
-      const int halvings = std::max(0, 4 + static_cast<int>(std::ceil(std::log2(1.0 + (k1 + k2 * t) * t))));
+      const int halvings = std::max(0, whole_part(4.0 + std::ceil(std::log2(1.0 + (k1 + k2 * t) * t))));
       for (double& entry : block) entry = std::ldexp(entry, -halvings);
       Square term = sum;
       for (int n = 1; n <= 16; ++n) {

@@ -53,7 +53,7 @@ class SampleGuard {
           first_(select(taken, passed, Scalar(0.0)) > std::numeric_limits<double>::max()),
           anew_(select(taken, passed, Scalar(0.0)) > gap_max + 1.0),
           missed_(select(anew_, Scalar(0.0), select(taken, passed - 1.0, Scalar(0.0)))),
-          bridged(static_cast<int>(largest(missed_))) {}
+          bridged(whole_part(largest(missed_))) {}
 
     const Scalar steps;  // infinite in the first sample
 

@@ -12,6 +12,7 @@
 #include "cogging/control/feedforward.hpp"
 #include "cogging/control/sample_guard.hpp"
 #include "cogging/delay_line.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -76,7 +77,7 @@ refused is w, which goes through the delay as ever.)";
     if (std::abs(samples - std::round(samples)) < 1e-9 * (1.0 + samples)) samples = std::round(samples);
     const double whole = std::floor(samples);
     fraction_ = samples - whole;
-    whole_ = static_cast<std::size_t>(whole);
+    whole_ = whole_part<std::size_t>(whole);
     commands_ = DelayLine<Scalar>(whole_ + 1);
   }
 

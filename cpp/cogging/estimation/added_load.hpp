@@ -20,6 +20,7 @@
 #include "cogging/plant/axis.hpp"
 #include "cogging/plant/coupling.hpp"
 #include "cogging/plant/integration.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -121,7 +122,7 @@ class LooseLoad {
  private:
   struct Solution {
     double stiffness;
-    bool rests;
+    bool rests = false;
     Oscillator oscillator;
   };
 
@@ -141,7 +142,7 @@ class LooseLoad {
     };
     const double needed = std::ceil(4.0 * coupling_.rate() * h);
     require(needed <= 1e5, "frequency", "must need at most 1e5 substeps a step", needed);
-    const int pieces = std::max(1, static_cast<int>(needed));
+    const int pieces = std::max(1, whole_part(needed));
     const double step = h / pieces;
     for (int piece = 0; piece < pieces; ++piece) {
       const auto moved = [&z](const Deflection& slope, double length) {

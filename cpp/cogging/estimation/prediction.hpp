@@ -12,6 +12,7 @@
 #include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/plant/recorded_amplifier.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -106,7 +107,7 @@ inline double advance_interval(const Axis<double>& axis, RecordedAmplifier& ampl
                                double start, double end, int steps_per_sample) {
   const double h = end - start;
   const auto steps_of = [&](double from, double to) {
-    return std::max(1, static_cast<int>(std::ceil(steps_per_sample * (to - from) / h - 1e-9)));
+    return std::max(1, whole_part(std::ceil(steps_per_sample * (to - from) / h - 1e-9)));
   };
   double acting = 0.0;
   amplifier.over(start, end, [&](const Drive<double>& drive, double from, double to) {

@@ -9,6 +9,7 @@
 #include "cogging/delay_line.hpp"
 #include "cogging/plant/amplifier_laws.hpp"
 #include "cogging/plant/state.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -24,7 +25,7 @@ class Amplifier {
       : laws_(effects), sample_time_(sample_time) {
     const double samples = laws_.delay() / sample_time;
     require(samples < 1e6, "command_delay.delay", "must be below a million samples", laws_.delay());
-    whole_ = static_cast<std::size_t>(samples);
+    whole_ = whole_part<std::size_t>(samples);
     switch_ = (samples - static_cast<double>(whole_)) * sample_time;
     if (switch_ > sample_time * (1.0 - 1e-9)) ++whole_, switch_ = 0.0;
     if (switch_ < sample_time * 1e-9) switch_ = 0.0;

@@ -11,6 +11,7 @@
 #include "cogging/plant/integration.hpp"
 #include "cogging/plant/sticking.hpp"
 #include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -77,7 +78,7 @@ class BodyWithStates {
     }
     const double needed = std::ceil(rate * h);
     require(needed <= 1e5, "stiffness, frequency", "must need at most 1e5 substeps a step", needed);
-    return std::max(1, static_cast<int>(needed));
+    return std::max(1, whole_part(needed));
   }
 
   void move(AxisState<double>& state, const Drive<double>& drive, double time, double from, double until) const {

@@ -6,6 +6,7 @@
 
 #include "cogging/plant/state.hpp"
 #include "cogging/plant/step_control.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -67,7 +68,7 @@ class StickSlip {
     };
     const auto sticks_at = [&](double offset) { return body_.breakaway(rested(offset), drive_, time_, offset) == 0.0; };
     // Look at four places or more: a force that comes and goes within the step must not be missed.
-    const int looks = std::max(4, static_cast<int>(std::min(1e4, 4.0 * body_.quickest() * length)));
+    const int looks = std::max(4, whole_part(std::min(1e4, 4.0 * body_.quickest() * length)));
     double stuck_at = start;
     for (int look = 1; look <= looks; ++look) {
       const double at = look == looks ? done_ : start + length * look / looks;

@@ -15,6 +15,7 @@
 #include "cogging/plant/amplifier.hpp"
 #include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
+#include "cogging/scalar.hpp"
 #include "cogging/simulation/log.hpp"
 #include "cogging/simulation/recorder.hpp"
 #include "cogging/simulation/reference_rows.hpp"
@@ -74,7 +75,7 @@ COGGING_NOINLINE void advance_eventful_sample(AnyAxis& axis, Amplifier<Scalar>& 
   const double sample_time = time_next - time;
   const auto steps_of = [&](double start, double end) {
     const bool whole = start == time && end == time_next;
-    return whole ? steps : std::max(1, int(std::ceil(steps * (end - start) / sample_time)));
+    return whole ? steps : std::max(1, whole_part(std::ceil(steps * (end - start) / sample_time)));
   };
   amplifier.over(time, time_next, [&](Drive<Scalar> drive, double from, double to) {
     drive.force = force;

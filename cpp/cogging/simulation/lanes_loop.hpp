@@ -18,7 +18,7 @@ namespace cogging {
 
 /// One of the runs of a pack: what it is, and what ended it before its end; null where nothing did.
 struct RunInLane {
-  const Plant<double>* plant;
+  const Plant<double>* plant = nullptr;
   std::uint64_t seed;
   std::optional<double> initial_position;  // m; the reference's first position when not given
   std::exception_ptr ended = nullptr;

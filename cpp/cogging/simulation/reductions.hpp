@@ -104,7 +104,7 @@ class SizeQuantile {
 
   double of_lane(std::size_t i) const {
     const double place = fraction_ * static_cast<double>(rows_ - 1);
-    const auto below = static_cast<std::size_t>(place);
+    const auto below = whole_part<std::size_t>(place);
     const double low = of_rank(i, below);
     const double high = below + 1 < rows_ ? of_rank(i, below + 1) : low;
     return low + (place - static_cast<double>(below)) * (high - low);

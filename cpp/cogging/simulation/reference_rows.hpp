@@ -12,6 +12,7 @@
 #include "cogging/plant/axis.hpp"
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -81,7 +82,7 @@ class ReferenceRows {
     require(std::isfinite(duration), "duration", "must be given for a reference without an end of its own", duration);
     const double samples = duration * sample_rate;
     require(samples >= 1.0 && samples < 1e9, "duration", "must hold 1 to 1e9 samples", duration);
-    return static_cast<std::size_t>(std::floor(samples + 1e-6)) + 1;
+    return whole_part<std::size_t>(std::floor(samples + 1e-6)) + 1;
   }
 
   /// What a duration asks for, s.

@@ -33,7 +33,7 @@ class SharedRows {
  private:
   static constexpr std::size_t kept_most = 8;
   struct Key {
-    const Reference* reference;
+    const Reference* reference = nullptr;
     double duration, sample_rate;
     bool operator==(const Key&) const = default;
   };

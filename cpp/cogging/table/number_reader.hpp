@@ -22,7 +22,7 @@ namespace detail {
 
 struct ParsedNumber {
   double value;
-  const char* end;  // where the number ends; the start if there is none
+  const char* end = nullptr;  // where the number ends; the start if there is none
 };
 
 /// The number at the start of [begin, end), to the last bit, whatever the locale; too large is infinite.
