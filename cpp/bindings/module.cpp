@@ -84,6 +84,15 @@ void tell_calls_in_one_line(const py::module_& module) {
       const py::object init = bound.attr("__dict__").attr("get")("__init__");
       if (!init.is_none() && !init.attr("__doc__").is_none())
         py::setattr(bound, "__init__", told_in_one_line(init, "construct", py::is_method(bound)));
+      for (const auto& [own, method] : py::dict(bound.attr("__dict__"))) {
+        const auto called = own.cast<std::string>();
+        if (called.starts_with("_") || !PyInstanceMethod_Check(method.ptr())) continue;
+        const py::object inner = py::reinterpret_borrow<py::object>(method);
+        const py::object doc = inner.attr("__doc__");
+        if (!doc.is_none() &&
+            doc.cast<std::string>().find("Array") != std::string::npos)  // numpy makes those of anything
+          py::setattr(bound, called.c_str(), told_in_one_line(inner, called, py::is_method(bound)));
+      }
     } else if (PyCFunction_Check(bound.ptr())) {
       py::setattr(module, py::str(name), told_in_one_line(bound, py::str(name), py::scope(module)));
     }

@@ -123,6 +123,8 @@ def _judge(target: Target, subject: Any, positional: list[Any], named: dict[str,
 
 def taken_for_number(target: Target, positional: list[Any], named: dict[str, Any]) -> str | None:
     """What a call took for a number that is none."""
+    if target.name == "__setstate__":  # of a pickle, which is trusted
+        return None
     given = {parameter.name: value for parameter, value in zip(target.parameters, positional, strict=False)} | named
     for parameter in target.parameters:
         numeric = any(word in parameter.annotation for word in ("Supports", "ArrayLike", "NDArray"))

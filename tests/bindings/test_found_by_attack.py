@@ -106,6 +106,7 @@ NO_NUMBERS = {
 TAKES_NUMBERS = {
     "array of the core": lambda values: cogging.performance([0.0, 1.0], values, [0.0, 1.0]),
     "list of the core": lambda values: cogging.SplineHarmonics(pitch=0.05, harmonics=[1], periods=values),
+    "method of the core": lambda values: POOL["CableSpring"].force_at(position=values),
     "field": lambda values: cogging.ObserverBasedParameters(periods=values),
     "log": lambda values: cogging.Log(time=[0.0, 1.0], position=values, command=[0.0, 1.0]),
     "scan": lambda values: cogging.fit_map(values, [0.0, 1.0], pitch=0.05),

@@ -618,7 +618,7 @@ REFUSED = [
     ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
     ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional, got 2 dimensions"),
-    ({"position": ["a"] * 511}, r"position: must be real numbers, got list"),
+    ({"position": ["a"] * 511}, r"position: must be real numbers, got .a. among them"),
     ({"force": WAVE + 1j}, r"force: must be real numbers, got ndarray"),
     ({"position": GRID[:3], "force": WAVE[:3]}, r"position: must hold at least 10 points of a scan, got 3"),
     ({"position": [], "force": []}, r"position: must hold at least 10 points of a scan, got 0"),

@@ -141,5 +141,5 @@ def test_what_calls_make_by_number_is_counted():
     few = {"axis.mass": {"from": 0.11, "to": 0.13}}
     assert len(cogging.sweep(model, command_files.REFERENCE, few, method="random", runs=2, duration=0.01)) == 2
     position = np.linspace(0.0, 1.0, 400_001)
-    with pytest.raises(ValueError, match=rf"^pitch: {LINE}400001 points by 10000[0-9] lines"):
+    with pytest.raises(ValueError, match=rf"^position: {LINE}400001 points by 10000[0-9] lines"):
         cogging.fit_map(position, position, pitch=1e-5)

@@ -66,7 +66,7 @@ class HarmonicSpectrum:
         reach = int(0.5 * travel / pitch - 1e-9)
         lines = float(highest + 1) + 2.0 * reach + 1.0
         told = f"{len(position)} points by {lines:g} lines"
-        require_memory("pitch", POINT * len(position) * lines, told, f"{pitch:g}")
+        require_memory("position", POINT * len(position) * lines, told, f"{travel / pitch:g} pitches")
         self.harmonic = np.arange(highest + 1)
         offset = np.arange(-reach, reach + 1)
         self.frequency: FloatArray = self.harmonic[:, None] / pitch + offset / travel
