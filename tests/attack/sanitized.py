@@ -22,9 +22,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-#: Those of the core; `bindings` would ask for the system's limits.
-ROOMS = ("basis", "control", "estimation", "plant", "reference", "simulation")
-PROGRAMS = ("constructors", "drive", "lanes", "numbers", "soak")
+#: Those of the core, in two processes; `bindings` would ask for the system's limits, and a sweep is none of the core's.
+RUNS = [
+    f"simulation/test_{name}.py" for name in ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
+]
+ROOMS = (("basis", "plant", "reference"), ("control", "estimation", *RUNS))
+#: Packs of runs have their tests among the rooms; `lanes` would take two minutes for them.
+PROGRAMS = ("constructors", "drive", "numbers", "soak")
 PARTS = ("calls", "rooms", "programs", "threads")
 #: What GCC calls undefined leaves out numbers that no integer holds. A division by zero is none: IEEE says what it is.
 #: Not optimised: the build is then half as long, and longer than what runs.
@@ -72,8 +76,10 @@ def _checked(parts: Sequence[str], build: Path, beside: Path, cases: int, at_onc
     if in_python:
         environment = {**IN_PYTHON, "LD_PRELOAD": libraries(), "PYTHONPATH": f"{package(build, beside)}"}
         calls = [sys.executable, "-m", "tests.attack", "bindings", "--cases", str(cases), "--processes", "1"]
-        rooms = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{room}" for room in ROOMS)]
-        commands += [(name, done, environment) for name, done in (("calls", calls), ("rooms", rooms)) if name in parts]
+        pytest = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+        told = [("calls", "calls", calls)]
+        told += [("rooms", f"rooms {rooms[0]} ...", pytest + [f"tests/{room}" for room in rooms]) for rooms in ROOMS]
+        commands += [(name, command, environment) for part, name, command in told if part in parts]
     commands += [(name, [f"{program(build, name)}"], ALONE) for name in programs]
     return [done.result() for done in [at_once.submit(run, *command) for command in commands]]
 
