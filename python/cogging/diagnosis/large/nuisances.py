@@ -124,4 +124,5 @@ def _between(values: FloatArray, vectors: FloatArray, aim: FloatArray, low: Floa
             return np.asarray(weights)
     root = (vectors * np.sqrt(values)).T
     ends = (low - BALANCE.no_room, high + BALANCE.no_room)
-    return np.clip(lsq_linear(root, vectors.T @ aim / np.sqrt(values), bounds=ends, method="bvls").x, low, high)
+    found = lsq_linear(root, vectors.T @ aim / np.sqrt(values), bounds=ends, method="bvls").x
+    return np.asarray(np.clip(found, low, high))
