@@ -15,8 +15,8 @@ import cogging
 PACKAGE = Path(cogging.__file__).parent
 TESTS = Path(__file__).parent
 #: What every room may use.
-BASE = {"_core", "arrays", "calls", "core_values", "correlation", "cpp_library", "effects", "files", "linear"}
-BASE |= {"outputs", "progress", "shown", "tables", "threads", "values"}
+BASE = {"_core", "arrays", "blas_threads", "calls", "core_values", "correlation", "cpp_library", "effects", "files"}
+BASE |= {"linear", "outputs", "progress", "shown", "tables", "threads", "values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
