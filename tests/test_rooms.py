@@ -15,8 +15,9 @@ import cogging
 PACKAGE = Path(cogging.__file__).parent
 TESTS = Path(__file__).parent
 #: What every room may use.
-BASE = {"_core", "arrays", "calls", "core_values", "correlation", "cpp_library", "effects", "file_locks"}
-BASE |= {"file_sets", "files", "linear", "memory", "outputs", "progress", "shown", "tables", "threads", "values"}
+BASE = {"_core", "arrays", "blas_threads", "calls", "core_values", "correlation", "cpp_library", "effects"}
+BASE |= {"file_locks", "file_sets", "files", "linear", "memory", "outputs", "progress", "shown", "tables", "threads"}
+BASE |= {"values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]

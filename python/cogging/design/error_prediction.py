@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.design.controller_choice import chosen_controllers
 from cogging.design.drawn_machines import DrawnMachine, drawn_samples
@@ -30,6 +31,7 @@ ROWS_MOST = 8e6  # of two columns that are held at a time: 128 MB
 
 
 @takes(model=MODEL, reference=REFERENCE)
+@on_one_blas_thread(scipy=True)
 def predict_error(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],

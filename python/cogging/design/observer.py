@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import Kind, takes, told_constructor
 from cogging.values import ByValue, brief
 
@@ -148,6 +149,7 @@ class ObserverProblem(ByValue):
 
 
 @takes(problem=Kind((ObserverProblem,), "an ObserverProblem"))
+@on_one_blas_thread(scipy=True)
 def design_observer(problem: ObserverProblem) -> ObserverDesign:
     """Find the gain K with the smallest gamma_o (Theorem 3 with the pole disk), and certify it by eigenvalues.
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import DivergedError
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.assembly import assemble, with_empirical_term
 from cogging.diagnosis.entries import Gap
@@ -39,6 +40,7 @@ IN_THEIR_OWN_UNITS = ("location", "series", "vocabulary", "planned")
 
 
 @takes(logs=LOGS, model=MODEL, confirm=LOGS, planned=PLANNED)
+@on_one_blas_thread(scipy=True)
 def diagnose(
     logs: Logs,
     model: Model | str | os.PathLike[str],

@@ -10,6 +10,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.candidates.findings import Finding, judged
 from cogging.diagnosis.candidates.scan import sharpen
@@ -32,6 +33,7 @@ from cogging.simulation.arguments import LOGS, MODEL
 
 
 @takes(logs=LOGS, model=MODEL)
+@on_one_blas_thread(scipy=True)
 def locate_gap(
     logs: Logs,
     model: Model | str | os.PathLike[str],

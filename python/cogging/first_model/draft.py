@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.files import InputError
 from cogging.first_model.column_guess import ColumnGuesses
@@ -30,6 +31,7 @@ FEWEST = 10  # rows
 
 @takes(log=FILE)
 @np.errstate(all="ignore")  # wild numbers lead to sizes that are not told
+@on_one_blas_thread(scipy=True)
 def draft_model(
     log: Log | str | os.PathLike[str],
     *,

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray, real_array
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.model.labelled import labelled
@@ -173,6 +174,7 @@ class FrictionCurve(ByValue):
 
 
 @takes(units=UNITS)
+@on_one_blas_thread(scipy=True)
 def fit_friction_curve(
     velocity: npt.ArrayLike,
     force: npt.ArrayLike,

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.misreading.misreading import misreading
@@ -32,6 +33,7 @@ CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the f
 
 
 @takes(logs=LOGS, model=MODEL)
+@on_one_blas_thread(scipy=True)
 def identify(
     logs: Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str],

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.encoder_quantum import encoder_quantum
@@ -142,6 +143,7 @@ def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
 
 
 @takes(log=LOG, model=MODEL_OR_NONE)
+@on_one_blas_thread(scipy=False)
 def audit(log: Log, model: Model | None = None) -> Audit:
     """Look at a log, and at the controller that a model states (see check_controller).
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.log_check.command_comparison import Compared, compared, root_mean_square
 from cogging.log_check.controller_gains import fit_gains, linear_regressors
@@ -78,6 +79,7 @@ class ControllerCheck(ByValue):
 
 
 @takes(log=LOG, model=MODEL_ALONE)
+@on_one_blas_thread(scipy=False)
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 

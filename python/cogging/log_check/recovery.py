@@ -10,6 +10,7 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.log_check.controller_gains import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
@@ -38,6 +39,7 @@ class RecoveredController(NamedTuple):
 
 
 @takes(log=LOG)
+@on_one_blas_thread(scipy=True)
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging import plot
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.simulation.arguments import LOG
@@ -76,6 +77,7 @@ class TrackingSpectrum(ByValue):
 
 
 @takes(log=LOG)
+@on_one_blas_thread(scipy=True)
 def tracking_spectrum(
     log: Log, *, shortest_period: float = 2e-3, most: int = 8, share: float = 0.15
 ) -> TrackingSpectrum:

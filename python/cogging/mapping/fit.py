@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.mapping.direction import MOST_TERMS as MOST_DIRECTION_TERMS
 from cogging.mapping.direction import find_direction_lines
@@ -26,6 +27,7 @@ MOST_COMPARED = 2000  # coefficients of each fit in a comparison
 
 
 @takes(units=UNITS)
+@on_one_blas_thread(scipy=False)
 def fit_map(
     position: npt.ArrayLike,
     force: npt.ArrayLike,

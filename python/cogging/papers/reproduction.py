@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.papers.result import Reproduction
 from cogging.progress import Progress, steps
@@ -15,6 +16,7 @@ PAPERS = ("lu2008", "malaize2009", "xu2001")
 
 
 @takes()
+@on_one_blas_thread(scipy=True)
 def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Reproduce the experiments of a paper: its tables beside ours, and its figures.
 
@@ -41,6 +43,7 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
 
 
 @takes()
+@on_one_blas_thread(scipy=True)
 def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cogging._core import Reference
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import Kind, did_you_mean, takes
 from cogging.design.tuning.gains import Tuned, tuned_of_function, tuned_of_model
 from cogging.design.tuning.limits import ALL_END, asked_limits, excesses, limits_of
@@ -54,6 +55,7 @@ OF_NUMBERS = ("present", "tuned", "model", "trials", "front")
 
 
 @takes(model=MODEL, reference=REFERENCE, gains=TABLE, controller=CONTROLLER)
+@on_one_blas_thread(scipy=True)
 def tune(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],

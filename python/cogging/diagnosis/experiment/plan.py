@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import PidParameters
+from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.design.pid import pid_gains
 from cogging.diagnosis.experiment.detection import Detection
@@ -48,6 +49,7 @@ class NoMotion(ValueError):
 
 
 @takes(model=MODEL, limits=LIMITS, result=RESULT)
+@on_one_blas_thread(scipy=True)
 def plan_experiment(
     model: Model | str | os.PathLike[str],
     limits: MotionLimits | str | os.PathLike[str],

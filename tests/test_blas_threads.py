@@ -1,0 +1,93 @@
+"""Linear algebra runs on one thread while the package computes: answers do not depend on how many there are."""
+
+import inspect
+import os
+import subprocess
+import sys
+import threading
+
+import pytest
+
+import cogging
+from cogging import blas_threads
+from cogging.blas_threads import NUMPY, ONE_THREAD, SCIPY, library_of, on_one_blas_thread
+
+#: Public functions without linear algebra of their own, or with that of a few numbers alone.
+WITHOUT = {"check_against_model", "closed_loop", "closed_loop_batch", "parameters_of", "pid_gains", "pid_poles"}
+WITHOUT |= {"get_cmake_dir", "get_include", "read_log", "read_reference", "repeat", "schema", "simulate", "sweep"}
+
+
+def threads():
+    """Of the BLAS of NumPy and SciPy."""
+    return [library_of(module).number() for module in (NUMPY, SCIPY)]
+
+
+@pytest.fixture
+def two_threads():
+    libraries = [library_of(module) for module in (NUMPY, SCIPY)]
+    if None in libraries:
+        pytest.skip("a BLAS that lets nobody set its threads")
+    before = threads()
+    for library in libraries:
+        library.set_number(2)
+    yield
+    for library, number in zip(libraries, before, strict=True):
+        library.set_number(number)
+
+
+def test_one_thread_within_and_what_was_there_behind(two_threads):
+    @on_one_blas_thread(scipy=False)
+    def seen(inner=None):
+        return threads() + (inner() if inner else []) + threads()
+
+    assert threads() == [2, 2]
+    assert seen(seen) == [1, 1] * 4
+    assert threads() == [2, 2]
+    with pytest.raises(ZeroDivisionError):
+        on_one_blas_thread(scipy=True)(lambda: 1 / 0)()
+    assert threads() == [2, 2]
+
+
+def test_the_last_of_several_threads_puts_back_what_the_first_found(two_threads):
+    inside, ended, seen = threading.Event(), threading.Event(), []
+
+    def other():
+        with ONE_THREAD:
+            inside.set()
+            ended.wait(10.0)
+            seen.extend(threads())
+
+    with ONE_THREAD:
+        thread = threading.Thread(target=other)
+        thread.start()
+        assert inside.wait(10.0)
+    ended.set()
+    thread.join()
+    assert seen == [1, 1]
+    assert threads() == [2, 2]
+
+
+def test_scipy_is_there_before_its_threads_are_set():
+    """Loaded only within a function, its BLAS would have the threads that the environment asks for."""
+    program = """
+import sys
+from cogging.blas_threads import SCIPY, library_of, on_one_blas_thread
+assert SCIPY not in sys.modules
+def number():
+    return library_of(SCIPY).number()
+print(on_one_blas_thread(scipy=True)(number)(), number())
+"""
+    if library_of(SCIPY) is None:
+        pytest.skip("a BLAS that lets nobody set its threads")
+    names = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "2")
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env={**os.environ, **names})
+    assert (done.stdout, done.stderr) == ("1 2\n", "")
+
+
+@pytest.mark.parametrize("name", [n for n in cogging.__all__ if inspect.isfunction(getattr(cogging, n))])
+def test_each_public_function_computes_on_one_thread_or_needs_none(name):
+    function, rooms = getattr(cogging, name), set()
+    while function is not None:
+        rooms.add(function.__globals__["__name__"])
+        function = getattr(function, "__wrapped__", None)
+    assert (blas_threads.__name__ in rooms) == (name not in WITHOUT)
