@@ -107,7 +107,7 @@ COGGING_LANES_ONE_BY_ONE(sign)
 
 template <std::size_t count>
 Lanes<count> pow(const Lanes<count>& base, const Lanes<count>& exponent) {
-  return Lanes<count>::map([&](std::size_t i) { return std::pow(base[i], exponent[i]); });
+  return Lanes<count>::map([&](std::size_t i) { return cogging::pow(base[i], exponent[i]); });
 }
 template <std::size_t count>
 COGGING_INLINE Lanes<count> select(const LaneMask<count>& condition, const Lanes<count>& if_true,

@@ -10,7 +10,7 @@
 
 namespace cogging {
 
-using std::abs, std::exp, std::pow, std::round, std::tanh;
+using std::abs, std::round;
 
 inline double select(bool condition, double if_true, double if_false) {
   return condition ? if_true : if_false;

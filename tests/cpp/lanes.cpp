@@ -240,7 +240,7 @@ void elementary_functions() {
   std::mt19937_64 engine(2);
   const auto uniform = [&] { return 2.0 * static_cast<double>(engine() >> 11) * 0x1.0p-53 - 1.0; };
   double sine_worst = 0.0, atan_worst = 0.0;
-  for (double size : {1e-9, 1e-3, 0.5, 1.0, 3.0, 10.0, 300.0, 1e4, 1e6, 1e7})
+  for (double size : {1e-9, 1e-3, 0.5, 1.0, 3.0, 10.0, 300.0, 1e4, 1e6, 1e7, 1e11})
     for (int i = 0; i < 20000; ++i) {
       const double angle = size * uniform();
       double s, c;
@@ -252,7 +252,32 @@ void elementary_functions() {
     }
   std::printf("long_double_digits %d\nsine_ulps %.17g\natan_ulps %.17g\n", std::numeric_limits<long double>::digits,
               sine_worst, atan_worst);
+  double exp_worst = 0.0, expm1_worst = 0.0, log_worst = 0.0, tanh_worst = 0.0, pow_worst = 0.0, root_worst = 0.0;
+  for (double size : {1e-9, 1e-3, 0.5, 1.0, 10.0, 300.0, 745.0})
+    for (int i = 0; i < 20000; ++i) {
+      const double x = size * uniform(), exponent = 1.5 + 1.5 * uniform();
+      const long double exact = x, base = std::abs(exact);
+      exp_worst = std::max(exp_worst, error_in_ulps(cogging::exp(x), std::exp(exact)));
+      expm1_worst = std::max(expm1_worst, error_in_ulps(cogging::expm1(x), std::expm1(exact)));
+      log_worst = std::max(log_worst, error_in_ulps(cogging::log(std::abs(x)), std::log(base)));
+      tanh_worst = std::max(tanh_worst, error_in_ulps(cogging::tanh(x), std::tanh(exact)));
+      root_worst = std::max(root_worst, error_in_ulps(cogging::cube_root(std::abs(x)), std::cbrt(base)));
+      const double power = error_in_ulps(cogging::pow(std::abs(x), exponent), std::pow(base, (long double)exponent));
+      pow_worst = std::max(pow_worst, power / (1.0 + 2.6 * std::abs(exponent * std::log(std::abs(x)))));
+    }
+  std::printf("exp_ulps %.17g\nexpm1_ulps %.17g\nlog_ulps %.17g\n", exp_worst, expm1_worst, log_worst);
+  std::printf("tanh_ulps %.17g\npow_share %.17g\nroot_ulps %.17g\n", tanh_worst, pow_worst, root_worst);
   constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double ends[] = {cogging::exp(-infinity),         1.0 / cogging::exp(infinity),
+                         1.0 / cogging::log(0.0),         1.0 / cogging::log(infinity),
+                         cogging::pow(0.0, 0.7),          1.0 / cogging::pow(infinity, 0.7),
+                         cogging::expm1(-infinity) + 1.0, cogging::tanh(infinity) - 1.0,
+                         cogging::exp(0.0) - 1.0,         cogging::log(1.0),
+                         cogging::pow(3.0, 2.0) - 9.0,    cogging::pow(0.0, 0.0) - 1.0};
+  std::printf("at_the_ends %d\n", std::all_of(std::begin(ends), std::end(ends), [](double x) { return x == 0.0; }));
+  const double nan = std::nan(""), none[] = {cogging::exp(nan),  cogging::expm1(nan),    cogging::log(nan),
+                                             cogging::log(-1.0), cogging::pow(nan, 0.7), cogging::tanh(nan)};
+  std::printf("no_numbers %d\n", std::all_of(std::begin(none), std::end(none), [](double x) { return std::isnan(x); }));
   double s, c;
   sin_cos(0.0, s, c);
   std::printf("at_zero %.17g\n", s + c + cogging::atan(0.0));

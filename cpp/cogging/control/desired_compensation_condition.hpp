@@ -16,7 +16,7 @@ struct QuadraticForm {
 
   double smallest_eigenvalue() const {
     const double mean = 0.5 * (pp + ee);
-    return mean - std::hypot(0.5 * (pp - ee), pe);
+    return mean - std::sqrt(0.25 * (pp - ee) * (pp - ee) + pe * pe);
   }
 };
 

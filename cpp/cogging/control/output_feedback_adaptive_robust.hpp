@@ -212,7 +212,7 @@ filters of the applied command go on through samples that are refused; that of t
     if (q.use_alpha_1s3) gain += q.robust_factor / (4.0 * q.epsilon_12);  // (38)
     for (int i = 0; i < 3; ++i) {
       double weight = 0.0;
-      if (q.use_c_phi_1) weight += std::pow(q.c_phi_1[i] * q.adaptation[i], 2);   // (28)
+      if (q.use_c_phi_1) weight += pow(q.c_phi_1[i] * q.adaptation[i], 2.0);      // (28)
       if (q.use_alpha_1s2) weight += theta_range_square_ / (4.0 * q.epsilon_11);  // (36), (37)
       weighted_phi[i] = q.robust_factor * weight * out.phi[i];
       gain += weighted_phi[i] * out.phi[i];
@@ -344,7 +344,7 @@ filters of the applied command go on through samples that are refused; that of t
     if (parameters_.filter_steps == "euler") {
       for (int i = 0; i < 9; ++i) sum[i] += block[i];
     } else {
-      const int halvings = std::max(0, whole_part(4.0 + std::ceil(std::log2(1.0 + (k1 + k2 * t) * t))));
+      const int halvings = 5 + std::ilogb(std::min(1.0 + (k1 + k2 * t) * t, 1e300));
       for (double& entry : block) entry = std::ldexp(entry, -halvings);
       Square term = sum;
       for (int n = 1; n <= 16; ++n) {

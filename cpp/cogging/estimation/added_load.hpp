@@ -16,6 +16,7 @@
 #include <tuple>
 #include <vector>
 
+#include "cogging/elementary.hpp"
 #include "cogging/estimation/observer_loop.hpp"
 #include "cogging/plant/axis.hpp"
 #include "cogging/plant/coupling.hpp"
@@ -40,14 +41,15 @@ class Oscillator {
     const double root = std::sqrt(std::abs(inner));
     double cosine, sine;  // of root h, times the decay; the sine over root
     if (root * h < 1e-6) {
-      cosine = std::exp(-half * h);
+      cosine = exp(-half * h);
       sine = cosine * h;
     } else if (inner > 0.0) {
-      const double decay = std::exp(-half * h);
-      cosine = decay * std::cos(root * h);
-      sine = decay * std::sin(root * h) / root;
+      const double decay = exp(-half * h);
+      sin_cos(root * h, sine, cosine);
+      cosine *= decay;
+      sine = decay * sine / root;
     } else {
-      const double slow = std::exp((root - half) * h), fast = std::exp(-(root + half) * h);
+      const double slow = exp((root - half) * h), fast = exp(-(root + half) * h);
       cosine = 0.5 * (slow + fast);
       sine = 0.5 * (slow - fast) / root;
     }

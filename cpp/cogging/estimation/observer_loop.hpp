@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "cogging/elementary.hpp"
 #include "cogging/estimation/prediction.hpp"
 #include "cogging/simulation/batch.hpp"
 
@@ -39,7 +40,7 @@ class ObserverLoop {
     for (std::size_t k = 0; k + 1 < rows; ++k) {
       const double h = log.time[k + 1] - log.time[k];
       const double decay = along.slope_velocity[k] * h;
-      const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : std::expm1(decay) / decay;
+      const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : expm1(decay) / decay;
       const Kind kind = h > options.gap ? Kind::starts_anew : along.moving[k] == 0.0 ? Kind::rests : Kind::moves;
       intervals.push_back({h, 1.0 + decay * grown, h * grown, along.slope_position[k],
                            gain.position(step_after(log.time, k + 1)), gain.velocity(h), kind});

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "cogging/elementary.hpp"
 #include "cogging/interruption.hpp"
 #include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
@@ -53,7 +54,7 @@ struct Prediction {
 class ObserverGain {
  public:
   ObserverGain(double bandwidth, double sample_time) {
-    const double pole = std::exp(-2.0 * std::numbers::pi * bandwidth * sample_time);
+    const double pole = exp(-2.0 * std::numbers::pi * bandwidth * sample_time);
     curvature_ = (1.0 - pole) * (1.0 - pole) / (sample_time * sample_time);
     slope_ = (1.0 - pole * pole) / sample_time - 0.5 * curvature_ * sample_time;
     longest_ = 4.0 * sample_time;

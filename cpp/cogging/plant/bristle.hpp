@@ -23,7 +23,7 @@ struct Bristle {
   double moved(double deflection, double path, double level_start, double level_end) const {
     const double level = 0.5 * (level_start + level_end);
     if (!(level > 0.0)) return 0.0;
-    const double bent = stiffness * std::abs(path) / level, relaxed = -std::expm1(-bent);
+    const double bent = stiffness * std::abs(path) / level, relaxed = -expm1(-bent);
     const double lag = bent > 0.0 ? (level_end - level_start) * (1.0 - relaxed / bent) : 0.0;
     const double steady = sign(path) * level_start / stiffness;
     return deflection + (steady - deflection) * relaxed + sign(path) * lag / stiffness;

@@ -1,6 +1,5 @@
 #pragma once
-// Seeded randomness: the same numbers from the same seed, on every platform with the same mathematics
-// library.
+// Seeded randomness: the same numbers from the same seed, on every platform.
 
 #include <cmath>
 #include <cstdint>
@@ -8,6 +7,7 @@
 #include <random>
 #include <tuple>
 
+#include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 
@@ -46,7 +46,7 @@ class NormalNumbers {
       b = 2.0 * uniform() - 1.0;
       square = a * a + b * b;
     } while (square >= 1.0 || square == 0.0);
-    const double factor = std::sqrt(-2.0 * std::log(square) / square);
+    const double factor = std::sqrt(-2.0 * log(square) / square);
     spare_ = b * factor;
     has_spare_ = true;
     return a * factor;
@@ -66,7 +66,7 @@ class ForceNoise {
  public:
   ForceNoise(const NoiseParameters& parameters, double sample_time, std::uint64_t seed)
       : rms_(validated(parameters).force),
-        decay_(std::exp(-2.0 * std::numbers::pi * parameters.bandwidth * sample_time)),
+        decay_(exp(-2.0 * std::numbers::pi * parameters.bandwidth * sample_time)),
         kick_(std::sqrt(1.0 - decay_ * decay_)),
         normal_(seed) {
     if (rms_ > 0.0) value_ = normal_();

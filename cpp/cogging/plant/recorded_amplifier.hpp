@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "cogging/elementary.hpp"
 #include "cogging/plant/amplifier_laws.hpp"
 #include "cogging/plant/state.hpp"
 
@@ -51,7 +52,7 @@ class RecordedAmplifier {
 
   /// Moves a drive on by the time that has passed.
   void settle(Drive<double>& drive, double duration) const {
-    if (drive.lagging) drive.deviation *= std::exp(-drive.rate * duration);
+    if (drive.lagging) drive.deviation *= exp(-drive.rate * duration);
   }
 
   /// Mean of what acts over [start, end], V.
@@ -66,7 +67,7 @@ class RecordedAmplifier {
       sum.mean += drive.target * length;
       sum.excess += drive.target * length * (middle - (before + 0.5 * length));
       if (!drive.lagging) return;
-      const double decay = drive.rate * length, settled = -std::expm1(-decay);
+      const double decay = drive.rate * length, settled = -expm1(-decay);
       const double whole = settled / drive.rate;  // integral of exp(-rate s), and of s exp(-rate s)
       const double first = decay < 1e-3 ? length * length * (0.5 - decay * (1.0 / 3.0 - 0.125 * decay))
                                         : (settled - decay * (1.0 - settled)) / (drive.rate * drive.rate);

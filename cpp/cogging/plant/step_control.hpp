@@ -45,7 +45,8 @@ class StepAccuracy {
   void add(const Variation& law, double mass) {
     // A law of no size does nothing, however quickly.
     const auto sized = [](double size, double change) { return size > 0.0 ? size * change : 0.0; };
-    const double along = std::pow(law.wavenumber, 4) / mass, in_time = std::pow(law.rate, 4) / mass;
+    const auto fourth = [](double number) { return (number * number) * (number * number); };
+    const double along = fourth(law.wavenumber) / mass, in_time = fourth(law.rate) / mass;
     stiffness_ += (sized(law.force, law.wavenumber) + law.stiffness) / mass;
     gain_stiffness_ += sized(law.gain, law.wavenumber) / mass;
     along_ += sized(law.force, along), gain_along_ += sized(law.gain, along);
@@ -96,7 +97,7 @@ class StepAccuracy {
     const Scalar speed = larger(v1 * v1, v_end * v_end);
     const Scalar amplified = abs(drive);
     Scalar wave = (along_ + gain_along_ * amplified) * (speed * speed) + in_time_ + gain_in_time_ * amplified;
-    for (const Fading& law : fading_) wave += std::exp(-law.decay * time) * (law.force + law.gain * amplified);
+    for (const Fading& law : fading_) wave += exp(-law.decay * time) * (law.force + law.gain * amplified);
     const Scalar ringing = h * h * (stiffness_ + gain_stiffness_ * amplified) - ringing_max;
     return larger(h * h * h * h * h * (wave + settling) - 2880.0 * tolerance, ringing);
   }

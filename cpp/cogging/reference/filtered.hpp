@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"
@@ -61,22 +62,24 @@ the centre. Solved exactly at every time; the acceleration starts at beta_1 ampl
   ReferencePoint at(double time) const override {
     const FilteredSineParameters& q = parameters_;
     const double omega = 2.0 * std::numbers::pi * q.frequency;
-    const double sine = std::sin(omega * time), cosine = std::cos(omega * time);
+    double sine, cosine;
+    sin_cos(omega * time, sine, cosine);
     // w = -amplitude omega exp(-a t) s(t), where s'' = (a^2 - beta_2) s, s(0) = 0, s'(0) = 1.
     const double a = 0.5 * q.beta_1, square = a * a - q.beta_2;
     double shape, slope;
     if (square * time * time > 1e-8) {
       const double rate = std::sqrt(square);
       // With the decay inside, so that neither factor overflows.
-      const double slow = std::exp((rate - a) * time), fast = std::exp((-rate - a) * time);
+      const double slow = exp((rate - a) * time), fast = exp((-rate - a) * time);
       shape = (slow - fast) / (2.0 * rate);
       slope = 0.5 * (slow + fast);
     } else {
-      const double decay = std::exp(-a * time), rate = std::sqrt(std::abs(square));
-      const double angle = rate * time;
+      const double decay = exp(-a * time), rate = std::sqrt(std::abs(square));
+      double s, c;
+      sin_cos(rate * time, s, c);
       const bool series = std::abs(square) * time * time <= 1e-8;
-      shape = decay * (series ? time * (1.0 + square * time * time / 6.0) : std::sin(angle) / rate);
-      slope = decay * (series ? 1.0 + square * time * time / 2.0 : std::cos(angle));
+      shape = decay * (series ? time * (1.0 + square * time * time / 6.0) : s / rate);
+      slope = decay * (series ? 1.0 + square * time * time / 2.0 : c);
     }
     const double scale = -q.amplitude * omega;
     const double w = scale * shape, w_rate = scale * (slope - a * shape);

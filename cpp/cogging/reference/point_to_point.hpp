@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"
@@ -69,7 +70,7 @@ the limits on velocity, acceleration and jerk that starts and ends at rest with 
       velocity_peak_ =
           0.5 * acceleration_peak_ * (std::sqrt(jerk_time * jerk_time + 4.0 * length / acceleration_peak_) - jerk_time);
       if (velocity_peak_ < acceleration_peak_ * jerk_time)  // the acceleration limit is not reached
-        velocity_peak_ = jerk * std::pow(std::cbrt(length / (2.0 * jerk)), 2);
+        velocity_peak_ = jerk * pow(cube_root(length / (2.0 * jerk)), 2.0);
     }
     ramp_ = ramp_time(velocity_peak_);
     if (velocity_peak_ < acceleration_peak_ * jerk_time) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"
@@ -48,7 +49,8 @@ class Sine final : public Reference {
 
   ReferencePoint at(double time) const override {
     const double omega = 2.0 * std::numbers::pi * parameters_.frequency, a = parameters_.amplitude;
-    const double s = std::sin(omega * time), c = std::cos(omega * time);
+    double s, c;
+    sin_cos(omega * time, s, c);
     return {parameters_.center + a * s, a * omega * c, -a * omega * omega * s};
   }
 

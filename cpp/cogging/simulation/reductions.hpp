@@ -172,7 +172,8 @@ class WaveAmplitude {
     const double sx = lane(sums_[1], i) / rows - s * mean, cx = lane(sums_[2], i) / rows - c * mean;
     const double determinant = ss * cc - sc * sc;
     if (!(determinant > told_apart)) return std::numeric_limits<double>::quiet_NaN();
-    return std::hypot(cc * sx - sc * cx, ss * cx - sc * sx) / determinant;
+    const double sine = cc * sx - sc * cx, cosine = ss * cx - sc * sx;
+    return std::sqrt(sine * sine + cosine * cosine) / determinant;
   }
 
  private:
