@@ -11,7 +11,7 @@ NOT_SET = re.compile(r"^(?:const )?(?:bool\s|[\w:<>]+\s?\*\s?)(?:const )?\w+(?:,
 
 def bare_members(text):
     """Switches and pointers without a value among the members of structs."""
-    text = re.sub(r"//[^\n]*|\"(?:[^\"\\]|\\.)*\"|'(?:[^'\\]|\\.)*'", "", text)
+    text = re.sub(r"//[^\n]*|\"(?:[^\"\\]|\\.)*\"|(?<![0-9])'(?:[^'\\]|\\.)*'", "", text)
     found, open_braces, statement = [], [], ""
     for letter in text:
         if letter == "{":

@@ -98,10 +98,14 @@ class Elements(html.parser.HTMLParser):
         self.texts.append(data)
 
 
+@pytest.fixture(scope="module")
+def pictures(found):
+    return pictures_of(found)
+
+
 @pytest.mark.parametrize("verdict", ["named", "ambiguous", "unlisted", "data_mismatch", "controller_mismatch"])
-def test_every_place_of_the_page_escapes_what_is_put_there(verdict, found, monkeypatch):
+def test_every_place_of_the_page_escapes_what_is_put_there(verdict, found, pictures, monkeypatch):
     """Hostile letters behind whatever the template writes, text by text: the page has the same elements as without."""
-    pictures = pictures_of(found)
     monkeypatch.setattr("cogging.diagnosis.report.page.pictures_of", lambda result: pictures)
     result = found if verdict == "named" else drawn_result(np.random.default_rng(2), verdict)
     plain = Elements(result.html(title="a log"))
