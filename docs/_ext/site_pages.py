@@ -20,6 +20,7 @@ STANDS_FOR = {
     "CONTRIBUTING.md": "_generated/contributing.md",
     "CHANGELOG.md": "_generated/changelog.md",
     "SECURITY.md": "_generated/security.md",
+    "THIRD_PARTY.md": "_generated/third_party.md",
     "README.md": "index.md",
     "notebooks": "gallery.md",
     "python/cogging/datasets": "_generated/api/datasets.md",
@@ -42,7 +43,7 @@ def generate(app: Any) -> None:
     effect_pages.write(GENERATED / "effects")
     notebook_pages.write(ROOT / "notebooks", GENERATED / "notebooks")
     write_api(GENERATED / "api")
-    for name in ("CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"):
+    for name in ("CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "THIRD_PARTY.md"):
         page = DOCS / STANDS_FOR[name]
         text = repaired((ROOT / name).read_text(encoding="utf-8"), ROOT / name, page)
         if not page.exists() or page.read_text(encoding="utf-8") != text:
