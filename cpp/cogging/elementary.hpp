@@ -87,7 +87,8 @@ inline void sin_cos_of_large(double angle, double& sine, double& cosine) {
     return;
   }
   const double turns = (angle * two_over_pi + round_shift) - round_shift;
-  const double many = std::trunc(turns * 0x1p-20) * 0x1p20, few = turns - many;  // their products are exact
+  const double many = static_cast<double>(static_cast<std::int64_t>(turns * 0x1p-20)) * 0x1p20;
+  const double few = turns - many;  // products of both are exact
   const double r = (((angle - many * half_pi[0]) - few * half_pi[0]) - many * half_pi[1]) - few * half_pi[1];
   quarter_sin_cos(r - turns * half_pi[2], 0.0, sine, cosine);
   turn(static_cast<int>(static_cast<std::int64_t>(turns) & 3), sine, cosine);
