@@ -22,6 +22,8 @@ from tests.attack.stub_signatures import Target, targets
 
 ERRORS = (TypeError, ValueError, OverflowError, IndexError, KeyError, AttributeError, RuntimeError, StopIteration)
 ERRORS = (*ERRORS, MemoryError, KeyboardInterrupt, NotImplementedError)
+#: A controller's methods that a loop calls in every sample: they do not look for truth values, which costs some 2 us.
+STEPS = ("command", "update")
 INSIDES = re.compile(r"std::|vector::|basic_string|bad_alloc|map::at|_M_|Eigen|assert")
 #: A thread that heeds a flag which is set does nothing more in the core: that is what heed() is for.
 TARGETS = [target for target in targets() if str(target) != "StopFlag.heed"]
@@ -50,7 +52,8 @@ def run_case(seed: int) -> str | None:
             thread.join()
     else:
         call()
-    return f"{target}: {faults[0]}" if faults else None
+    worst = next((fault for fault in faults if not fault.startswith("~")), faults[0] if faults else None)
+    return worst if worst is None or worst.startswith("~") else f"{target}: {worst}"
 
 
 def _owner(target: Target) -> Any:
@@ -129,6 +132,8 @@ def taken_for_number(target: Target, positional: list[Any], named: dict[str, Any
     for parameter in target.parameters:
         numeric = any(word in parameter.annotation for word in ("Supports", "ArrayLike", "NDArray"))
         if numeric and "str" not in parameter.annotation and _no_number(given.get(parameter.name)):
+            if target.name in STEPS:
+                return "~a truth value taken by a controller's step"
             return f"{parameter.name} took {given[parameter.name]!r} for a number"[:200]
     return None
 
