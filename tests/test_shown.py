@@ -2,6 +2,7 @@
 
 import random
 import string
+from unittest import mock
 
 import pytest
 
@@ -46,3 +47,12 @@ def test_the_end_of_a_message():
     assert nearest("pos", ["position", "command"]) == " (did you mean 'position'?)"  # the beginning of one alone
     assert nearest("ref", ["reference", "reference_velocity"]) == ""
     assert nearest("mass", []) == ""
+
+
+def test_names_without_end_are_not_compared():
+    """A header of many columns and a name of a megabyte: found by the attack, which waited for a minute."""
+    many = [*(f"column_{number}" for number in range(16_384)), "x" * 100_000]
+    with mock.patch("difflib.SequenceMatcher.find_longest_match", side_effect=AssertionError("compared")):
+        assert nearest_name("x" * 100_000, many) is None
+    assert nearest_name("x" * 200, ["x" * 199, "time"]) == "x" * 199
+    assert nearest_name("colunm_777", many) == "column_777"

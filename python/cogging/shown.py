@@ -9,6 +9,7 @@ from typing import Any
 LONGEST_LINE = 1500  # characters of an answer
 LONGEST_VALUE = 120  # characters of a value in it
 ALIKE = 0.7  # of two names (twice the letters in common, of all), from which one is taken for the other mistyped
+LONGEST_NAME = 200  # letters: what is longer is no slip of a finger, and would take its square to compare
 BEGINNING = 3  # letters with which a name must have been begun to be taken for it
 
 
@@ -55,12 +56,18 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
     path (`mass`: `axis.mass`), and the beginning of one name alone means that name.
     """
     written, best, found = _plain(str(name)), ALIKE, None
-    names = [str(entry) for entry in known]
+    names = [str(entry) for entry in known if len(str(entry)) <= LONGEST_NAME]
+    if len(written) > LONGEST_NAME:
+        return None
+    matcher = difflib.SequenceMatcher(None, "", written)
     for entry in names:
         plain = _plain(entry)
         forms = [plain] if "." in written else [plain, plain.rpartition(".")[2]]
         for rank, form in enumerate(forms):
-            alike = difflib.SequenceMatcher(None, form, written).ratio() - 0.01 * rank  # the whole name comes first
+            matcher.set_seq1(form)
+            if matcher.real_quick_ratio() < best or matcher.quick_ratio() < best:  # bounds of what the next line finds
+                continue
+            alike = matcher.ratio() - 0.01 * rank  # the whole name comes first
             if alike >= best and (found is None or alike > best):
                 best, found = alike, entry
     if found is None and len(written) >= BEGINNING:
