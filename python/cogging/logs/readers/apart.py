@@ -52,24 +52,8 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
     Raises:
         InputError: the file cannot be used, or its reader fails in whatever way; the library is not installed.
     """
-    from cogging._core import memory_left, require_memory  # which the process that reads does without
-
-    size = os.path.getsize(request.path)
-    seconds = seconds_most(size)
-    what = FORMATS[kind][0]
-    job = {
-        "kind": kind,
-        "memory": memory_most(size, memory_left()),
-        "seconds": seconds,
-        "path": os.path.abspath(request.path),
-        "shown": os.fspath(request.path),
-        "names": list(request.names),
-        "optional": list(request.optional),
-        "columns": dict(request.columns),
-        "scaled": sorted(request.scaled),
-        "rows": [request.rows.start, request.rows.stop],
-        "survey": request.survey is not None,
-    }
+    what, job = FORMATS[kind][0], _job(kind, request)
+    seconds = job["seconds"]
     late = threading.Event()
     with contextlib.ExitStack() as stack:
         job["temporary"] = stack.enter_context(_temporary_folder(request)) if kind in TEMPORARY else None
@@ -83,7 +67,7 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         timer.daemon = True
         timer.start()
         try:
-            columns = _received(process, request, require_memory)
+            columns = _received(process, request)
             if columns is not None:
                 return columns
             status = process.wait()
@@ -93,6 +77,26 @@ def read_apart(kind: str, request: Request) -> dict[str, FloatArray]:
         raise request.refuse(f"must be a whole {what}, got one that is not read within {seconds:.0f} s")
     how = f"signal {-status}" if status < 0 else f"status {status}"
     raise request.refuse(f"must be a whole {what}, got one that ends its reader ({how})")
+
+
+def _job(kind: str, request: Request) -> dict[str, Any]:
+    """What the process that reads is told."""
+    from cogging._core import memory_left  # which that process does without
+
+    size = os.path.getsize(request.path)
+    return {
+        "kind": kind,
+        "memory": memory_most(size, memory_left()),
+        "seconds": seconds_most(size),
+        "path": os.path.abspath(request.path),
+        "shown": os.fspath(request.path),
+        "names": list(request.names),
+        "optional": list(request.optional),
+        "columns": dict(request.columns),
+        "scaled": sorted(request.scaled),
+        "rows": [request.rows.start, request.rows.stop],
+        "survey": request.survey is not None,
+    }
 
 
 @contextlib.contextmanager
@@ -106,9 +110,7 @@ def _temporary_folder(request: Request) -> Iterator[str]:
         yield name
 
 
-def _received(
-    process: subprocess.Popen[bytes], request: Request, require_memory: Callable[[str, float, str, str], None]
-) -> dict[str, FloatArray] | None:
+def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, FloatArray] | None:
     """The columns that serve() writes, or None if it ends before all are there.
 
     Raises:
@@ -126,6 +128,8 @@ def _received(
         raise InputError(answer["error"])
     if request.survey is not None:
         request.survey.extend((name, unit) for name, unit in answer["survey"])
+    from cogging._core import require_memory
+
     rows, names = answer["rows"], answer["names"]
     try:
         require_memory("rows", 8.0 * rows * len(names), f"{rows} rows of {len(names)} columns", str(rows))
