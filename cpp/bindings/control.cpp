@@ -3,6 +3,7 @@
 #include "cogging/control/desired_compensation_condition.hpp"
 #include "cogging/control/list.hpp"
 #include "controller_state.hpp"
+#include "real_number.hpp"
 
 using namespace cogging;
 
@@ -17,6 +18,12 @@ of the next reading are taken over all samples that have passed.)";
 std::string controller_example(const std::string& name) {
   return "\n\nExample:\n    >>> controller = cogging." + name + "(cogging." + name +
          ".PARAMETERS(sample_rate=2000.0))\n    >>> controller.sample_rate\n    2000.0";
+}
+
+using RealPoint = std::array<Real, 3>;
+
+ReferencePoint point(const RealPoint& of) {
+  return {of[0].value, of[1].value, of[2].value};
 }
 
 // What one controller has and no other.
@@ -40,9 +47,10 @@ void bind_controller(py::module_& module, py::dict& controllers) {
       .def_property_readonly(
           "samples_refused", [](const C& c) { return whole_part<std::uint64_t>(c.samples_refused()); },
           "How many samples were refused so far, for a reading or a reference that is not finite.")
-      .def("update", &C::update, py::arg("applied"),
-           "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "
-           "own, cut at the limit.")
+      .def(
+          "update", [](C& c, Real applied) { c.update(applied.value); }, py::arg("applied"),
+          "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "
+          "own, cut at the limit.")
       .def(
           "copy", [](const C& c) { return c; }, "A controller in the same state.")
       .def("__copy__", [](const C& c) { return c; })
@@ -54,8 +62,8 @@ void bind_controller(py::module_& module, py::dict& controllers) {
     bound.def_property_readonly("preview", &C::preview, "how far ahead the second reference is, s");
     bound.def(
         "command",
-        [](C& c, const std::array<double, 3>& reference, const std::array<double, 3>& ahead, double reading) {
-          return c.command({reference[0], reference[1], reference[2]}, {ahead[0], ahead[1], ahead[2]}, reading);
+        [](C& c, const RealPoint& reference, const RealPoint& ahead, Real reading) {
+          return c.command(point(reference), point(ahead), reading.value);
         },
         py::kw_only(), py::arg("reference"), py::arg("ahead"), py::arg("reading"),
         "The command (V) of this sample from the reference now and `preview` s ahead (each m, m/s, m/s^2) and encoder "
@@ -63,16 +71,14 @@ void bind_controller(py::module_& module, py::dict& controllers) {
   } else {
     bound.def(
         "command",
-        [](C& c, double position, double velocity, double acceleration, double reading) {
-          return c.command(ReferencePoint{position, velocity, acceleration}, reading);
+        [](C& c, Real position, Real velocity, Real acceleration, Real reading) {
+          return c.command(point({position, velocity, acceleration}), reading.value);
         },
         py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
         py::arg("reference_acceleration") = 0.0, py::arg("reading"), command_doc);
     bound.def(
         "command",
-        [](C& c, const std::array<double, 3>& reference, double reading) {
-          return c.command({reference[0], reference[1], reference[2]}, reading);
-        },
+        [](C& c, const RealPoint& reference, Real reading) { return c.command(point(reference), reading.value); },
         py::arg("reference"), py::arg("reading"), command_doc);
   }
   bind_special(bound);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "real_number.hpp"
+
 using namespace cogging;
 
 namespace {
@@ -16,60 +18,13 @@ PyObject* controller_error = nullptr;     // the class; never freed, as all clas
 PyTypeObject* reference_point = nullptr;  // cogging.ReferencePoint, a named tuple, once it is needed
 PyObject *command_name, *update_name;     // interned
 
-// The first line of what Python says of an object, short enough for a message.
-std::string shown(const py::handle& object, bool quoted = true) {
-  constexpr std::size_t longest = 200;
-  std::string text;
-  try {
-    text = quoted ? std::string(py::repr(object)) : std::string(py::str(object));
-  } catch (py::error_already_set&) {
-    text = std::string("an object of ") + Py_TYPE(object.ptr())->tp_name;
-  }
-  if (const std::size_t end = std::min(text.find('\n'), longest); end < text.size()) {
-    text.resize(end);
-    if (end == longest) text += " ...";
-  }
-  return text;
-}
-
 std::string class_of(const py::handle& object) {
   return py::type::handle_of(object).attr("__qualname__").cast<std::string>();
 }
 
-// None where it has no such member; what a property raises is raised.
-py::object member(const py::handle& object, const char* name) {
-  if (PyObject* found = PyObject_GetAttrString(object.ptr(), name)) return py::reinterpret_steal<py::object>(found);
-  if (!PyErr_ExceptionMatches(PyExc_AttributeError)) throw py::error_already_set();
-  PyErr_Clear();
-  return py::none();
-}
-
-// Whether something that is no float is one number all the same: an int, a scalar of numpy, an array without
-// dimensions; no truth value, no text, nothing complex.
-bool is_scalar(PyObject* value) {
-  if (PyBool_Check(value) || PyComplex_Check(value)) return false;
-  const PyNumberMethods* methods = Py_TYPE(value)->tp_as_number;
-  if (methods == nullptr || (methods->nb_float == nullptr && methods->nb_index == nullptr)) return false;
-  const py::handle object(value);
-  const py::object dimensions = member(object, "ndim");
-  if (!dimensions.is_none() && !dimensions.equal(py::int_(0))) return false;
-  const py::object kind = member(member(object, "dtype"), "kind");
-  return !kind.equal(py::str("b")) && !kind.equal(py::str("c"));
-}
-
-std::optional<double> number_of(PyObject* value) {
-  if (PyFloat_Check(value)) return PyFloat_AS_DOUBLE(value);
-  if (!is_scalar(value)) return {};
-  const double number = PyFloat_AsDouble(value);
-  if (number != -1.0 || !PyErr_Occurred()) return number;
-  if (!PyErr_ExceptionMatches(PyExc_Exception)) throw py::error_already_set();
-  PyErr_Clear();
-  return {};
-}
-
 double stated_number(const py::object& object, const char* field, const char* rule, bool (*holds)(double),
                      const py::object& value) {
-  const std::optional<double> number = number_of(value.ptr());
+  const std::optional<double> number = real_number(value.ptr());
   if (!number || !holds(*number)) refuse("controller", class_of(object) + "." + field + " " + rule, shown(value));
   return *number;
 }
@@ -214,12 +169,14 @@ Raises:
           "Its state now, (n,): a copy.")
       .def(
           "command",
-          [](C& c, const std::array<double, 3>& reference, double reading) {
-            return c.command({reference[0], reference[1], reference[2]}, reading);
+          [](C& c, const std::array<Real, 3>& reference, Real reading) {
+            return c.command({reference[0].value, reference[1].value, reference[2].value}, reading.value);
           },
           py::arg("reference"), py::arg("reading"),
           "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).")
-      .def("update", &C::update, py::arg("applied"), "Ends the sample: the command (V) that was really applied.")
+      .def(
+          "update", [](C& c, Real applied) { c.update(applied.value); }, py::arg("applied"),
+          "Ends the sample: the command (V) that was really applied.")
       .def("reset", &C::reset, "Back to the state with which a run begins.")
       .def(
           "copy", [](const C& c) { return c; }, "A controller in the same state.")
@@ -314,7 +271,7 @@ double PythonController::command(const ReferencePoint& reference, double reading
   const py::object given = py::reinterpret_steal<py::object>(
       PyObject_VectorcallMethod(command_name, arguments + 1, 3 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
   if (!given) fail("command");
-  const std::optional<double> command = number_of(given.ptr());
+  const std::optional<double> command = real_number(given.ptr());
   if (!command || !std::isfinite(*command))
     end_run(held_->name, "command must give a finite number, got " + shown(given), row_, time_);
   return *command;

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -72,7 +72,7 @@ def array(random: Random) -> Any:
     return values
 
 
-def hostile(random: Random, pool: dict[str, Any]) -> Any:
+def hostile(random: Random, pool: Pool) -> Any:
     """Anything but what is asked for, and now and then that."""
     choices: list[Callable[[], Any]] = [
         lambda: None,
@@ -113,7 +113,7 @@ def raw(kind: type) -> Any:
         return None
 
 
-def sound(name: str, annotation: str, random: Random, pool: dict[str, Any]) -> Any:
+def sound(name: str, annotation: str, random: Random, pool: Pool) -> Any:
     """What an argument of this name and annotation may be."""
     for known in KIND.findall(annotation):
         if known in pool:
@@ -138,36 +138,38 @@ def sound(name: str, annotation: str, random: Random, pool: dict[str, Any]) -> A
     return float(10.0 ** random.uniform(-3, 1))
 
 
-def make_pool() -> dict[str, Any]:
-    """One sound object of each class of the core by its name, made anew: a case may leave it in any state."""
-    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2], order=2, control_points=4)
-    time = np.linspace(0.0, 0.1, 50)
-    plant = _core.Plant(
+class Pool(Mapping[str, Any]):
+    """One sound object of each class of the core by its name, made anew when it is first asked for."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._made:
+            self._made[name] = MAKERS[name](self)
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(MAKERS)
+
+    def __len__(self) -> int:
+        return len(MAKERS)
+
+
+def _plant(pool: Pool) -> Any:
+    return _core.Plant(
         _core.AxisParameters(mass=0.1, coulomb=0.1),
-        cogging=cogging.CoggingModel(basis, np.full((2, 4), 0.1), np.zeros((2, 4))),
+        cogging=pool["CoggingModel"],
         effects=[cogging.effects.CableSpring(stiffness=0.4), cogging.effects.CommandDelay(delay=2e-4)],
     )
-    predictor = _core.Predictor(time, 0.1 * time, time)
-    prediction = predictor.predict(plant)
-    values = [basis, basis.spline, plant, plant.cogging, predictor, prediction]
-    values += [_core.Sampled([0.0, 0.1, 0.3], [0.0, 0.01, 0.02]), _core.StopFlag(), _compiled()]
-    values.append(cogging.performance(time, time, time))
-    pool = {type(value).__name__: value for value in values}
-    pool |= {kind.__name__: kind() for kind in _classes() if hasattr(kind, "FIELDS") and kind.__name__ not in pool}
-    for parameters, kind in (
-        ("PidParameters", _core.Pid),
-        ("CascadeParameters", _core.Cascade),
-        ("SpeedParameters", _core.Speed),
-        ("AdaptiveRobustParameters", _core.Arc),
-        ("AdaptiveRobustParameters", _core.Dcarc),
-        ("OutputFeedbackArcParameters", _core.OutputFeedbackArc),
-        ("ObserverBasedParameters", _core.ObserverBased),
-        ("SineParameters", _core.Sine),
-        ("FilteredSineParameters", _core.FilteredSine),
-        ("PointToPointParameters", _core.PointToPoint),
-    ):
-        pool[kind.__name__] = kind(pool[parameters])
-    return pool | {"Reference": pool["Sine"]}
+
+
+def _of_defaults(kind: Any) -> Callable[[Pool], Any]:
+    return lambda pool: kind()
+
+
+def _of_parameters(kind: Any) -> Callable[[Pool], Any]:
+    return lambda pool: kind(pool[kind.PARAMETERS.__name__])
 
 
 def _classes() -> list[type]:
@@ -187,3 +189,25 @@ def _proportional(state: Any, parameters: Any, reference: Any, reading: float) -
 
 def _compiled() -> cogging.CompiledController:
     return cogging.CompiledController(_proportional, sample_rate=5000.0, state=[0.0], parameters=[960.0, 20.0])
+
+
+TIME = np.linspace(0.0, 0.1, 50)
+MAKERS: dict[str, Callable[[Pool], Any]] = {
+    "SplineHarmonics": lambda pool: cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2], order=2, control_points=4),
+    "BSpline": lambda pool: pool["SplineHarmonics"].spline,
+    "CoggingModel": lambda pool: cogging.CoggingModel(pool["SplineHarmonics"], np.full((2, 4), 0.1), np.zeros((2, 4))),
+    "Plant": _plant,
+    "Predictor": lambda pool: _core.Predictor(TIME, 0.1 * TIME, TIME),
+    "Prediction": lambda pool: pool["Predictor"].predict(pool["Plant"]),
+    "Sampled": lambda pool: _core.Sampled([0.0, 0.1, 0.3], [0.0, 0.01, 0.02]),
+    "StopFlag": lambda pool: _core.StopFlag(),
+    "CompiledController": lambda pool: _compiled(),
+    "Performance": lambda pool: cogging.performance(TIME, TIME, TIME),
+    **{kind.__name__: _of_defaults(kind) for kind in _classes() if hasattr(kind, "FIELDS")},
+    **{
+        kind.__name__: _of_parameters(kind)
+        for kind in (*_core.CONTROLLERS.values(), *_core.REFERENCES.values())
+        if hasattr(kind, "PARAMETERS")
+    },
+    "Reference": lambda pool: pool["Sine"],
+}

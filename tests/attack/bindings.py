@@ -17,13 +17,11 @@ from typing import Any
 import numpy as np
 
 from cogging import _core
-from tests.attack.binding_values import hostile, make_pool, raw, sound
+from tests.attack.binding_values import Pool, hostile, raw, sound
 from tests.attack.stub_signatures import Target, targets
 
 ERRORS = (TypeError, ValueError, OverflowError, IndexError, KeyError, AttributeError, RuntimeError, StopIteration)
 ERRORS = (*ERRORS, MemoryError, KeyboardInterrupt, NotImplementedError)
-#: A controller's methods that a loop calls in every sample: they do not look for truth values, which costs some 2 us.
-STEPS = ("command", "update")
 INSIDES = re.compile(r"std::|vector::|basic_string|bad_alloc|map::at|_M_|Eigen|assert")
 #: A thread that heeds a flag which is set does nothing more in the core: that is what heed() is for.
 TARGETS = [target for target in targets() if str(target) != "StopFlag.heed"]
@@ -32,7 +30,7 @@ TARGETS = [target for target in targets() if str(target) != "StopFlag.heed"]
 def run_case(seed: int) -> str | None:
     """Make one call; a sentence about what is wrong with how it ended, None where it ended as it should."""
     random = np.random.default_rng([2026, seed])
-    pool = make_pool()  # anew, so that a seed alone tells the case
+    pool = Pool()  # anew, so that a seed alone tells the case
     target = TARGETS[random.integers(len(TARGETS))]
     owner = _owner(target)
     subject = None if owner is None else _subject(owner, target, random, pool)
@@ -61,7 +59,7 @@ def _owner(target: Target) -> Any:
     return getattr(module, target.owner, None) if target.owner else None
 
 
-def _subject(owner: Any, target: Target, random: np.random.Generator, pool: dict[str, Any]) -> Any:
+def _subject(owner: Any, target: Target, random: np.random.Generator, pool: Pool) -> Any:
     """What a method is called of: a sound object, a copy, one never initialised, or one of another class."""
     if target.name == "__init__" or target.is_static:
         return owner
@@ -79,7 +77,7 @@ def _subject(owner: Any, target: Target, random: np.random.Generator, pool: dict
     return value
 
 
-def _arguments(target: Target, random: np.random.Generator, pool: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+def _arguments(target: Target, random: np.random.Generator, pool: Pool) -> tuple[list[Any], dict[str, Any]]:
     positional: list[Any] = []
     named: dict[str, Any] = {}
     wrong = random.random() < 0.7
@@ -132,8 +130,6 @@ def taken_for_number(target: Target, positional: list[Any], named: dict[str, Any
     for parameter in target.parameters:
         numeric = any(word in parameter.annotation for word in ("Supports", "ArrayLike", "NDArray"))
         if numeric and "str" not in parameter.annotation and _no_number(given.get(parameter.name)):
-            if target.name in STEPS:
-                return "~a truth value taken by a controller's step"
             return f"{parameter.name} took {given[parameter.name]!r} for a number"[:200]
     return None
 

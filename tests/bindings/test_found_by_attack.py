@@ -12,11 +12,11 @@ import pytest
 import cogging
 from cogging.estimation.innovations import Innovations
 from cogging.identification.inverse_dynamics import InverseDynamics
-from tests.attack.binding_values import make_pool
+from tests.attack.binding_values import Pool
 from tests.attack.bindings import run_case
 from tests.fixtures import command_files
 
-POOL = make_pool()
+POOL = Pool()
 UNPICKLED = {"CompiledController", "Predictor", "Prediction", "StopFlag"}
 
 
@@ -123,6 +123,43 @@ def test_truth_values_and_texts_within_arrays_are_no_numbers(where, what):
         (TypeError, ValueError), match=r"must be .*numbers?, got (True$|a list: |.* among them|bool|<U1|\|S1)"
     ):
         TAKES_NUMBERS[where](NO_NUMBERS[what])
+
+
+CONTROLLERS = sorted(name for name, value in POOL.items() if hasattr(value, "command"))
+
+
+def steps(name, value):
+    """Every place of a controller's step that holds a number, with this one in it."""
+    controller, point = copy.copy(POOL[name]), [0.01, 0.0, 0.0]
+    ahead = {"ahead": point} if hasattr(controller, "preview") else {}
+    yield lambda: controller.command(reference=point, reading=value, **ahead)
+    for place in range(3):
+        given = [*point[:place], value, *point[place + 1 :]]
+        yield lambda given=given: controller.command(reference=given, reading=0.0, **ahead)
+    if ahead:
+        yield lambda: controller.command(reference=point, ahead=[value, 0.0, 0.0], reading=0.0)
+    elif name != "CompiledController":
+        for field in ("reference", "reference_velocity", "reference_acceleration"):
+            yield lambda field=field: controller.command(**({"reference": 0.0, "reading": 0.0} | {field: value}))
+    yield lambda: controller.update(value)
+
+
+@pytest.mark.parametrize("value", [True, np.True_, np.array(True), "1", b"1", np.array("1"), None, 1j])
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_what_is_no_number_is_none_in_a_controllers_step(name, value):
+    for step in steps(name, value):
+        with pytest.raises(
+            TypeError, match=r"must be given real numbers, got |incompatible function arguments"
+        ) as told:
+            step()
+        assert isinstance(value, np.ndarray) or "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("kind", [float, int, np.float64, np.float32, np.int16, np.array])
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_numbers_of_any_kind_are_numbers_in_a_controllers_step(name, kind):
+    plain = [step() for step in steps(name, 0.0)]
+    assert [step() for step in steps(name, kind(0))] == plain
 
 
 @pytest.mark.parametrize("kind", [float, np.float32, np.int16, np.uint8, int])

@@ -1,8 +1,16 @@
 """The scan of all effects."""
 
+from dataclasses import replace
+
+import pytest
+
+from cogging import EFFECTS
+from cogging.diagnosis.candidates.findings import judge
 from cogging.diagnosis.candidates.scan import scan
+from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.residual.shapes import shapes
 from cogging.effects.effect import VOCABULARY
+from tests.fixtures.moving_axis import machine, record
 
 
 def test_nothing_is_found_where_nothing_is_hidden(quiet_evidence):
@@ -24,3 +32,17 @@ def test_a_scan_on_many_threads_finds_what_one_finds(quiet_evidence, monkeypatch
         )
     assert len(found[0]) > 1
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("disturbed", [1e-8, -1e-8])
+def test_what_only_the_processor_tells_apart_keeps_the_order_of_the_list(disturbed):
+    """As other kernels of linear algebra make it: the second of two alike does not come first by its last bits."""
+    truth, nominal = machine([EFFECTS["cable_spring"](stiffness=1.5)]), machine()
+    evidence = fit_null([record(truth, 11)], nominal)[1]
+    (spring,) = scan(evidence, [VOCABULARY["cable_spring"]])
+    test = replace(spring.test, statistic=spring.test.statistic * (1.0 + disturbed))
+    twin = judge(evidence, spring.candidate, test, spring.trials)
+    again = judge(evidence, spring.candidate, spring.test, spring.trials)
+    assert twin.test.statistic != again.test.statistic
+    for pair in ([again, twin], [twin, again]):
+        assert [id(one) for one in sorted(pair, key=lambda one: -one.score)] == [id(one) for one in pair]

@@ -1,18 +1,15 @@
-// Compiled once for each instruction set, as run_lanes.cpp.
+// Net forces of a pack of plants, compiled once for each instruction set (this_set.hpp).
 
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "cogging/simulation/packing.hpp"
-#include "run_lanes.hpp"
+#include "this_set.hpp"
 
 using namespace cogging;
 
 namespace {
-
-constexpr std::size_t count = COGGING_LANES;
-using Scalar = Lanes<count>;
 
 // One for each plant, or one for all where no effect changes what the amplifier puts out.
 std::vector<RecordedAmplifier> amplifiers_of(const PackOfForces& pack) {
@@ -27,9 +24,6 @@ std::vector<RecordedAmplifier> amplifiers_of(const PackOfForces& pack) {
 }
 
 }  // namespace
-
-#define COGGING_JOINED(a, b) a##b
-#define COGGING_NAMED(a, b) COGGING_JOINED(a, b)
 
 void COGGING_NAMED(force_lanes_, COGGING_SET)(const PackOfForces& pack) {
   std::array<const Plant<>*, count> plants{};

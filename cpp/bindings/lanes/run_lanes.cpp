@@ -1,19 +1,15 @@
-// Compiled once for each instruction set, with COGGING_SET its name and COGGING_LANES the size of a pack. No inline
-// function of it has a name outside of this object (-fno-weak): another may run on a machine that lacks its
-// instructions.
+// Packs of runs, compiled once for each instruction set (this_set.hpp).
 
-#include "run_lanes.hpp"
-
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <variant>
 
+#include "this_set.hpp"
+
 using namespace cogging;
 
 namespace {
-
-constexpr std::size_t count = COGGING_LANES;
-using Scalar = Lanes<count>;
 
 template <std::size_t place>
 void run_under(const PackOfRuns& pack) {
@@ -30,9 +26,6 @@ void run_under(const PackOfRuns& pack) {
 }
 
 }  // namespace
-
-#define COGGING_JOINED(a, b) a##b
-#define COGGING_NAMED(a, b) COGGING_JOINED(a, b)
 
 void COGGING_NAMED(run_lanes_, COGGING_SET)(const PackOfRuns& pack) {
   detail::at_place(*pack.controllers[0], [&]<std::size_t place>() { run_under<place>(pack); });

@@ -53,6 +53,15 @@ class Finding:
         return self.candidate.effect([float(a) for a in self.amplitudes] if self.candidate.amplitudes else [])
 
 
+def compared(score: float) -> float:
+    """A score, in 2 ln likelihood, by which effects are ranked: to a thousandth.
+
+    What lies behind depends on the processor. Where two effects cannot be told apart, as a constant force and a Coulomb
+    force that differs by direction in motion one way, the order of the list is the same everywhere.
+    """
+    return round(score, 3)
+
+
 def judge(
     evidence: Evidence, candidate: Candidate, test: ScoreTest, trials: float, exact: bool = False
 ) -> Finding | None:
@@ -95,7 +104,7 @@ def _finding(candidate: Candidate, test: ScoreTest, amplitudes: FloatArray, tria
         amplitudes,
         trials,
         min(0.0, log_survival(test.statistic, test.freedom) + looking),
-        test.statistic - 2.0 * test.freedom - 2.0 * looking - shapes,
+        compared(test.statistic - 2.0 * test.freedom - 2.0 * looking - shapes),
         faint,
     )
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging.diagnosis.candidates.findings import Finding, judged
+from cogging.diagnosis.candidates.findings import Finding, compared, judged
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.waves import is_spatial_wave, is_wave
 from cogging.diagnosis.evidence.evidence import Evidence
@@ -72,7 +72,7 @@ def worths(estimate: Estimate, evidence: Evidence, findings: Sequence[Finding]) 
     for finding in findings:
         if finding.log_p_value < CHOICE.detected:
             again = judged(plain, [finding.candidate], 1.0)
-            worth[finding.name] = again[0].test.statistic if again else 0.0
+            worth[finding.name] = compared(again[0].test.statistic) if again else 0.0
     return worth
 
 
@@ -109,7 +109,9 @@ def choose(
         return 0.0 if c is None else float(np.clip(c.gain, -CHOICE.loss_max, None))
 
     standing = [f for f in near if f is best or not (checks[f.name] is not None and checks[f.name].refuted)]  # type: ignore[union-attr]
-    ranked = sorted(standing, key=lambda f: worth.get(f.name, 0.0 if worth else f.score) + gain(f), reverse=True)
+    ranked = sorted(
+        standing, key=lambda f: compared(worth.get(f.name, 0.0 if worth else f.score) + gain(f)), reverse=True
+    )
     chosen = plainer([f for f in ranked if f.name not in unpaid or f is best])
     top = max(f.score + gain(f) for f in ranked)
     rivals = [

@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.candidates.findings import Finding, compared
 from cogging.diagnosis.candidates.forms import Form, form_of
 from cogging.diagnosis.candidates.tables import tables
 from cogging.diagnosis.candidates.waves import is_wave
@@ -62,7 +62,8 @@ def freed(finding: Finding, evidence: Evidence, confirm: Evidence | None) -> Fin
     own = max(1, len(finding.candidate.amplitudes))
     cost = FORM.cost * max(0, test.freedom - own)
     gain = 0.0 if confirm is None else gain_of(test, _with(finding, form, confirm), confirm)
-    return replace(finding, test=test, score=finding.score + test.statistic - finding.test.statistic - cost + gain)
+    score = compared(finding.score + test.statistic - finding.test.statistic - cost + gain)
+    return replace(finding, test=test, score=score)
 
 
 def law_instead(finding: Finding, added: Sequence[Effect], evidence: Evidence) -> str | None:

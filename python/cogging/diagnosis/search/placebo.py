@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.candidates.findings import Finding, compared
 from cogging.diagnosis.entries import Placebo
 from cogging.diagnosis.search.choice import alike
 from cogging.diagnosis.search.confirmation import confirmation
@@ -17,7 +17,7 @@ def placebos(found: Search) -> tuple[Placebo, ...]:
     """
     named = {added.finding.name for added in found.added}
     chosen: list[Finding] = []
-    for finding in sorted(found.unused, key=lambda one: -one.test.statistic):
+    for finding in sorted(found.unused, key=lambda one: -compared(one.test.statistic)):
         if finding.name in named or finding.log_p_value < ACCEPTANCE.placebo_suspected:
             continue
         if any(alike(finding, other) > ACCEPTANCE.placebo_like for other in chosen):
