@@ -43,7 +43,8 @@ inline bool is_real_scalar(PyObject* value) {
   const pybind11::object dimensions = member(object, "ndim");
   if (!dimensions.is_none() && !dimensions.equal(pybind11::int_(0))) return false;
   const pybind11::object kind = member(member(object, "dtype"), "kind");
-  return std::all_of("bcSUO", "bcSUO" + 5, [&](char none) { return !kind.equal(pybind11::str(&none, 1)); });
+  constexpr std::string_view none = "bcSUO";  // truth values, complex numbers, texts and objects
+  return std::none_of(none.begin(), none.end(), [&](char one) { return kind.equal(pybind11::str(&one, 1)); });
 }
 
 inline std::optional<double> real_number(PyObject* value) {
@@ -73,7 +74,9 @@ struct pybind11::detail::type_caster<Real> {
       return true;
     }
     const bool text = PyUnicode_Check(source.ptr()) || PyBytes_Check(source.ptr());
-    if (PySequence_Check(source.ptr()) && !text) return false;  // three numbers in one: another signature takes them
+    if (!text && PyObject_Length(source.ptr()) >= 0)
+      return false;  // three numbers in one: another signature takes them
+    PyErr_Clear();
     throw type_error("a controller's step must be given real numbers, got " + shown(source));
   }
 };
