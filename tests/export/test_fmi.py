@@ -47,8 +47,8 @@ class Unit:
     def __init__(self, model, **start):
         self.folder = Path(tempfile.mkdtemp())
         (self.folder / "axis.fmu").write_bytes(cogging.export.to(model, "fmi").content)
-        fmpy.extract(self.folder / "axis.fmu", self.folder / "unit")
-        self.description = fmpy.read_model_description(self.folder / "unit", validate=False)
+        fmpy.extract(str(self.folder / "axis.fmu"), str(self.folder / "unit"))
+        self.description = fmpy.read_model_description(str(self.folder / "unit"), validate=False)
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
         self.instances = []
         self.lines = []

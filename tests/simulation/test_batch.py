@@ -103,7 +103,7 @@ def test_a_failed_run_is_a_row(tmp_path):
     for name in ("runs.csv", "runs.parquet"):
         batch.write(tmp_path / name)
     pandas = pytest.importorskip("pandas")
-    again = pandas.read_csv(tmp_path / "runs.csv", index_col="run", keep_default_na=True)
+    again = pandas.read_csv(tmp_path / "runs.csv", index_col="run", float_precision="round_trip")
     np.testing.assert_array_equal(again[list(INDEXES)], frame[list(INDEXES)])
     pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "runs.parquet").set_index("run"), frame)
 

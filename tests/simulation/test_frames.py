@@ -100,7 +100,7 @@ def test_a_sweep_as_parquet(runs, tmp_path):
 
 def test_a_sweep_as_csv(runs, tmp_path):
     runs.write(tmp_path / "runs.csv")
-    frame = pandas.read_csv(tmp_path / "runs.csv", index_col="run", keep_default_na=True)
+    frame = pandas.read_csv(tmp_path / "runs.csv", index_col="run", float_precision="round_trip")
     frame["reason"] = frame["reason"].fillna("")
     frame["reference.frequency"] = frame["reference.frequency"].astype(float)
     right(frame, runs)

@@ -22,11 +22,11 @@ STEPS = 8  # of Newton's method to the shift in time
 
 def in_order(mine: npt.NDArray[np.uint64], its: npt.NDArray[np.uint64]) -> Mask:
     """Rows of a log, (n,), that another has too in the same order, some left out; both as one number a row."""
-    there, here = np.isin(mine, its), np.isin(its, mine)
+    there, here = _among(mine, its), _among(its, mine)
     values, first, counts = np.unique(its, return_index=True, return_counts=True)
     own, own_counts = np.unique(mine, return_counts=True)
     lonely = np.intersect1d(values[counts == 1], own[own_counts == 1], assume_unique=True)
-    rows = np.flatnonzero(np.isin(mine, lonely))
+    rows = np.flatnonzero(_among(mine, lonely))
     if rows.size < DIFFERENT:
         return np.zeros(len(mine), dtype=bool)
     place = first[np.searchsorted(values, mine[rows])]
@@ -34,9 +34,14 @@ def in_order(mine: npt.NDArray[np.uint64], its: npt.NDArray[np.uint64]) -> Mask:
     known[rows], ordered[rows] = 1.0, np.concatenate([[True], np.diff(place) > 0])
     # Of one of the two logs nearly all rows are there: those of the copy.
     whole = _share(there) >= COPIED
-    whole |= (_share(there) >= LEFT) & np.isin(mine, its[here & (_share(here) >= COPIED)])
+    whole |= (_share(there) >= LEFT) & _among(mine, its[here & (_share(here) >= COPIED)])
     whole &= (_windowed(known) >= DIFFERENT) & (_windowed(ordered) >= IN_ORDER * _windowed(known))
     return np.asarray(whole & there)
+
+
+def _among(rows: npt.NDArray[np.uint64], others: npt.NDArray[np.uint64]) -> Mask:
+    """Which rows are among others, (n,). By sorting: numpy 2.0 takes numbers that fill 64 bits for signed ones else."""
+    return np.isin(rows, others, kind="sort")
 
 
 def between_rows(log: Log, other: Log, spread: tuple[float, float]) -> Mask:
