@@ -23,22 +23,28 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-#: Those of the core, in two processes; `bindings` would ask for the system's limits, and a sweep is none of the core's.
+#: Those of the core, in three processes; `bindings` would ask for the system's limits, and a sweep is none of the core's.
 RUNS = [
     f"simulation/test_{name}.py" for name in ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
 ]
-ROOMS = (("basis", "plant", "reference"), ("control", "estimation", *RUNS))
+ROOMS = (("control", "estimation"), ("basis", "plant", "reference"), tuple(RUNS))
 #: Long runs, which take two thirds of the time there and go where shorter ones go: left out, but for `--long`.
 LONG = (
+    "control/test_control.py::test_arc_stays_under_23",
+    "control/test_control.py::test_dcarc_stays_under_its_own_bound",
     "control/test_control.py::test_with_parametric_uncertainty_only_the_error_goes_to_the_sampling_floor",
     "control/test_observer_based.py::test_too_much_decay_is_refused_with_an_offer",
+    "control/test_observer_based.py::test_what_smooth_friction_costs",
     "control/test_output_feedback.py::test_the_deterministic_robust_law_keeps_the_error_bound",
     "control/test_output_feedback.py::test_the_error_vanishes_with_parametric_uncertainty_only",
+    "control/test_output_feedback.py::test_v_theta_falls_with_ideal_sensing",
     "estimation/test_added.py::test_a_loose_load_does_on_average_what_single_trajectories_do",
     "plant/test_fast_plants.py::test_more_steps_give_no_other_result",
     "plant/test_fast_plants.py::test_random_plants_are_those_of_scipy",
     "plant/test_plant_states.py::test_a_stiff_bristle_is_that_of_the_stiff_integrator",
     "plant/test_plant_states.py::test_it_is_stable_however_stiff_and_tends_to_the_exact_form",
+    "simulation/test_batch.py::test_memory_does_not_grow_with_rows",
+    "simulation/test_simulation.py::test_a_million_samples_fit_in_200_megabytes",
     "simulation/test_simulation.py::test_another_thread_runs_meanwhile",
 )
 #: Packs of runs have their tests among the rooms; `lanes` would take two minutes for them.
@@ -98,8 +104,8 @@ def _checked(
         calls = [sys.executable, "-m", "tests.attack", "bindings", "--cases", str(cases), "--processes", "1"]
         pytest = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
         pytest += [word for test in without for word in ("--deselect", f"tests/{test}")]
-        told = [("calls", "calls", calls)]
-        told += [("rooms", f"rooms {rooms[0]} ...", pytest + [f"tests/{room}" for room in rooms]) for rooms in ROOMS]
+        told = [("rooms", f"rooms {rooms[0]} ...", pytest + [f"tests/{room}" for room in rooms]) for rooms in ROOMS]
+        told += [("calls", "calls", calls)]  # the shortest last
         commands += [(name, command, environment) for part, name, command in told if part in parts]
     commands += [(name, [f"{program(build, name)}"], ALONE) for name in programs]
     return [done.result() for done in [at_once.submit(run, *command) for command in commands]]

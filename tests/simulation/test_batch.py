@@ -10,6 +10,7 @@ import pytest
 
 import cogging
 from cogging.simulation.reductions import INDEXES
+from tests.fixtures.sweeps import read_table
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.2, coulomb=0.15, coulomb_width=1e-3, travel=[-1.0, 1.0])
 
@@ -102,8 +103,7 @@ def test_a_failed_run_is_a_row(tmp_path):
     assert same.failures[0].run == 3
     for name in ("runs.csv", "runs.parquet"):
         batch.write(tmp_path / name)
-    pandas = pytest.importorskip("pandas")
-    again = pandas.read_csv(tmp_path / "runs.csv", index_col="run", float_precision="round_trip")
+    again = read_table(tmp_path / "runs.csv")
     np.testing.assert_array_equal(again[list(INDEXES)], frame[list(INDEXES)])
     pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "runs.parquet").set_index("run"), frame)
 

@@ -10,7 +10,7 @@ import pytest
 import cogging
 from cogging.simulation.frames import write_frame
 from cogging.simulation.reductions import COLUMNS, INDEXES, unit_of
-from tests.fixtures.sweeps import MOVE, SMALL
+from tests.fixtures.sweeps import MOVE, SMALL, read_table
 
 pandas = pytest.importorskip("pandas")
 ASKED = ["error_quantile(0.9)", "command_tone(5.0)", "true_error_max"]
@@ -100,7 +100,7 @@ def test_a_sweep_as_parquet(runs, tmp_path):
 
 def test_a_sweep_as_csv(runs, tmp_path):
     runs.write(tmp_path / "runs.csv")
-    frame = pandas.read_csv(tmp_path / "runs.csv", index_col="run", float_precision="round_trip")
+    frame = read_table(tmp_path / "runs.csv")
     frame["reason"] = frame["reason"].fillna("")
     frame["reference.frequency"] = frame["reference.frequency"].astype(float)
     right(frame, runs)
