@@ -23,7 +23,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-#: Those of the core, in three processes; `bindings` would ask for the system's limits, and a sweep is none of the core's.
+#: Those of the core, in three processes; `bindings` would ask for the system's limits, a sweep is none of the core's.
 RUNS = [
     f"simulation/test_{name}.py" for name in ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
 ]
