@@ -179,17 +179,26 @@ def line_of(text: str, section: str, key: str, occurrence: int = 0) -> int | Non
     """The line (from 1) on which a key of a section stands; occurrence counts [[section]] tables from 0."""
     here, seen = "", -1
     for number, line in enumerate(text.splitlines(), start=1):
-        header = re.match(r"\s*\[\[?\s*([^\]]+?)\s*\]?\]", line)
+        header = _header_in(line)
         if header:
-            here = header.group(1)
+            here = header
             seen += here == section
             if not key and here == section and seen == occurrence:
                 return number
         elif here == section and (not section or seen == occurrence):
-            found = re.match(r"\s*[\"']?([^\"'=]+?)[\"']?\s*=", line)
-            if found and found.group(1) == key:
+            before, equals, _ = line.partition("=")
+            if key and equals and before.strip() in (key, f'"{key}"', f"'{key}'"):
                 return number
     return None
+
+
+def _header_in(line: str) -> str:
+    """The section that a line begins, or nothing. No pattern: one would look at many blanks once for each three."""
+    begun = line.lstrip()
+    if not begun.startswith("["):
+        return ""
+    name, closed, _ = begun[2 if begun.startswith("[[") else 1 :].partition("]")
+    return name.strip() if closed else ""
 
 
 def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str) -> None:

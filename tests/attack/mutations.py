@@ -74,7 +74,7 @@ def of_table(content: bytes, chance: random.Random) -> bytes:
     deeds: tuple[Callable[[], object], ...] = (
         lambda: _cell(rows, chance, NUMBERS),
         lambda: _cell(rows, chance, NUMBERS),
-        lambda: rows[0].__setitem__(chance.randrange(len(rows[0])), chance.choice(WORDS)),
+        lambda: rows[0].__setitem__(chance.randrange(len(rows[0])), chance.choice(WORDS)) if rows[0] else None,
         lambda: rows[0].append(chance.choice(WORDS)),
         lambda: rows.insert(chance.randrange(len(rows)), chance.choice(rows)[:]),
         lambda: rows.pop(chance.randrange(1, len(rows))) if len(rows) > 2 else None,

@@ -53,3 +53,22 @@ def test_a_unit_apart_from_the_name_counts(unit):
 def test_no_word_means_two_things():
     words = [word for known in WORDS.values() for word in known]
     assert len(words) == len(set(words)) > 100
+
+
+@pytest.mark.parametrize(
+    ("label", "unit"),
+    [
+        ("x" + " " * 200_000, ""),
+        ("x" + " " * 200_000 + "[mm]", "mm"),
+        ("x [" + " " * 200_000 + "mm", ""),
+        ("x [" + " " * 200_000 + "mm]", "mm"),
+        ("[" * 200_000, ""),
+        ("x" + " ," * 100_000, ""),
+        ("(" + " )" * 100_000, ""),
+        ("x" + " in" * 70_000 + "(", ""),
+    ],
+    ids=range(8),
+)
+def test_a_name_without_end_takes_no_time_without_end(label, unit):
+    """A pattern looked at such names once for each pair, or three, of their blanks: minutes to years."""
+    assert header_of(label).unit == unit

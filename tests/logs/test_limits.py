@@ -215,3 +215,22 @@ def test_logical_values_in_a_struct_are_no_numbers(tmp_path):
 
 def test_the_table_of_the_document_is_that_of_the_code():
     assert limits.table() in DOCUMENT.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("header", ["x" + " " * 200_000 + "[", "x [" + " " * 200_000 + "m", "[" * 200_000])
+def test_a_header_of_blanks_without_end_is_answered(header, tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text(f"time,{header}\n0,1\n1,2\n")
+    with pytest.raises(InputError) as told:
+        cogging.read_log(path)
+    assert len(str(told.value)) < 4000
+
+
+def test_a_unit_without_end_is_shortened(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text(f"time [{'x' * 5000}],position,command\n0,1,2\n1,2,3\n")
+    with pytest.raises(
+        InputError, match=r"column time.*: must be in s, got the unit 'x+ \.\.\. x+'; give --scale time=FACTOR"
+    ) as told:
+        cogging.read_log(path)
+    assert len(str(told.value)) < 1000

@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from cogging.logs.readers.request import split_unit
+from cogging.logs.readers.request import bracketed, split_unit
 
 #: Words of a column's name by what it holds, the surer ones first; of English and German drives and loggers.
 NAMES = {
@@ -72,6 +72,7 @@ COMMANDS |= {"mN": (1e-3, "N"), "kN": (1e3, "N"), "kA": (1e3, "A"), "mNm": (1e-3
 COMMANDS |= {"volt": (1.0, "V"), "volts": (1.0, "V"), "ampere": (1.0, "A"), "amps": (1.0, "A"), "newton": (1.0, "N")}
 COMMANDS |= {"Arms": (1.0, "Arms"), "Apk": (1.0, "Apk"), "amp": (1.0, "A"), "lbf": (4.4482216, "N")}
 #: A unit that stands behind a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
+LONGEST = 200  # characters of a name that is looked at for a unit behind it, in a time that grows as their square
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
 RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNORECASE)
 
@@ -101,9 +102,9 @@ def header_of(label: str, apart: str = "") -> Header:
     unit = unit or apart.strip()
     if not unit:
         bare, unit = _behind(label)
-    inside = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]", label.strip())
-    if not unit and inside is not None and _is_unit(inside.group(2)):
-        bare, unit = inside.group(1), inside.group(2)
+    name, inside, _ = bracketed(label)
+    if not unit and name and _is_unit(inside):
+        bare, unit = name, inside
     kind, rank = _kind(bare)
     if kind in ("position", "reference") and RATES.fullmatch(unit):  # `x [mm/s]`
         kind = "velocity" if kind == "position" else "reference_velocity"
@@ -112,7 +113,7 @@ def header_of(label: str, apart: str = "") -> Header:
 
 def _behind(label: str) -> tuple[str, str]:
     """A name and the unit that stands behind it without brackets, or no unit."""
-    found = BEHIND.fullmatch(label.strip())
+    found = BEHIND.fullmatch(label.strip()) if len(label) <= LONGEST else None
     if found is None or not _is_unit(found.group(2)):
         return label, ""
     alone = found.group(2) in ("u", "h", "in", "f", "A", "V", "N", "m", "s", "U", "min")

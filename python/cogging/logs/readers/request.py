@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -144,7 +143,8 @@ class Request:
             factor = None
         advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
         needed = ", ".join(COMMAND_UNITS) if wanted == "V" else wanted
-        raise self.refuse(f"column {there}: must be in {needed}, got the unit {unit!r}; give {advice}")
+        stated = shortened(unit, LONGEST)
+        raise self.refuse(f"column {there}: must be in {needed}, got the unit {stated!r}; give {advice}")
 
 
 def is_si(name: str, unit: str) -> bool:
@@ -154,18 +154,29 @@ def is_si(name: str, unit: str) -> bool:
     return spelled in SPELLINGS[wanted] or spelled.lower() in SPELLINGS[wanted][1:]
 
 
+def bracketed(text: str) -> tuple[str, str, str]:
+    """A name, what stands in brackets behind it, and the bracket that opens; all empty where there are none.
+
+    By hand, in one pass: a pattern would look at a name of many blanks once for each pair of them, or three.
+    """
+    whole = text.strip()
+    opening = {"]": "[", ")": "("}.get(whole[-1:], "")
+    at = whole.find(opening, whole.rfind(whole[-1], 0, -1) + 1) if opening else -1
+    name = whole[: max(at, 0)].rstrip()
+    return (name, whole[at + 1 : -1].strip(), opening) if name and "\n" not in name else ("", "", "")
+
+
 def split_unit(text: str) -> tuple[str, str]:
     """Part a column's name from the unit in brackets behind it; ("force (filtered)", "") where there is none."""
-    found = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))", text.strip())
-    if not found or not found.group(1):
+    name, inside, opening = bracketed(text)
+    if not name:
         return text, ""
-    if found.group(2) is not None:
-        return found.group(1), found.group(2).strip()
-    inside = found.group(3).strip()
+    if opening == "[":
+        return name, inside
     spelled = (unit for spellings in SPELLINGS.values() for unit in spellings)
     rates = (f"{length}/{rest}" for length in FACTORS for rest in ("s", *SQUARED))
     known = (*OTHER_UNITS, *FACTORS, *TIME_FACTORS, *COMMAND_FACTORS, *spelled, *rates)
-    return (found.group(1), inside) if inside in known else (text, "")
+    return (name, inside) if inside in known else (text, "")
 
 
 def listed(names: Sequence[str]) -> str:
