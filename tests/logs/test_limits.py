@@ -234,3 +234,15 @@ def test_a_unit_without_end_is_shortened(tmp_path):
     ) as told:
         cogging.read_log(path)
     assert len(str(told.value)) < 1000
+
+
+@pytest.mark.parametrize("name", ["time\n", "ti\x1bme", "t\u202eime", "t\r\nx", "\x00\x01\n\x02"])
+def test_an_error_is_one_line_whatever_names_a_file_holds(name, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "log.mat"
+    with h5py.File(path, "w") as file:
+        for column in (name.replace("\x00", "0"), "position", "command"):
+            file[column] = np.arange(9.0)
+    with pytest.raises(InputError, match="column time") as told:
+        cogging.read_log(path)
+    assert str(told.value).isprintable()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from cogging.files import InputError
 from cogging.logs.readers.limits import COLUMNS, numbers_most
-from cogging.shown import nearest, shortened
+from cogging.shown import nearest, printable, shortened
 
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
 SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
@@ -61,8 +61,8 @@ class Request:
     survey: list[tuple[str, str]] | None = None
 
     def refuse(self, problem: str) -> InputError:
-        """Make the error that names the file."""
-        return InputError(f"{self.shown or self.path}: {problem}")
+        """Make the error that names the file, on one line whatever the file's names hold."""
+        return InputError(f"{self.shown or self.path}: {printable(problem)}")
 
     def require_room(self, name: str, rows: int, numbers: float) -> None:
         """Refuse what a file asks for beyond its size, before any of it is read.
