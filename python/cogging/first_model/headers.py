@@ -72,8 +72,8 @@ COMMANDS |= {"mN": (1e-3, "N"), "kN": (1e3, "N"), "kA": (1e3, "A"), "mNm": (1e-3
 COMMANDS |= {"volt": (1.0, "V"), "volts": (1.0, "V"), "ampere": (1.0, "A"), "amps": (1.0, "A"), "newton": (1.0, "N")}
 COMMANDS |= {"Arms": (1.0, "Arms"), "Apk": (1.0, "Apk"), "amp": (1.0, "A"), "lbf": (4.4482216, "N")}
 #: A unit that stands behind a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
-LONGEST = 200  # characters of a name that is looked at for a unit behind it, in a time that grows as their square
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
+LONGEST = 200  # characters of a name that is looked at for a unit behind it, in a time that grows as their square
 RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNORECASE)
 
 
