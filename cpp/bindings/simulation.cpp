@@ -112,10 +112,10 @@ called in every row with Python's lock held.
 Raises:
     TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
     ValueError: the reference leaves the travel, a motion without an end and no duration, more samples than fit into
-        memory, a delay as long as the run, a plant so fast that a sample needs more than 1e5 steps (the message says
-        how fast).
+        memory, a delay as long as the run.
     ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
-    DivergedError: the state left the travel by half its length or is not finite; says when and where.)");
+    DivergedError: the state left the travel by half its length, is not finite, or is so fast that a sample needs more
+        than 1e5 steps; says when and where, or how fast.)");
 
   module.def(
       "replay_controller",

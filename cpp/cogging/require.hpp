@@ -12,7 +12,7 @@
 
 namespace cogging {
 
-/// A run whose state left the travel or stopped being finite; says when and where.
+/// A run whose state left the travel, stopped being finite or got too fast to be integrated; says when and where.
 class DivergedError : public std::runtime_error {
  public:
   DivergedError(const std::string& message, double at_time) : std::runtime_error(message), time(at_time) {}

@@ -206,6 +206,24 @@ def test_a_run_that_diverges_says_in_a_pack_what_it_says_alone(instructions, whe
     assert np.isfinite(np.delete(batch.indexes["error_max"], where)).all()
 
 
+@pytest.mark.parametrize("instructions", SETS)
+@pytest.mark.parametrize("coulomb_width", [0.0, 0.003])
+def test_a_run_that_diverges_too_fast_to_be_followed_is_a_row(instructions, coulomb_width, monkeypatch):
+    """Through more periods of a wave in a sample than steps may be made: the whole batch was refused before."""
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+    wave = cogging.effects.CoggingHarmonic(period=0.02, sine=0.3)
+    axis = cogging.AxisParameters(mass=MASS, coulomb=0.1, coulomb_width=coulomb_width)
+    plant = cogging.Plant(axis, effects=[wave])
+    controllers = [cogging.Pid(cogging.PidParameters(**TUNED["pid"]).replace(kp=kp)) for kp in (9600.0, 1e12, 9000.0)]
+    with pytest.raises(cogging.DivergedError, match=r"^axis: must change slowly enough .* 1/s at [0-9.]+ s$") as error:
+        cogging.closed_loop(plant, controllers[1], MOVE, duration=0.1)
+    batch = cogging.closed_loop_batch([plant] * 3, controllers, MOVE, duration=0.1)
+    ((run, time, reason),) = batch.failures
+    assert (run, reason) == (1, str(error.value))
+    assert reason.endswith(f" at {time:g} s")
+    assert np.isnan(batch.indexes["error_max"]).tolist() == [False, True, False]
+
+
 def test_an_instruction_set_that_the_machine_lacks_is_one_line(monkeypatch):
     for name in ("v9", "avx2", "V3", " "):
         monkeypatch.setenv("COGGING_INSTRUCTIONS", name)

@@ -271,7 +271,7 @@ class Axis {
       if (lane(excess, i) <= 0.0) continue;
       AxisState<Scalar> end = start;
       advance_in_pieces(
-          end, 0.0, h,
+          end, time, 0.0, h,
           [&](AxisState<Scalar>& at, double offset, double length) {
             return lane(move(at, drive, time, offset, length), i) <= 0.0;
           },

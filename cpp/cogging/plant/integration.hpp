@@ -51,11 +51,11 @@ COGGING_INLINE Stages<Slope> runge_kutta(const Slope& first, double h, const Inp
                      [](const Slope&, const Slope&, const Slope&, const auto&) {});
 }
 
-/// Moves the state from offset `from` to offset `until` of a step, in as many pieces as are accurate, while it is
-/// finite(state). step(state, offset, length) makes a piece and says whether it is accurate.
+/// Moves the state from offset `from` to offset `until` of the step that begins at `time`, in as many pieces as are
+/// accurate, while it is finite(state). step(state, offset, length) makes a piece and says whether it is accurate.
 template <class State, class Step, class Finite>
-void advance_in_pieces(State& state, double from, double until, const Step& step, const Finite& finite) {
-  StepControl control(until - from);
+void advance_in_pieces(State& state, double time, double from, double until, const Step& step, const Finite& finite) {
+  StepControl control(time, until - from);
   double done = from;
   while (done < until && finite(state)) {
     const State start = state;

@@ -167,12 +167,13 @@ class StepAccuracy {
   std::vector<double> positions_, velocities_;  // of kinks, increasing
 };
 
-/// The lengths of the pieces of one step: halved until a piece is accurate, doubled after.
+/// The lengths of the pieces of one step, which begins at `time`, s: halved until a piece is accurate, doubled after.
 class StepControl {
  public:
-  explicit StepControl(double whole) : next_(whole), shortest_(1e-12 * whole) {}
+  StepControl(double time, double whole) : time_(time), next_(whole), shortest_(1e-12 * whole) {}
 
   /// The length of the next piece, at most `left`. `tried(length)` makes it and says whether it is accurate.
+  /// Raises DivergedError where the pieces are too many: a run that diverges may get too fast before it is far away.
   template <class Try>
   double step(double left, const Try& tried) {
     double length = std::min(next_, left);
@@ -181,15 +182,17 @@ class StepControl {
       if (++refused_ > refused_max) break;
     }
     if (++pieces_ > pieces_max)
-      refuse("axis", "must change slowly enough to be integrated in 1e5 steps a sample",
-             "changes at some " + format(1.0 / length) + " 1/s");
+      throw DivergedError(
+          "axis: must change slowly enough to be integrated in 1e5 steps a sample, got changes at some " +
+              format(1.0 / length) + " 1/s at " + format(time_) + " s",
+          time_);
     next_ = length < left ? 2.0 * length : std::max(next_, length);
     return length;
   }
 
  private:
   static constexpr int pieces_max = 100'000, refused_max = 1'000'000;
-  double next_, shortest_;
+  double time_, next_, shortest_;
   int pieces_ = 0, refused_ = 0;
 };
 

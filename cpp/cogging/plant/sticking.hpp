@@ -34,7 +34,13 @@ template <class Body>
 class StickSlip {
  public:
   StickSlip(const Body& body, const Drive<double>& drive, double time, double from, double until)
-      : body_(body), drive_(drive), time_(time), from_(from), until_(until), done_(from), control_(until - from) {}
+      : body_(body),
+        drive_(drive),
+        time_(time),
+        from_(from),
+        until_(until),
+        done_(from),
+        control_(time, until - from) {}
 
   void advance(AxisState<double>& state) {
     while (done_ < until_ && stops_ < stops_max) {

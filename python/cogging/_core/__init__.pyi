@@ -2361,10 +2361,10 @@ def closed_loop(plant: Plant, controller: typing.Any, reference: Reference, *, d
     Raises:
         TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
         ValueError: the reference leaves the travel, a motion without an end and no duration, more samples than fit into
-            memory, a delay as long as the run, a plant so fast that a sample needs more than 1e5 steps (the message says
-            how fast).
+            memory, a delay as long as the run.
         ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
-        DivergedError: the state left the travel by half its length or is not finite; says when and where.
+        DivergedError: the state left the travel by half its length, is not finite, or is so fast that a sample needs more
+            than 1e5 steps; says when and where, or how fast.
     """
 def closed_loop_records(plants: collections.abc.Sequence[Plant], controllers: collections.abc.Sequence[typing.Any], references: collections.abc.Sequence[Reference], *, durations: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seeds: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], steps_per_sample: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex, stop: typing.SupportsFloat | typing.SupportsIndex, final_window: typing.SupportsFloat | typing.SupportsIndex, reductions: collections.abc.Sequence[tuple[str, str, typing.SupportsFloat | typing.SupportsIndex]], columns: collections.abc.Sequence[str], every: typing.SupportsInt | typing.SupportsIndex, keeps_refused: bool, initial_positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], initial_velocity: typing.SupportsFloat | typing.SupportsIndex = 0.0, added_command: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [], runs_in_all: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """

@@ -51,10 +51,10 @@ def closed_loop(
         The log, with the plant's true position and velocity beside the readings.
 
     Raises:
-        ValueError: the reference leaves the travel, a motion without an end and no duration, a plant so fast that a
-            sample needs more than 1e5 steps (the message says how fast).
+        ValueError: the reference leaves the travel, or a motion without an end and no duration.
         TypeError: the controller is none, or cannot be copied; says what it lacks.
-        DivergedError: the state left the travel by half its length or is not finite; says when and where.
+        DivergedError: the state left the travel by half its length, is not finite, or is so fast that a sample needs
+            more than 1e5 steps; says when and where, or how fast.
         ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
 
     Example:

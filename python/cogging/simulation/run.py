@@ -56,10 +56,10 @@ def simulate(
         The log, with the true motion beside the readings, and in its metadata what `repeat` needs.
 
     Raises:
-        ValueError: an argument breaks its rule, the reference leaves the travel, no controller is known, or the plant
-            is so fast beside its sample time that it needs more than 1e5 steps a sample: the message says how fast.
+        ValueError: an argument breaks its rule, the reference leaves the travel, or no controller is known.
         TypeError: the controller is none, or cannot be copied; says what it lacks.
-        DivergedError: the run left the travel by half its length, or is not finite; says when and where.
+        DivergedError: the run left the travel by half its length, is not finite, or is so fast that a sample needs more
+            than 1e5 steps; says when and where, or how fast.
         ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
 
     Example:
