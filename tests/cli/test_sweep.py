@@ -92,6 +92,8 @@ FAULTY = [
     (vary("seed", "{from = 0, to = 9, points = 10}"), "line 4: vary.seed: must be a list of whole numbers, got"),
     (vary("axis.mass", "[-1.0]"), "no run could begin: .*mass: must be finite and above 0, got -1"),
     (vary("reference.amplitude", "[5.0]"), "no run could begin: reference: must stay within travel"),
+    (vary("axis.mass", "[0.11]") + "axis.mass = [0.13, 0.14]\n", "line 4: vary.axis.mass: must be given once, got "),
+    (vary("axis.mass", "[0.11]") + "[vary.axis]\nmass = [0.13]\n", "line 4: vary.axis.mass: must be given once, got "),
     (
         vary("axis.mass", "{from = 0.1, to = 1, points = 100000}")
         + '"axis.viscous" = {from = 0.1, to = 1, points = 1001}\n',

@@ -44,11 +44,11 @@ def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         _require(document)
         _require_files(document, Path(path).parent)
+        vary = document["vary"] if document["vary"] == BOUNDS else _by_path(document["vary"])
     except FieldError as error:
         raise error.in_file(path, read_text(path)) from None
-    vary = document["vary"]
     files = {key: Path(path).parent / document[key] for key in ("model", "reference")}
-    return {**document, **files, "vary": vary if vary == BOUNDS else dict(_flat(vary))}
+    return {**document, **files, "vary": vary}
 
 
 def files_of_sweep(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
@@ -96,6 +96,20 @@ def _require_files(document: Mapping[str, Any], folder: Path) -> None:
     for key in ("model", "reference"):
         if not (folder / document[key]).exists() or not document[key]:
             raise FieldError("", key, f"must be a file beside the sweep file, got {quoted(document[key])}")
+
+
+def _by_path(vary: Mapping[str, Any]) -> dict[str, Any]:
+    """Variations by path.
+
+    Raises:
+        FieldError: one path has two.
+    """
+    found: dict[str, Any] = {}
+    for path, told in _flat(vary):
+        if path in found:
+            raise FieldError("vary", path, f"must be given once, got {quoted(found[path])} and {quoted(told)}")
+        found[path] = told
+    return found
 
 
 def _flat(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
