@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,8 +18,10 @@ from cogging.arrays import FloatArray
 from cogging.calls import Kind, takes
 from cogging.files import InputError
 from cogging.model.model import Model
+from cogging.outputs import target_of
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import MODEL, REFERENCE
+from cogging.simulation.digests import digest_of
 from cogging.simulation.frames import is_parquet, to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
@@ -171,7 +172,8 @@ def sweep(
     executor.
 
     With `out`, finished pieces stand in a folder beside it (`OUT.pieces`) until the whole is written: after an
-    interruption, a crash or a full disk the same call goes on where it was.
+    interruption, a crash or a full disk the same call goes on where it was. An effect of one's own is the same where
+    its law is, with all that it names and holds; where that cannot be said, no pieces are kept (docs/sweep.md).
 
     Args:
         model: a Model, or the path of a model file.
@@ -227,7 +229,11 @@ def sweep(
 
 def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None, progress: Progress) -> SweepRuns:
     """Run all points piece by piece, and write what they gave where it is asked for."""
-    with nullcontext() if out is None else Pieces(out, _asked(common, points)) as kept:
+    digest = None
+    if out is not None:
+        target_of(out)
+        digest = digest_of(common.setup.model, _asked(common, points))
+    with nullcontext() if digest is None else Pieces(out, digest) as kept:
         try:
             table = _table(common, points, kept, executor, progress)
         except BaseException:
@@ -239,11 +245,12 @@ def _runs(common: Piece, points: FloatArray, out: Any, executor: Executor | None
             if kept is not None:
                 kept.remove()
             raise ValueError(f"no run could begin: {found.table['reason'][0]}")
-        if kept is not None:
+        if out is not None:
             try:
                 found.write(out)
             except InputError as error:
-                raise InputError(f"{error}; {kept.stands}") from None
+                raise InputError(f"{error}; {kept.stands}" if kept is not None else str(error)) from None
+        if kept is not None:
             kept.remove()
         return found
 
@@ -352,8 +359,6 @@ def _none_began(found: SweepRuns) -> bool:
 
 def _asked(common: Piece, points: FloatArray) -> dict[str, Any]:
     return {
-        "version": importlib.metadata.version("cogging"),
-        "model": common.setup.model.to_dict(),
         "reference": reference_to_dict(common.setup.reference),
         "paths": list(common.paths),
         "points": points,

@@ -5,49 +5,54 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
-import json
 import os
-import shutil
+import re
 import sys
-import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
 from cogging.file_locks import opened_alone, rewrite
-from cogging.files import InputError
+from cogging.file_sets import OF_OURS
+from cogging.files import InputError, require_file
 from cogging.outputs import target_of, write_bytes
+from cogging.shown import quoted
 
 Table = dict[str, Any]
-LARGEST_TOLD = 4096  # bytes of `sweep.json`, which has 80
+OTHERWISE = "remove it, or write to another file"
+PIECE = re.compile(r"[0-9]{9}-[0-9a-f]{64}\.npz")  # the first run, and what `_name` makes of the content
 
 
 class Pieces:
     """Keeps the tables of a sweep's pieces, so that a sweep that was ended goes on where it was.
 
     One process at a time has them: it holds a lock on `sweep.json`, which goes with the process. That file is the first
-    in the folder and the first to go: without it, what else stands there is of a sweep that is done.
+    in the folder and the first to go: without it, what else stands there is of a sweep that is done. A piece has in its
+    name a checksum of the sweep and of all that it holds: what is not as it was written is made anew. What has another
+    name is not the sweep's: a folder that holds any is refused, and none is ever removed.
 
     Attributes:
         folder: where they stand; it goes when the sweep is done.
     """
 
-    def __init__(self, out: str | os.PathLike[str], asked: Mapping[str, Any]) -> None:
+    def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
         """Make the folder, or open the one that an earlier call of the same sweep left.
 
         Args:
             out: the output beside which it stands.
-            asked: all that decides what the runs give, as JSON can hold it.
+            digest: of all that decides what the runs give.
 
         Raises:
-            InputError: another sweep's pieces stand there, another process is at it, or none can be written.
+            InputError: something else or another sweep's pieces stand there, another process is at it, or none can be
+                written.
         """
         target = target_of(out)
         self.folder = target.with_name(f"{target.name}.pieces")
         self._called = f"{os.fspath(out)}.pieces"
         self._told = self.folder / "sweep.json"
+        self._digest = digest.encode()
         try:
             self._lock = self._opened()
         except BlockingIOError:
@@ -57,36 +62,35 @@ class Pieces:
         except OSError as error:
             raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
         try:
-            self._begin(digest_of(asked))
+            self._begin()
         except BaseException:
             self._lock.close()
             raise
 
     def _opened(self) -> IO[bytes]:
         while True:
+            if self.folder.is_symlink():
+                raise InputError(f"{self._called}: must be a folder, got a link: {OTHERWISE}")
             self.folder.mkdir(exist_ok=True)
+            if others := [path.name for path in self.folder.glob("*") if not self._is_own(path)]:
+                what = f"must hold nothing but the pieces of a sweep, got {quoted(min(others))}"
+                raise InputError(f"{self._called}: {what}: {OTHERWISE}")
             with contextlib.suppress(FileNotFoundError):  # the folder has gone meanwhile, with a sweep that was done
                 return opened_alone(self._told, by_process=True)
 
-    def _begin(self, digest: str) -> None:
+    def _begin(self) -> None:
         """Hold the sweep against that of the folder; a new one begins with none of what stands there."""
-        text = self._lock.read(LARGEST_TOLD)
+        wanted = b'{"digest": "' + self._digest + b'"}\n'
         try:
-            if text:
-                if json.loads(text).get("digest") != digest:
-                    raise InputError(
-                        f"{self._called}: holds pieces of another sweep, or of another version: "
-                        "remove it, or write to another file"
-                    )
+            if text := self._lock.read(len(wanted) + 1):
+                if text != wanted:
+                    what = "holds pieces of another sweep, or of another version"
+                    raise InputError(f"{self._called}: {what}: {OTHERWISE}")
                 return
             for path in self._finished():
                 path.unlink()
-            rewrite(self._lock, json.dumps({"digest": digest}).encode() + b"\n")
+            rewrite(self._lock, wanted)
             os.fsync(self._lock.fileno())
-        except (ValueError, AttributeError) as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(f"{self._called}: cannot be used: {error}") from None
         except OSError as error:
             self.remove()
             raise InputError(f"{self._called}: cannot be written: {error.strerror}") from None
@@ -106,28 +110,33 @@ class Pieces:
         file = io.BytesIO()
         np.savez(file, **{name: _saved(values) for name, values in table.items()})  # type: ignore[arg-type]
         try:
-            write_bytes(self.folder / f"{table['run'][0]:09d}.npz", file.getvalue(), synced=False)  # see _read
+            write_bytes(self.folder / self._name(table["run"][0], file.getvalue()), file.getvalue(), synced=False)
         except InputError as error:
             raise InputError("; ".join(filter(None, (str(error), self.stands)))) from None
 
     def tables(self, runs: int) -> list[Table]:
-        """The pieces that were finished, of a sweep of so many runs; no two hold the same run."""
+        """The pieces that were finished, of a sweep of so many runs; no two hold the same run. Broken ones go."""
         done, tables = np.zeros(runs, dtype=bool), []
         for path in self._finished():
-            table = _read(path)
-            places = np.arange(0) if table is None else table["run"]
-            if table is not None and places[-1] < runs and not done[places].any():
-                done[places] = True
+            table = self._read(path)
+            if table is None:
+                with contextlib.suppress(OSError):
+                    path.unlink()
+            elif not done[table["run"]].any():
+                done[table["run"]] = True
                 tables.append(table)
         return tables
 
     def remove(self) -> None:
-        """Take the folder away."""
+        """Take away what the sweep has written, and the folder with it."""
+        own = [path for path in self.folder.glob("*") if self._is_own(path)]
         if sys.platform == "win32":  # which removes no file that is open
             self._lock.close()
+        for path in (self._told, *own):
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
-            self._told.unlink(missing_ok=True)
-        shutil.rmtree(self.folder, ignore_errors=True)
+            self.folder.rmdir()
 
     def remove_empty(self) -> None:
         """Take the folder away where it has no piece."""
@@ -142,12 +151,25 @@ class Pieces:
         return f"finished runs stand in {self._called}, the same call goes on from there"
 
     def _finished(self) -> list[Path]:
-        return sorted(self.folder.glob("[0-9]*.npz"))
+        return sorted(path for path in self.folder.glob("*") if PIECE.fullmatch(path.name))
 
+    def _is_own(self, path: Path) -> bool:
+        return bool(path == self._told or PIECE.fullmatch(path.name) or OF_OURS.fullmatch(path.name))
 
-def digest_of(asked: Mapping[str, Any]) -> str:
-    """A number for what was asked: equal for equal sweeps."""
-    return hashlib.sha256(json.dumps(asked, sort_keys=True, default=_as_json).encode()).hexdigest()
+    def _name(self, first: int, content: bytes) -> str:
+        return f"{first:09d}-{hashlib.sha256(self._digest + content).hexdigest()}.npz"
+
+    def _read(self, path: Path) -> Table | None:
+        """A piece, or None where it is not what the sweep wrote there."""
+        try:
+            require_file(path)
+            content = path.read_bytes()
+        except (OSError, InputError):
+            return None
+        if path.name != self._name(int(path.name[:9]), content):
+            return None
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
 
 
 def missing(tables: Iterable[Table], runs: int, size: int) -> list[range]:
@@ -167,22 +189,6 @@ def joined(tables: list[Table]) -> Table:
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
-def _read(path: Path) -> Table | None:
-    """A piece, or None where a crash of the machine left a file that is none."""
-    try:
-        with open(path, "rb") as piece, np.load(piece, allow_pickle=False) as file:
-            table = {name: file[name] for name in file.files}
-        return table if len(table["run"]) else None
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
-        return None
-
-
 def _saved(values: Any) -> np.ndarray[Any, Any]:
     array = np.asarray(values)
     return array.astype(str) if array.dtype == object else array
-
-
-def _as_json(value: Any) -> Any:
-    if isinstance(value, Path):
-        return os.fspath(value)
-    return value.tolist()

@@ -19,7 +19,6 @@ from cogging.design.tuning.limits import ALL_END, kept_all
 from cogging.design.tuning.reached import INDEXES, Reached
 from cogging.files import InputError
 from cogging.outputs import target_of, write_text
-from cogging.simulation.sweep_pieces import digest_of
 
 WORST = 1e9  # stands for an infinite objective, of trials that break a limit anyway
 WRITTEN_EVERY = 0.5  # s: how much work a kill may cost
@@ -134,7 +133,7 @@ def _exact(gain: Gain, value: float) -> float | int:
 class KeptTrials:
     """Keeps the trials of a tuning beside its output, so that one that was ended goes on where it was."""
 
-    def __init__(self, out: str | os.PathLike[str], asked: Mapping[str, Any]) -> None:
+    def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
         """Open the file that an earlier call of the same tuning left, if it did.
 
         Raises:
@@ -143,7 +142,7 @@ class KeptTrials:
         target = target_of(out)
         self._path = target.with_name(f"{target.name}.trials")
         self._called = f"{os.fspath(out)}.trials"
-        self._digest = digest_of(asked)
+        self._digest = digest
         self._trials: list[Trial] = []
         self._written = time.monotonic()
         if not self._path.exists():

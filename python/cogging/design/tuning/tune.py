@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping
@@ -29,6 +28,7 @@ from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
+from cogging.simulation.digests import digest_of
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 from cogging.simulation.sweep_points import BOUNDS
 from cogging.simulation.varied import Setup
@@ -138,9 +138,8 @@ def tune(
     course = Course(duration or own_duration, start, stop, quantile, threads)
     limited = asked_limits(limits or {})
     task = _task(setup, tuned, course, vary, limited, asked)
-    kept = None
-    if out is not None and controller is None:
-        kept = KeptTrials(out, _described(setup, tuned, course, vary, limited, asked))
+    digest = digest_of(model, _described(setup, tuned, course, vary, limited, asked)) if controller is None else None
+    kept = None if out is None or digest is None else KeptTrials(out, digest)
     result = labelled(_run(task, asked, out, kept, progress), model.units, apart=OF_NUMBERS)
     if out is not None and result.model is not None:
         result.model.write(out)
@@ -229,10 +228,8 @@ def _nothing(machines: int, margins: Mapping[str, float]) -> Reached:
 def _described(
     setup: Setup, tuned: Tuned, course: Course, vary: Any, limited: Mapping[str, Any], asked: Asked
 ) -> dict[str, Any]:
-    """All that decides what a trial is, but for how many there are."""
+    """What decides a trial beside the model, but for how many there are."""
     return {
-        "version": importlib.metadata.version("cogging"),
-        "model": setup.model.to_dict(),
         "reference": reference_to_dict(setup.reference),
         "gains": [list(vars(gain).values()) for gain in tuned.gains],
         "vary": dict(vary) if isinstance(vary, Mapping) else vary,

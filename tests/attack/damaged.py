@@ -1,0 +1,140 @@
+"""Sweeps that go on from pieces of which a bit was flipped meanwhile: `python -m tests.attack.damaged`.
+
+Each case flips one bit of all that an ended sweep has left. The same call must then give the table of a sweep that
+nothing has disturbed, or, where the bit is one of `sweep.json`, refuse in one line.
+Options: --cases N, --seed S.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import tempfile
+import traceback
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cogging
+from cogging import file_sets
+from cogging.simulation import sweep as sweeps
+from tests.fixtures.sweeps import MANY, MOVE, SMALL
+
+ASKED = {"method": "random", "runs": 40, "seed": 5, "threads": 1, "duration": 0.02}
+DONE = 24  # runs, in three pieces
+
+
+@dataclass
+class Found:
+    """What came of the cases.
+
+    Attributes:
+        counts: of cases, by what came of them.
+        faults: what was wrong: an error that is no answer, or another table.
+    """
+
+    counts: Counter[str] = field(default_factory=Counter)
+    faults: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        """One line, and one a fault."""
+        told = ", ".join(f"{count} {what}" for what, count in sorted(self.counts.items()))
+        line = f"{sum(self.counts.values())} bits flipped: {told}; {len(self.faults)} faults"
+        return "\n".join([line, *(f"    {fault}" for fault in self.faults[:20])])
+
+
+class Ended(Exception):
+    """A sweep is ended at its middle."""
+
+
+def run(out: Path | None, until: int) -> cogging.SweepRuns:
+    """The sweep, ended before a run."""
+    plain = sweeps.run_piece
+
+    def run_piece(piece):
+        if piece.first >= until:
+            raise Ended
+        return plain(piece)
+
+    sweeps.run_piece = run_piece
+    try:
+        return cogging.sweep(SMALL, MOVE, MANY, out=out, **ASKED)
+    finally:
+        sweeps.run_piece = plain
+
+
+def ended(out: Path) -> dict[str, bytes]:
+    """What a sweep leaves that was ended at its middle, by name."""
+    try:
+        run(out, DONE)
+    except Ended:
+        folder = out.with_name(f"{out.name}.pieces")
+        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+    raise AssertionError("the sweep was not ended")
+
+
+def damaged(files: dict[str, bytes], chance: random.Random) -> tuple[str, dict[str, bytes]]:
+    """The files with one bit flipped, and which."""
+    name = chance.choices(list(files), [len(content) for content in files.values()])[0]
+    content = bytearray(files[name])
+    place, bit = chance.randrange(len(content)), chance.randrange(8)
+    content[place] ^= 1 << bit
+    return f"bit {bit} of byte {place} of {name}", {**files, name: bytes(content)}
+
+
+def attack(cases: int, seed: int) -> Found:
+    """Flip a bit and go on, so many times."""
+    found, chance = Found(), random.Random(seed)
+    synced, file_sets.synced = file_sets.synced, False
+    try:
+        with tempfile.TemporaryDirectory() as name:
+            out = Path(name) / "runs.csv"
+            run(out, ASKED["runs"])
+            whole = out.read_bytes()
+            out.unlink()
+            files = ended(out)
+            for _ in range(cases):
+                how, others = damaged(files, chance)
+                what = gone_on(out, others, whole)
+                found.counts[what.partition(":")[0]] += 1
+                if what.startswith(("escapes", "wrong tables")):
+                    found.faults.append(f"{how}: {what}")
+    finally:
+        file_sets.synced = synced
+    return found
+
+
+def gone_on(out: Path, files: dict[str, bytes], whole: bytes) -> str:
+    """What comes of a sweep that finds these files."""
+    folder = out.with_name(f"{out.name}.pieces")
+    folder.mkdir(exist_ok=True)
+    for path in folder.iterdir():
+        path.unlink()
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    out.unlink(missing_ok=True)
+    try:
+        run(out, ASKED["runs"])
+    except cogging.InputError as error:
+        return "refused in one line" if "\n" not in str(error) and not out.exists() else f"escapes: {error}"
+    except Exception:
+        return f"escapes: {traceback.format_exc(limit=-1)}"
+    if out.read_bytes() != whole:
+        return "wrong tables"
+    return "made anew, the same table" if not folder.exists() else "escapes: the folder stands"
+
+
+def main() -> int:
+    """Flip bits and tell what came of it; status 1 where anything was wrong."""
+    parser = argparse.ArgumentParser(prog="python -m tests.attack.damaged", description=__doc__)
+    parser.add_argument("--cases", type=int, default=10_000)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    found = attack(arguments.cases, arguments.seed)
+    print(found.text())
+    return 1 if found.faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
