@@ -3,6 +3,7 @@
 
 #include "bindings.hpp"
 #include "cogging/require.hpp"
+#include "gil.hpp"
 
 namespace {
 
@@ -58,7 +59,8 @@ py::cpp_function told_in_one_line(const py::object& bound, const std::string& na
   const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
     if (std::any_of(given.begin(), given.end(), [](const auto& one) { return may_hold_no_number(one); }) ||
         std::any_of(named.begin(), named.end(), [](const auto& one) { return may_hold_no_number(one.second); })) {
-      const py::object line = py::module_::import("cogging.calls").attr("told_of_no_number")(doc, given, named);
+      const py::object line =
+          called(py::module_::import("cogging.calls").attr("told_of_no_number"), py::make_tuple(doc, given, named));
       if (!line.is_none()) throw py::type_error(line.cast<std::string>());
     }
     try {
@@ -67,7 +69,8 @@ py::cpp_function told_in_one_line(const py::object& bound, const std::string& na
       if (!error.matches(PyExc_TypeError)) throw;
       const auto text = py::str(error.value()).cast<std::string>();
       if (!text.starts_with(untaken)) throw;
-      const auto line = py::module_::import("cogging.calls").attr("told")(doc, given, named).cast<std::string>();
+      const auto line = called(py::module_::import("cogging.calls").attr("told"), py::make_tuple(doc, given, named))
+                            .cast<std::string>();
       throw py::type_error(line);
     }
   };
@@ -101,7 +104,7 @@ void tell_calls_in_one_line(const py::module_& module) {
 
 }  // namespace
 
-PYBIND11_MODULE(_core, module) {
+PYBIND11_MODULE(core_of_main, module) {
   module.doc() = "The core of cogging: cogging model, references, plant, controllers and simulation, in C++.";
   py::register_exception<cogging::DivergedError>(module, "DivergedError", PyExc_RuntimeError);
   py::register_local_exception_translator(tell_of_memory);
@@ -118,4 +121,11 @@ PYBIND11_MODULE(_core, module) {
   tell_calls_in_one_line(module.attr("effects"));
   refuse_uninitialised_objects(module);
   refuse_uninitialised_objects(module.attr("effects"));
+}
+
+// pybind11 waits for ever in any other interpreter of the process than the first, before it asks the module anything.
+extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
+  if (PyInterpreterState_Get() == PyInterpreterState_Main()) return PyInit_core_of_main();
+  PyErr_SetString(PyExc_ImportError, "cogging: must be imported by the main interpreter of the process, got another");
+  return nullptr;
 }

@@ -36,13 +36,13 @@ void require_callable(const py::object& object, const char* name, const py::obje
     throw py::type_error(said + " must be a method: " + name + arguments + ", got " + shown(method));
   py::object signature;
   try {
-    signature = py::module_::import("inspect").attr("signature")(method);
+    signature = called(py::module_::import("inspect").attr("signature"), py::make_tuple(method));
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
     return;  // compiled code need not have one
   }
   try {
-    signature.attr("bind")(*py::tuple(py::make_tuple(py::none()) * py::int_(count)));
+    called(signature.attr("bind"), py::tuple(py::make_tuple(py::none()) * py::int_(count)));
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_TypeError)) throw;
     throw py::type_error(said + " must take " + arguments + ", got " + name + shown(signature, false));
@@ -78,6 +78,12 @@ PyObject* make_point(const ReferencePoint& reference) {
     PyTuple_SET_ITEM(point, i, number);
   }
   return point;
+}
+
+// A method of the first argument, before which there is room; null where it raises.
+py::object called_method(PyObject* name, PyObject** arguments, std::size_t count) {
+  return py::reinterpret_steal<py::object>(or_wait_for_ever(
+      [&] { return PyObject_VectorcallMethod(name, arguments, count | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr); }));
 }
 
 void bind_controller_error(py::module_& module) {
@@ -125,7 +131,7 @@ CompiledController make_compiled(const py::object& command, const py::object& up
   if (!update.is_none())
     functions.update = reinterpret_cast<CompiledFunctions::Update>(address_of(update, "update", 3, false));
   functions.owner = std::shared_ptr<const void>(new py::tuple(py::make_tuple(command, update)), [](const void* owner) {
-    py::gil_scoped_acquire acquire;
+    const GilTaken taken;
     delete static_cast<const py::tuple*>(owner);
   });
   return {functions, {sample_rate, state, parameters, command_limit}};
@@ -195,7 +201,7 @@ Raises:
 
 PythonController::PythonController(py::object object) {
   held_ = std::shared_ptr<Held>(new Held, [](Held* held) {
-    py::gil_scoped_acquire acquire;
+    const GilTaken taken;
     delete held;
   });
   held_->name = class_of(object);
@@ -268,8 +274,7 @@ double PythonController::command(const ReferencePoint& reference, double reading
   const py::object number = py::reinterpret_steal<py::object>(PyFloat_FromDouble(reading));
   if (!point || !number) throw py::error_already_set();
   PyObject* arguments[] = {nullptr, held_->object.ptr(), point.ptr(), number.ptr()};
-  const py::object given = py::reinterpret_steal<py::object>(
-      PyObject_VectorcallMethod(command_name, arguments + 1, 3 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
+  const py::object given = called_method(command_name, arguments + 1, 3);
   if (!given) fail("command");
   const std::optional<double> command = real_number(given.ptr());
   if (!command || !std::isfinite(*command))
@@ -282,8 +287,7 @@ void PythonController::update(double applied) {
   const py::object number = py::reinterpret_steal<py::object>(PyFloat_FromDouble(applied));
   if (!number) throw py::error_already_set();
   PyObject* arguments[] = {nullptr, held_->object.ptr(), number.ptr()};
-  const py::object done = py::reinterpret_steal<py::object>(
-      PyObject_VectorcallMethod(update_name, arguments + 1, 2 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
+  const py::object done = called_method(update_name, arguments + 1, 2);
   if (!done) fail("update");
 }
 
@@ -312,7 +316,7 @@ GivenController take_controller(const py::object& given) {
   const PythonController checked{given};
   py::object copy;
   try {
-    copy = py::module_::import("copy").attr("deepcopy")(given);
+    copy = called(py::module_::import("copy").attr("deepcopy"), py::make_tuple(given));
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_Exception)) throw;
     throw py::type_error(
@@ -320,7 +324,7 @@ GivenController take_controller(const py::object& given) {
         "given, got " +
         class_of(given) + ", which raises " + shown(error.value(), true));
   }
-  if (!member(copy, "reset").is_none()) copy.attr("reset")();
+  if (!member(copy, "reset").is_none()) called(copy.attr("reset"));
   return PythonController{std::move(copy)};
 }
 

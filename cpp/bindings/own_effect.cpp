@@ -3,6 +3,7 @@
 
 #include "bindings.hpp"
 #include "cogging/plant/effects/list.hpp"
+#include "gil.hpp"
 #include "own_effect.hpp"
 
 using namespace cogging;
@@ -22,7 +23,7 @@ class Kept {
       object_.release();
       return;
     }
-    py::gil_scoped_acquire acquire;
+    const GilTaken taken;
     object_ = py::object();
   }
   const py::object& object() const { return object_; }
@@ -47,7 +48,7 @@ class PythonLaw final : public OwnLaw {
 
   double at(double position, double velocity, double time) const override {
     const std::array<double, 3> place{position, velocity, time};
-    py::gil_scoped_acquire acquire;
+    const GilTaken taken;
     return guarded([&] { return place_of(position, velocity, time); },
                    [&] {
                      std::array<py::object, 3> numbers;
@@ -60,7 +61,7 @@ class PythonLaw final : public OwnLaw {
 
   void along(const Course& course, std::span<double> values) const override {
     const std::array<std::span<const double>, 3> columns{course.position, course.velocity, course.time};
-    py::gil_scoped_acquire acquire;
+    const GilTaken taken;
     const std::string count = format(static_cast<double>(values.size()));
     guarded([&] { return " along arrays of " + count; },
             [&] {
@@ -90,7 +91,8 @@ class PythonLaw final : public OwnLaw {
     for (std::size_t i = 0; i < taken_.size(); ++i) arguments.push_back(first[i].ptr());
     for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(fixed.ptr()); ++i)
       arguments.push_back(PyTuple_GET_ITEM(fixed.ptr(), i));
-    PyObject* result = PyObject_Vectorcall(function_.object().ptr(), arguments.data(), 0, names_->object().ptr());
+    PyObject *function = function_.object().ptr(), *names = names_->object().ptr();
+    PyObject* result = or_wait_for_ever([&] { return PyObject_Vectorcall(function, arguments.data(), 0, names); });
     if (result == nullptr) throw py::error_already_set();
     return py::reinterpret_steal<py::object>(result);
   }

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "cogging/interruption.hpp"
+#include "gil.hpp"
 
 /// Set by one thread to end what others, which heed it, do in the core.
 class StopFlag {
@@ -42,7 +43,7 @@ class PythonSignals final : public cogging::StopRequest {
     if (heeded_ && heeded_->load(std::memory_order_relaxed)) return true;
     // Other threads run no handlers; and one of them may be waiting for the lock for ever once Python has ended.
     if (caller_ != main_thread || PyThread_get_thread_ident() != caller_ || now < next_) return false;
-    pybind11::gil_scoped_acquire acquire;
+    const GilTaken taken;
     const bool raised = PyErr_CheckSignals() != 0;
     if (raised) raised_.emplace();
     next_ = Clock::now() + period;
@@ -78,7 +79,7 @@ template <class Work>
 std::invoke_result_t<const Work&, cogging::StopRequest*> without_gil(const Work& work) {
   PythonSignals signals;
   try {
-    pybind11::gil_scoped_release release;
+    const GilReleased released;
     return work(static_cast<cogging::StopRequest*>(&signals));
   } catch (const cogging::Interrupted&) {
     signals.raise();
@@ -91,7 +92,7 @@ class GivesTurns final : public cogging::StopRequest {
   explicit GivesTurns(cogging::StopRequest& request) : request_(request) {}
 
   bool requested(std::chrono::steady_clock::time_point now) override {
-    pybind11::gil_scoped_release release;
+    const GilReleased released;
     return request_.requested(now);
   }
 
@@ -103,7 +104,7 @@ class GivesTurns final : public cogging::StopRequest {
 /// KeyboardInterrupt out of it, as all that is no Exception, ends the work on all threads.
 template <class Work>
 auto with_gil(cogging::StopRequest* signals, const Work& work) {
-  pybind11::gil_scoped_acquire acquire;
+  const GilTaken taken;
   GivesTurns turns(*signals);
   try {
     return work(static_cast<cogging::StopRequest*>(&turns));

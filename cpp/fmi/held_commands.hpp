@@ -17,12 +17,10 @@ namespace cogging::fmi {
 /// Before the first the command is 0.
 class HeldCommands {
  public:
-  HeldCommands(const std::vector<Effect<>>& effects, double sample_time) : laws_(effects), sample_time_(sample_time) {
-    const double samples = laws_.delay() / sample_time;
-    require(samples < 1e6, "command_delay.delay", "must be below a million samples", laws_.delay());
-    whole_ = whole_part<std::int64_t>(samples);
-    part_ = (samples - static_cast<double>(whole_)) * sample_time;
-    carry(whole_, part_);
+  HeldCommands(const std::vector<Effect<>>& effects, double sample_time)
+      : laws_(effects), sample_time_(sample_time), delay_(laws_.delay_in_samples(sample_time)) {
+    // As in a run, the samples before the first command acts are cut where it would switch.
+    for (std::int64_t sample = 0; sample < delay_.sample; ++sample) waiting_.push_back({{sample, delay_.since}, 0.0});
   }
 
   /// Raises DivergedError where what is passed on to the motor would not be a number.
@@ -32,10 +30,9 @@ class HeldCommands {
       throw DivergedError("the run diverged at " + format(time) + " s: the command must be a finite number, got " +
                               format(shaped) + " V",
                           time);
-    std::int64_t acting = sample + whole_;
-    double part = since + part_;
-    carry(acting, part);
-    waiting_.push_back({acting, part, shaped});
+    SampleMoment acts{sample + delay_.sample, since + delay_.since};
+    acts.carry(sample_time_);
+    waiting_.push_back({acts, shaped});
   }
 
   /// Calls piece(drive, from, to) for each part of [from, to], within the sample that begins at `start`, in which one
@@ -44,13 +41,14 @@ class HeldCommands {
   void over(std::int64_t sample, double start, double from, double to, const Piece& piece) {
     while (from < to) {
       double until = to;
-      while (!waiting_.empty() && waiting_.front().sample <= sample) {
-        const double acts = waiting_.front().sample < sample ? from : start + waiting_.front().since;
+      while (!waiting_.empty() && waiting_.front().acts.sample <= sample) {
+        const SampleMoment& next = waiting_.front().acts;
+        const double acts = next.sample < sample ? from : start + next.since;
         if (acts > from) {
           until = std::min(to, acts);
           break;
         }
-        target_ = waiting_.front().command;
+        target_ = waiting_.front().value;
         waiting_.pop_front();
       }
       piece(Drive<double>{target_, output_ - target_, laws_.rate(), 0.0, laws_.lagging()}, from, until);
@@ -70,19 +68,13 @@ class HeldCommands {
 
  private:
   struct Command {
-    std::int64_t sample;    // in which it begins to act
-    double since, command;  // s, V
+    SampleMoment acts;  // when it begins to
+    double value;       // V
   };
 
-  // Two moments closer than a billionth of a sample are one.
-  void carry(std::int64_t& sample, double& part) const {
-    if (part > sample_time_ * (1.0 - 1e-9)) ++sample, part = std::max(0.0, part - sample_time_);
-    if (part < sample_time_ * 1e-9) part = 0.0;
-  }
-
   AmplifierLaws<> laws_;
-  double sample_time_, part_ = 0.0, target_ = 0.0, output_ = 0.0;
-  std::int64_t whole_ = 0;
+  double sample_time_, target_ = 0.0, output_ = 0.0;
+  SampleMoment delay_;
   std::deque<Command> waiting_;
 };
 

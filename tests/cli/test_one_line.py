@@ -115,6 +115,17 @@ def test_a_stream_that_is_closed(closed, folder):
     assert cogging.Model.read(folder / "out.toml").intervals["axis.mass"][0] > 0.0
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a shell of another kind")
+@pytest.mark.parametrize("call", ["audit log.csv --json -", " ".join([*SIMULATE, "--json", "-"]), "schema"])
+def test_a_result_for_an_output_that_is_closed(call, folder):
+    """It went nowhere, with status 0."""
+    command = f"{sys.executable} -m cogging.cli.main {call} >&-"
+    done = subprocess.run(command, shell=True, cwd=folder, stderr=subprocess.PIPE, check=False)
+    line = b"cogging: standard output: must be open for what is asked, got a closed one\n"
+    assert (done.returncode, done.stderr) == (2, line)
+    assert not (folder / "out.csv").exists()
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device")
 def test_an_output_that_is_full(folder):
     with open("/dev/full", "wb") as full:

@@ -111,18 +111,36 @@ def start_of(log, seed):
     return {"seed": seed, "initial_position": float(log.reference[0])}
 
 
+def assert_the_same(got, expected):
+    """The promise is 1e-9 of the travel; where unit and package are of one compiler there is no difference at all."""
+    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-9 * LENGTH)
+    if sys.platform.startswith("linux") and platform.machine() == "x86_64":
+        np.testing.assert_array_equal(got, expected)
+
+
 @EVERY
 def test_under_the_commands_of_a_run_it_does_what_the_run_did(effect):
-    """The promise is 1e-9 of the travel; where unit and package are of one compiler there is no difference at all."""
     seed = sum(effect.encode()) % 97
     model, log, expected = simulated(effect, seed)
     with Unit(model, **start_of(log, seed)) as unit:
         got = unit.run(log.command)
         assert validate_fmu(str(unit.folder / "axis.fmu")) == []
         assert unit.lines == []
-    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-9 * LENGTH)
-    if sys.platform.startswith("linux") and platform.machine() == "x86_64":
-        np.testing.assert_array_equal(got, expected)
+    assert_the_same(got, expected)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_delay_of_any_length_has_the_bits_of_the_run(seed):
+    """Behind a delay that is no whole number of samples the first ones were integrated in other steps than in a run."""
+    rng = np.random.default_rng(seed)
+    model = draw_axis("actuator_lag" if seed % 3 == 0 else "cable_spring", seed)
+    delay = rng.uniform(0.1, 5) / model.controller.sample_rate
+    model = model.replace(effects=[*model.effects, cogging.effects.CommandDelay(delay=delay)])
+    log = cogging.simulate(model, draw_motion(seed), seed=seed, initial_velocity=0.02)
+    with Unit(model, **start_of(log, seed), initial_velocity=0.02) as unit:
+        got = unit.run(log.command)
+    expected = np.column_stack([log.position, log.true_position, log.true_velocity])
+    assert_the_same(got, expected)
 
 
 def test_by_the_importer_s_own_loop(tmp_path):

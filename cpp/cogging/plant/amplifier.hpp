@@ -23,12 +23,9 @@ class Amplifier {
  public:
   Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time)
       : laws_(effects), sample_time_(sample_time) {
-    const double samples = laws_.delay() / sample_time;
-    require(samples < 1e6, "command_delay.delay", "must be below a million samples", laws_.delay());
-    whole_ = whole_part<std::size_t>(samples);
-    switch_ = (samples - static_cast<double>(whole_)) * sample_time;
-    if (switch_ > sample_time * (1.0 - 1e-9)) ++whole_, switch_ = 0.0;
-    if (switch_ < sample_time * 1e-9) switch_ = 0.0;
+    const SampleMoment delay = laws_.delay_in_samples(sample_time);
+    whole_ = static_cast<std::size_t>(delay.sample);
+    switch_ = delay.since;
     commands_ = DelayLine<Scalar>(whole_ + 1);
   }
 

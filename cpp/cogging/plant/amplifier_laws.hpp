@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -11,6 +12,18 @@
 #include "cogging/scalar.hpp"
 
 namespace cogging {
+
+/// A moment, or a length of time, on the grid of the samples: so many whole ones, and the rest of one, s.
+struct SampleMoment {
+  std::int64_t sample = 0;
+  double since = 0.0;
+
+  /// Two moments closer than a billionth of a sample are one.
+  void carry(double sample_time) {
+    if (since > sample_time * (1.0 - 1e-9)) ++sample, since = std::max(0.0, since - sample_time);
+    if (since < sample_time * 1e-9) since = 0.0;
+  }
+};
 
 /// The laws of an amplifier, collected from the effects: shapes without memory in their order, delays that add, and
 /// one current loop.
@@ -36,6 +49,16 @@ class AmplifierLaws {
   Scalar shaped(Scalar command) const {
     for_each_law(shapes_, [&](const HasShapeCommand<Scalar> auto& law) { command = law.shape_command(command); });
     return command;
+  }
+
+  /// Raises std::invalid_argument for a delay of a million samples.
+  SampleMoment delay_in_samples(double sample_time) const {
+    const double samples = delay_ / sample_time;
+    require(samples < 1e6, "command_delay.delay", "must be below a million samples", delay_);
+    const auto whole = whole_part<std::int64_t>(samples);
+    SampleMoment delay{whole, (samples - static_cast<double>(whole)) * sample_time};
+    delay.carry(sample_time);
+    return delay;
   }
 
   double delay() const { return delay_; }       // s

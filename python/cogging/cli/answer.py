@@ -10,7 +10,7 @@ import argparse
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from cogging.cli.screen import say
+from cogging.cli.screen import require_open_output, say
 from cogging.outputs import to_json, write_files
 from cogging.shown import printable
 
@@ -31,9 +31,12 @@ def add_answer_options(group: argparse._ActionsContainer, *, json: str = "the re
 
 
 def json_file(arguments: argparse.Namespace) -> str | None:
-    """The file that `--json` names; None without one, and where it is standard output."""
+    """The file that `--json` names; None without one, and where it is standard output, which must then be open."""
     path: str | None = arguments.json
-    return None if path == STANDARD_OUTPUT else path
+    if path != STANDARD_OUTPUT:
+        return path
+    require_open_output()
+    return None
 
 
 def show(arguments: argparse.Namespace, text: str) -> None:

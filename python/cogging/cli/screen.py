@@ -21,6 +21,16 @@ def stand_in_for_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
 
 
+def require_open_output() -> None:
+    """Refuse a standard output that was closed before the command began, where a program is to read it.
+
+    Raises:
+        InputError: it was.
+    """
+    if getattr(sys.stdout, "name", None) == os.devnull:  # what stands in; one that leads to it is named <stdout>
+        raise InputError("standard output: must be open for what is asked, got a closed one")
+
+
 def say(text: str, *, plain: bool = False) -> None:
     """Print a text on standard output.
 
@@ -32,8 +42,10 @@ def say(text: str, *, plain: bool = False) -> None:
         plain: what a program reads, which is never coloured.
 
     Raises:
-        InputError: the output cannot be written, as on a full disk.
+        InputError: the output cannot be written, as on a full disk, or is closed where a program reads it.
     """
+    if plain:
+        require_open_output()
     out = sys.stdout
     encoding = getattr(out, "encoding", None) or "utf-8"
     safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)

@@ -50,6 +50,9 @@ HEADER = """\
 //
 {licence}
 #pragma once
+#if (defined(_MSVC_LANG) ? _MSVC_LANG : __cplusplus) < 202002L
+#error "needs C++20: compile with -std=c++20 (GCC, Clang) or /std:c++20 (Visual Studio)"
+#else
 
 {includes}
 
@@ -106,6 +109,7 @@ class Controller {{
 }}  // namespace {name}
 
 {undefined}
+#endif
 """
 COMMAND = """\
   /// The command ({V}) of a sample, not cut at command_limit; `reading` is the encoder's ({m}).
