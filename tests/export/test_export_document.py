@@ -51,7 +51,6 @@ def test_the_sheets_stand_in_the_document():
 
 
 def test_the_loop_of_the_document(capsys, monkeypatch):
-    pytest.importorskip("control")
     import matplotlib
 
     monkeypatch.setattr(matplotlib, "rcParams", matplotlib.rcParams.copy())
