@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -68,7 +69,7 @@ def test_extras_of_extras_are_opened():
 
 def workflow(name):
     folder = ROOT / ".github" / "workflows"
-    return pytest.importorskip("yaml").safe_load((folder / f"{name}.yml").read_text(encoding="utf-8"))
+    return yaml.safe_load((folder / f"{name}.yml").read_text(encoding="utf-8"))
 
 
 def steps_of(job):

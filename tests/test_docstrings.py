@@ -23,7 +23,6 @@ CLASSES = [
     and not getattr(cogging, name).__module__.startswith("cogging._core")
 ]
 SECTION = re.compile(r"^(\w+):\n((?:[ ]{4}.*\n?|\n)+)", re.MULTILINE)
-EXTRA = {"design_observer": "cvxpy", "tune": "optuna", "Tuning": "optuna", "Model.to_control": "control"}
 
 
 def documented():
@@ -48,8 +47,6 @@ SHOWN = sorted(name for name, text in DOCUMENTED.items() if ">>>" in text)
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_examples_run(name, tmp_path, monkeypatch):
-    if name in EXTRA:
-        pytest.importorskip(EXTRA[name])
     monkeypatch.chdir(tmp_path)
     space = {"cogging": cogging, "np": np, "model": MODEL, "move": MOVE, "log": LOG}
     test = doctest.DocTestParser().get_doctest(DOCUMENTED[name], space, name, None, 0)

@@ -175,10 +175,9 @@ def test_a_record_that_a_stranger_has_planted_moves_nothing(told, tmp_path):
     assert (tmp_path / "victim").read_bytes() == b"mine"
 
 
+@pytest.mark.root
 def test_a_record_of_another_in_a_shared_folder_is_not_heeded(tmp_path):
     """As a stranger may leave one in /tmp, and hold its lock."""
-    if os.geteuid() != 0:
-        pytest.skip("only an administrator gives files away")
     place(tmp_path)
     (tmp_path / ".cogging-0123456789abcdef.old").write_bytes(b"a stranger's")
     told = {"name": "a", "part": ".cogging-0123456789abcdef.part", "old": ".cogging-0123456789abcdef.old"}
@@ -321,9 +320,8 @@ def test_a_folder_that_was_made_goes_with_what_could_not_be_written(tmp_path, mo
     assert (tmp_path / "deep" / "results" / "fig.png").read_bytes() == b"fig"
 
 
+@pytest.mark.root
 def test_a_file_of_another_in_a_shared_folder_is_refused_before_anything_is_computed(tmp_path, monkeypatch):
-    if os.geteuid() != 0:
-        pytest.skip("only an administrator gives files away")
     tmp_path.chmod(0o1777)
     (tmp_path / "a").write_text("old")
     os.chown(tmp_path, 1, 1)
@@ -339,8 +337,6 @@ def test_a_file_of_another_in_a_shared_folder_is_refused_before_anything_is_comp
 
 def test_disks_and_kills_in_short(tmp_path):
     """Real file systems that are full or read-only, where this machine mounts any; kills and writers at once always."""
-    if not hasattr(os, "fork"):
-        pytest.skip("kills a copy of the process")
     kind, told = "reproduce", tmp_path / "told.json"
     done = subprocess.run(
         [sys.executable, "-m", "tests.attack.disks", kind, "--short", "--writers", "4", "--json", told],

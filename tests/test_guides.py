@@ -7,8 +7,6 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
-
 import cogging
 
 ROOT = Path(__file__).parents[1]
@@ -19,7 +17,6 @@ def code(guide, language):
 
 
 def test_controllers_in_python_and_compiled(tmp_path, capsys):
-    pytest.importorskip("numba")
     (tmp_path / "lines.py").write_text("\n".join(code("controllers.md", "python")))
     runpy.run_path(str(tmp_path / "lines.py"))  # asserts that both give the same commands
     printed = re.search(r"largest error ([\d.]+) um", capsys.readouterr().out)
@@ -29,9 +26,6 @@ def test_controllers_in_python_and_compiled(tmp_path, capsys):
 def test_a_controller_in_cpp_can_stand_in_the_list(tmp_path):
     """The header of the guide as a file, and what the list asks of each of its lines, for one machine and for lanes."""
     compiler = shutil.which(os.environ.get("CXX", "g++")) or shutil.which("c++")
-    if compiler is None:
-        assert "CI" not in os.environ, "continuous integration has to have a C++ compiler"
-        pytest.skip("no C++ compiler: neither $CXX nor g++ nor c++")
     header, line = code("controllers.md", "cpp")
     (tmp_path / "pd.hpp").write_text(header)
     assert line.startswith("using AnyController = std::variant<Pd<Scalar>, ")

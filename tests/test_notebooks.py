@@ -1,4 +1,4 @@
-"""Every notebook runs from its first cell to its last, with the measured data and without them, and says what it said.
+"""Every notebook runs from its first cell to its last and says what it said; `measured_*` need measured data.
 
 The outputs that are committed are compared with those of a fresh run: the words exactly, the numbers within
 `tests.fixtures.notebooks.RELATIVE` or two units of their last digit. They are written anew by
@@ -6,7 +6,6 @@ The outputs that are committed are compared with those of a fresh run: the words
 """
 
 import ast
-import shutil
 import subprocess
 import sys
 
@@ -14,7 +13,16 @@ import nbformat
 import numpy as np
 import pytest
 
-from tests.fixtures.notebooks import FOLDER_OF_NOTEBOOKS, METADATA, NOTEBOOKS, differences, executed, pictures, texts
+from tests.fixtures.notebooks import (
+    FOLDER_OF_NOTEBOOKS,
+    MEASURED,
+    METADATA,
+    NOTEBOOKS,
+    differences,
+    executed,
+    pictures,
+    texts,
+)
 
 LARGEST = 500_000  # bytes of a notebook with its outputs
 #: Calls that draw.
@@ -29,6 +37,9 @@ DRAWS = {
     "friction_curve",
 }
 EVERY = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+RUN = pytest.mark.parametrize(
+    "path", [pytest.param(path, id=path.stem, marks=[pytest.mark.data] * (path in MEASURED)) for path in NOTEBOOKS]
+)
 
 
 def code_of(path):
@@ -46,23 +57,25 @@ def draws(source):
 
 
 def test_there_are_notebooks():
-    assert len(NOTEBOOKS) >= 6
+    assert len(NOTEBOOKS) - len(MEASURED) >= 6
+    assert len(MEASURED) >= 2
     assert not list(FOLDER_OF_NOTEBOOKS.glob("*.py"))  # who downloads one has all it needs
 
 
 @EVERY
 def test_none_reaches_out_of_its_folder(path):
-    """They use the package and what it needs: not the tests, no file beside them, and no place of their own choice."""
+    """They use the package and what it needs: not the tests, no file beside them; measured data where they say so."""
     source = "\n".join(cell.source for cell in code_of(path))
     for word in ("sys.path", "tests.", "../", '".."', "__file__", "shared", "%matplotlib"):
         assert word not in source, word
+    assert ("cogging.datasets" in source) == (path in MEASURED) == ("COGGING_DATA" in path.read_text(encoding="utf-8"))
     roots = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             roots |= {name.name.split(".")[0] for name in node.names}
         elif isinstance(node, ast.ImportFrom):
             roots.add(node.module.split(".")[0])
-    assert roots <= {"cogging", "matplotlib", "numpy", "types"}
+    assert roots <= {"cogging", "matplotlib", "numpy", "os", "tempfile"}
 
 
 @EVERY
@@ -89,31 +102,13 @@ def test_the_committed_notebook_shows_its_story(path):
 
 @pytest.mark.notebook
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-@EVERY
+@RUN
 def test_a_fresh_run_says_what_is_committed(path):
     cells = [cell for cell in executed(path).cells if cell.cell_type == "code"]
     for fresh, committed in zip(cells, code_of(path), strict=True):
         assert pictures(fresh) == pictures(committed), fresh.source
         told = zip(texts(fresh), texts(committed), strict=True)
         assert not [found for pair in told for found in differences(*pair)], fresh.source
-
-
-@pytest.mark.notebook
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_without_data_a_notebook_says_where_to_get_them(tmp_path, monkeypatch):
-    """On to its last cell, of a copy that stands alone. What would fetch the data is shadowed by what does not."""
-    (tmp_path / "nonlinear_benchmarks.py").write_text("raise ImportError")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    alone = shutil.copy(FOLDER_OF_NOTEBOOKS / "05_from_log_to_model.ipynb", tmp_path)
-    said = ["".join(texts(cell)) for cell in executed(alone, data=tmp_path).cells if cell.cell_type == "code"]
-    first, *rest = [text for text in said if text]
-    assert not rest
-    lines = first.splitlines()
-    for line, (name, licence) in zip(lines, {"emps": "cite", "laas": "BSD", "tro2021": "MIT"}.items(), strict=False):
-        assert line.startswith(f"{name}: ")
-        assert str(tmp_path) in line
-        assert licence in line
-    assert lines[3] == "the cells that need these data print nothing"
 
 
 # How outputs are compared ---------------------------------------------------------------------------------------------

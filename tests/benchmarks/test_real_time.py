@@ -10,7 +10,6 @@ import sys
 import numpy as np
 import pytest
 from tests.benchmarks import real_time
-from tests.benchmarks.lu2008_loop import compiler
 from tests.benchmarks.real_time_report import UnboundedStack, compile_unit, report, reports_stack, undefined_symbols
 
 import cogging
@@ -27,8 +26,7 @@ EVERY = pytest.mark.parametrize("kind", CONTROLLERS)
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    if compiler() is None or os.name == "nt":
-        assert "CI" not in os.environ or os.name == "nt", "continuous integration needs a C++ compiler"
+    if os.name == "nt":
         pytest.skip("no C++ compiler with the options of gcc here")
     return tmp_path_factory.mktemp("real_time")
 

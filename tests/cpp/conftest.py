@@ -48,24 +48,14 @@ def tool(name):
     return shutil.which(name, path=places)
 
 
-def missing(what):
-    if os.environ.get("CI"):
-        pytest.fail(f"continuous integration has to have {what}")
-    pytest.skip(f"no {what}")
-
-
 @pytest.fixture(scope="session")
 def compiler():
-    return (
-        shutil.which(os.environ.get("CXX", "g++"))
-        or shutil.which("c++")
-        or missing("C++ compiler: neither $CXX nor g++ nor c++")
-    )
+    return shutil.which(os.environ.get("CXX", "g++")) or shutil.which("c++")
 
 
 @pytest.fixture(scope="session")
 def cmake(compiler, tmp_path_factory):
-    found = [tool(name) or missing(f"{name}, which the programs in C++ are built with") for name in ("cmake", "ctest")]
+    found = [tool(name) for name in ("cmake", "ctest")]
     options = [f"-DCMAKE_CXX_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"]
     if ninja := tool("ninja"):
         options += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}"]

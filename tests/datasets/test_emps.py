@@ -10,7 +10,7 @@ from scipy.io import loadmat, savemat
 import cogging
 from cogging import InputError
 from cogging.datasets import emps
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 
 def write(folder, seed, pulses=True):
@@ -118,7 +118,6 @@ def test_a_download_that_left_nothing_says_where_it_should_be(tmp_path, monkeypa
 
 @pytest.mark.data
 def test_theirs():
-    needs("emps")
     for name, path in emps.files(FOLDER).items():
         log, table = emps.read(name, FOLDER), loadmat(path)
         assert len(log) == 24841

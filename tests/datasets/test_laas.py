@@ -6,7 +6,7 @@ import pytest
 from cogging import InputError
 from cogging.datasets import laas
 from cogging.datasets.laas import RotaryLog
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 HEADERS = {
     "stopped_data": "Time, Position, Velocity, Iq, Uq, Vsupply, Error Position",
@@ -80,7 +80,6 @@ def test_a_part_of_a_log_and_the_log_of_an_axis():
 @pytest.mark.data
 @pytest.mark.parametrize("name", laas.FILES)
 def test_theirs(name):
-    needs("laas")
     table = np.genfromtxt(laas.files(FOLDER)[name], delimiter=",", names=True, autostrip=True)
     off = table["Function_Activated"] == 0 if name == "speed_test1" else np.full(len(table), True)
     rows = laas.read(name, FOLDER)

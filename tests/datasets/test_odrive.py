@@ -5,7 +5,7 @@ import pytest
 
 from cogging import InputError
 from cogging.datasets import odrive
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 CLONE = "analysis/cogging_torque"
 
@@ -157,7 +157,6 @@ def solved(log):
 @pytest.mark.data
 @pytest.mark.parametrize("name", ["slow2_nocomp_0", "slow2_slower_nocomp_0"])
 def test_two_speeds_show_the_cogging_of_the_scan_once_the_smoothing_is_undone(name):
-    needs("odrive")
     held = scanned("forward")
     _, found = solved(odrive.read(name, FOLDER))
     for harmonic in (7, 28, 14, 36, 12):
@@ -170,7 +169,6 @@ def test_two_speeds_show_the_cogging_of_the_scan_once_the_smoothing_is_undone(na
 
 @pytest.mark.data
 def test_what_one_run_shows_stands_in_the_other():
-    needs("odrive")
     terms, _ = solved(odrive.read("slow2_nocomp_0", FOLDER))
     rigid, current = balance(odrive.read("slow2_nocomp_0", FOLDER), ())
     plain = np.linalg.lstsq(rigid, current, rcond=None)[0]

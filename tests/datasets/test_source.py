@@ -7,7 +7,7 @@ import pytest
 
 from cogging import InputError
 from cogging.datasets import emps, laas, odrive, tro2021
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 SETS = [emps, laas, odrive, tro2021]
 CALLS = [
@@ -67,7 +67,6 @@ def test_a_log_that_is_not_of_the_set(data, name, tmp_path):
 @pytest.mark.data
 @pytest.mark.parametrize("data", SETS, ids=lambda data: data.SOURCE.name)
 def test_the_folder_of_the_set_that_of_all_and_the_variable_are_the_same(data, monkeypatch):
-    needs(data.SOURCE.name)
     direct, within = data.files(FOLDER / data.SOURCE.name), data.files(str(FOLDER))
     monkeypatch.setenv("COGGING_DATA", str(FOLDER))
     assert direct == within == data.files()

@@ -5,7 +5,7 @@ import pytest
 
 from cogging import InputError
 from cogging.datasets import tro2021
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 HEAD = "\ufeffDate:;2020-07-08 21:30:14\nSampling period:;40.000\n;Velocity actual value averaged;Torque actual value\n"
 
@@ -65,7 +65,6 @@ def test_start_stop_runs_alone_have_no_constant_speed(tmp_path):
 
 @pytest.mark.data
 def test_theirs():
-    needs("tro2021")
     files = tro2021.files(FOLDER)
     assert len(files) == 34
     speed, torque = tro2021.steady_speeds(FOLDER)

@@ -356,7 +356,6 @@ def test_observer_design_data():
 
 
 def test_observer_based_from_a_certified_design():
-    pytest.importorskip("cvxpy")
     bounds = cogging.Bounds.of(model(cogging=three_harmonics()), default={"cogging": (-0.2, 0.2)})
     problem = bounds.observer_problem(0.125, 0.5)
     design = cogging.design_observer(problem)

@@ -137,7 +137,6 @@ def test_few_rows_at_a_time_change_nothing(monkeypatch):
 
 
 def test_all_controllers_of_the_library_are_predicted():
-    pytest.importorskip("cvxpy")
     found = predict_error(machine(), REFERENCE, samples=5, bandwidth=200.0)
     assert [entry.name for entry in found.controllers] == ["own", *controller_choice.DESIGNED]
     errors = {entry.name: entry.rms.median for entry in found.controllers}

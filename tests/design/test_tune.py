@@ -29,8 +29,6 @@ from cogging.papers import tuning as papers
 from cogging.papers.lu2008.setup import AXES
 from cogging.simulation.varied import Setup
 
-pytest.importorskip("optuna")
-
 DOCUMENT = {
     "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 5e-3, "travel": [-0.1, 0.5]},
     "cogging": {"pitch": 0.01, "harmonics": [1], "sine": [[0.05]], "cosine": [[0.02]]},

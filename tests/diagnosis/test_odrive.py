@@ -9,7 +9,7 @@ import pytest
 
 import cogging
 from cogging.datasets import odrive
-from tests.fixtures.measured import FOLDER, needs, odrive_motor
+from tests.fixtures.measured import FOLDER, odrive_motor
 
 pytestmark = pytest.mark.data
 
@@ -24,14 +24,12 @@ def diagnosed(name, other, *, smoothed):
 @pytest.fixture(scope="module")
 def result():
     """From mass, viscous and Coulomb friction alone, by the current that acts."""
-    needs("odrive")
     return diagnosed("slow2_nocomp_0", "slow2_nocomp_1", smoothed=False)
 
 
 @pytest.fixture(scope="module")
 def recorded():
     """The same from the current as the drive tells it, which lags by an eighth of a second."""
-    needs("odrive")
     return diagnosed("slow2_nocomp_0", "slow2_nocomp_1", smoothed=True)
 
 

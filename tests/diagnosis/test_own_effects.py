@@ -67,7 +67,8 @@ def test_a_copy_explains_a_log_as_the_effect_does(name):
 
 
 def test_identify_fits_a_copy_as_the_effect():
-    numba = pytest.importorskip("numba")
+    import numba
+
     law = numba.cfunc("float64(float64, float64, float64, float64, float64)")(
         lambda position, velocity, time, stiffness, center: stiffness * (center - position)
     )

@@ -2,7 +2,6 @@
 
 import itertools
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ import pytest
 from tests.fixtures.browser import WIDTHS, Seen
 from tests.fixtures.drawn_results import drawn_result
 
+pytestmark = pytest.mark.pages
 #: Verdicts and seeds, so that lists of values, names of 240 letters, other shapes and no effect at all are among them.
 CASES = [("named", 5), ("ambiguous", 1), ("unlisted", 3), ("data_mismatch", 4)]
 TITLE = "axis_of_the_third_machine_in_hall_2_measured_on_monday_before_the_rail_was_cleaned.csv, b.csv"
@@ -69,7 +69,6 @@ def test_panels_and_bars_stack_on_a_phone(report):
     assert least is None or least > 200  # JSON has no infinity: no bar
 
 
-@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="no pdftotext: apt-get install poppler-utils")
 def test_the_print_loses_no_column(report, tmp_path):
     """The words of the last column of every table are in the PDF, whatever line ends the paper put into them."""
     result, seen = report

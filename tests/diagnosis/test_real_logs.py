@@ -9,14 +9,13 @@ import cogging
 from cogging.datasets import laas, laas_motor
 from cogging.datasets.emps import SCREW_LEAD
 from tests.fixtures import emps
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 pytestmark = pytest.mark.data
 
 
 @pytest.fixture(scope="module")
 def logs():
-    needs("emps")
     return emps.read("DATA_EMPS"), emps.read("DATA_EMPS_PULSES")
 
 
@@ -86,7 +85,6 @@ def test_the_floor_of_four_laps(logs):
 
 @pytest.fixture(scope="module")
 def motor():
-    needs("laas")
     scan, rows = laas.read("stopped_data", FOLDER), laas.read("speed_test1", FOLDER)
     axis = laas_motor.axis_from_acceleration(laas.read("acc_current", FOLDER))
     model = cogging.Model(

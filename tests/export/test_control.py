@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import cogging
+import control
 from cogging import effects
 from cogging.design.tuning.linear_loop import modulus_margin
-
-control = pytest.importorskip("control")
 
 KINDS = ("pid", "cascade", "speed", "arc", "dcarc")
 

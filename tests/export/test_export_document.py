@@ -13,7 +13,7 @@ from cogging.datasets import odrive
 from cogging.export.drives.sheets import SHEETS, markdown
 from cogging.export.forms import FORMS, option_of
 from tests.fixtures.drives import READERS, Turning
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 DOCUMENT = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
 CONSTANT = {"scale": 0.04}  # Nm/A
@@ -51,7 +51,6 @@ def test_the_sheets_stand_in_the_document():
 
 
 def test_the_loop_of_the_document(capsys, monkeypatch):
-    pytest.importorskip("control")
     import matplotlib
 
     monkeypatch.setattr(matplotlib, "rcParams", matplotlib.rcParams.copy())
@@ -64,7 +63,6 @@ def test_the_loop_of_the_document(capsys, monkeypatch):
 
 @pytest.mark.data
 def test_the_motor_of_the_document(tmp_path, monkeypatch, capsys):
-    needs("odrive")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COGGING_DATA", str(FOLDER))
     (tmp_path / "lines.py").write_text(code()[0])
@@ -86,7 +84,6 @@ def spread(values):
 @pytest.mark.data
 def test_the_table_on_measured_current(tmp_path, monkeypatch):
     """The map's own scans, and one after the motor was mounted anew, whose zero is another."""
-    needs("odrive")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COGGING_DATA", str(FOLDER))
     exec(code()[0], {})

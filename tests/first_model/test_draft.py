@@ -314,8 +314,6 @@ def test_what_the_owner_states_is_taken(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".mat", ".parquet", ".csv"])
 def test_other_formats(suffix, tmp_path):
-    if suffix == ".parquet":
-        pytest.importorskip("pyarrow")
     log = user_log(105).log
     log.write(tmp_path / f"a{suffix}")
     draft = cogging.draft_model(tmp_path / f"a{suffix}")

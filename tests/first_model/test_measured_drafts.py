@@ -9,11 +9,12 @@ import cogging
 from cogging.cli.main import main
 from cogging.datasets import emps, laas, odrive, tro2021
 from cogging.files import InputError
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
+
+pytestmark = pytest.mark.data
 
 
 def test_emps():
-    needs("emps")
     draft = cogging.draft_model(emps.files(FOLDER)["DATA_EMPS_PULSES"])
     assert draft.columns.columns == {"time": "t", "position": "qm", "command": "vir", "reference": "qg"}
     assert draft.scale == {}
@@ -29,7 +30,6 @@ def test_emps():
 
 def test_emps_from_init_to_a_fit(tmp_path, monkeypatch, capsys):
     """The printed command fits the model."""
-    needs("emps")
     monkeypatch.chdir(tmp_path)
     path = emps.files(FOLDER)["DATA_EMPS"]
     assert main(["init", str(path), "--rows", "0:9000"]) == 0
@@ -41,7 +41,6 @@ def test_emps_from_init_to_a_fit(tmp_path, monkeypatch, capsys):
 
 
 def test_laas():
-    needs("laas")
     files = laas.files(FOLDER)
     held, fast, turning = (cogging.draft_model(files[name]) for name in laas.FILES)
     for draft in (held, fast, turning):
@@ -57,7 +56,6 @@ def test_laas():
 
 def test_odrive():
     """Seven periods a turn stand out first, as the makers' own map has them."""
-    needs("odrive")
     draft = cogging.draft_model(odrive.read("slow2_nocomp_0", FOLDER))
     assert odrive.TURN / draft.wave.period == pytest.approx(7.0, rel=0.03)
     assert np.hypot(draft.wave.sine, draft.wave.cosine) == pytest.approx(0.86, rel=0.15)
@@ -66,7 +64,6 @@ def test_odrive():
 
 def test_tro2021_has_no_position():
     """Its time has a unit, `ms`, and no name; beside it stand a speed and a torque."""
-    needs("tro2021")
     path = tro2021.files(FOLDER)["start_stop/200"]
     with pytest.raises(InputError, match="column time: cannot tell which it is of 'Velocity actual value"):
         cogging.draft_model(path)

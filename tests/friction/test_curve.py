@@ -8,7 +8,7 @@ import cogging
 from cogging import fit_friction_curve
 from cogging.datasets import tro2021
 from cogging.friction.law import Law
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)
 BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])
@@ -187,7 +187,6 @@ def test_refused(change, message):
 @pytest.mark.data
 def test_a_lead_screw_drive():
     """Direction and Stribeck each gain on speeds that were not seen; only together do they explain the curve."""
-    needs("tro2021")
     speed, torque = tro2021.steady_speeds(FOLDER)
     assert len(speed) == 32
     curve = fit_friction_curve(speed, torque)

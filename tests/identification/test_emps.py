@@ -9,14 +9,9 @@ from cogging.identification.identify import identify
 from cogging.identification.logged_run import LoggedRun
 from cogging.model.model import Model
 from tests.fixtures.emps import prior, read
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 pytestmark = pytest.mark.data
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _files():
-    needs("emps")
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import cogging
 from cogging.cli.main import main
 from cogging.datasets import emps
 from tests.fixtures.emps import prior
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 FILE = Path(__file__).parents[2] / "examples" / "emps" / "prior.toml"
 
@@ -33,8 +33,8 @@ def test_the_prior_is_that_of_the_tests():
     assert shipped.units.command == "N"
 
 
+@pytest.mark.data
 def test_the_printed_command_finds_the_published_numbers(tmp_path, capsys):
-    needs("emps")
     words = command()
     words[words.index("--model") + 1] = str(FILE)
     words[words.index("--out") + 1] = str(tmp_path / "fitted.toml")

@@ -6,14 +6,13 @@ import pytest
 import cogging
 from cogging.datasets import laas_motor, laas_speed_ripple
 from cogging.datasets.laas import TURN, RotaryLog
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 data = pytest.mark.data
 
 
 @pytest.fixture(scope="module")
 def study():
-    needs("laas")
     return laas_speed_ripple.Study.make(FOLDER)
 
 

@@ -18,7 +18,7 @@ from cogging.identification.misreading.balance import AXIS, Balance
 from cogging.identification.misreading.explained import explained_share, stated_bounds
 from cogging.identification.misreading.misreading import misreading
 from cogging.log_check.unit_check import check_against_model
-from tests.fixtures import emps, measured, moving_axis, unlike_machines
+from tests.fixtures import emps, moving_axis, unlike_machines
 from tests.fixtures.unlike_machines import MISREADINGS, MISSING
 
 
@@ -97,8 +97,8 @@ def test_a_misreading_is_found_in_any_motion(kind):
 LEAST = {"command late": 0.1, "command early": 0.1, "velocity as position": 0.3, "sample number": 0.2}
 
 
+@pytest.mark.data
 def test_volts_for_newtons_on_a_real_machine():
-    measured.needs("emps")
     model, log = emps.published(controller=False), emps.read()
     assert misreading([log], model) is None
     found = misreading([replace(log, command=log.command / 35.15)], model)

@@ -1,8 +1,6 @@
 """What a log tells about itself, and whether the stated controller made it."""
 
 import json
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +11,7 @@ from cogging.log_check.controller_gains import linear_regressors
 from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.log_check.outliers import find_outliers
 from cogging.model.model import CONTROLLERS
+from tests.fixtures.measured import FOLDER
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5])
 REFERENCE = {
@@ -260,9 +259,7 @@ def test_the_command(tmp_path, capsys, monkeypatch):
 
 @pytest.fixture(scope="module")
 def emps():
-    path = Path(__file__).parents[2] / ".." / "shared" / "data" / "emps" / "DATA_EMPS.mat"
-    if not path.exists() and not os.environ.get("CI"):
-        pytest.skip(f"the measured data of the EMPS axis are not at {path}")
+    path = FOLDER / "emps" / "DATA_EMPS.mat"
     return cogging.read_log(path, columns={"time": "t", "position": "qm", "command": "vir", "reference": "qg"})
 
 

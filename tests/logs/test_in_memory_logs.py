@@ -133,7 +133,8 @@ def test_single_precision_and_integers_are_taken():
 
 
 def test_series_are_taken():
-    pandas = pytest.importorskip("pandas")
+    import pandas
+
     frame = pandas.DataFrame(COLUMNS, index=np.arange(ROWS)[::-1])
     log = Log(**{name: frame[name] for name in NAMES})
     np.testing.assert_array_equal(log.position, COLUMNS["position"])

@@ -1,14 +1,13 @@
 """Log files: every number kept, every bad file answered in one line."""
 
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cogging
 from cogging.files import InputError, parse_toml
+from tests.fixtures.measured import FOLDER
 
 MODEL = cogging.Model(
     axis=cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5]),
@@ -263,19 +262,10 @@ def test_asam_mdf(version, tmp_path):
         cogging.read_log(path, columns={"position": "qm", "command": "temperature"}, scale={"command": 1.0})
 
 
-SHARED = Path(__file__).parents[2] / ".." / "shared" / "data"
-
-
-def measured(name):
-    if not (SHARED / name).exists() and not os.environ.get("CI"):
-        pytest.skip(f"the measured data are not at {SHARED / name}")
-    return SHARED / name
-
-
 @pytest.mark.data
 def test_real_matlab_file():
     log = cogging.read_log(
-        measured("emps/DATA_EMPS.mat"),
+        FOLDER / "emps/DATA_EMPS.mat",
         columns={"time": "t", "position": "qm", "command": "vir", "reference": "qg"},
         scale={"command": 35.15065},
     )
@@ -288,7 +278,7 @@ def test_real_matlab_file():
 @pytest.mark.data
 @pytest.mark.parametrize(("name", "rows"), [("acc_current", 26999), ("speed_test1", 30001), ("stopped_data", 31666)])
 def test_real_text_files(name, rows):
-    path = measured(f"laas/{name}.txt")
+    path = FOLDER / f"laas/{name}.txt"
     log = cogging.read_log(path, columns={"time": "Time", "position": "Position", "command": "Iq"})
     table = np.genfromtxt(path, delimiter=",", names=True, autostrip=True)
     assert len(log) == rows
@@ -298,7 +288,7 @@ def test_real_text_files(name, rows):
 
 @pytest.mark.data
 def test_real_file_with_lines_before_the_header_and_a_row_of_units():
-    path = measured("tro2021/experiments/driveNo1/start_stop/200.csv")
+    path = FOLDER / "tro2021/experiments/driveNo1/start_stop/200.csv"
     names = {"velocity": "Velocity actual value averaged", "force": "Torque actual value averaged"}
     with pytest.raises(InputError, match="unit 'rpm'"):
         cogging.logs.log.read_columns(path, ("velocity", "force"), columns=names)

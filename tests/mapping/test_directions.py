@@ -6,7 +6,7 @@ from scipy import stats
 
 from cogging.datasets import laas
 from cogging.mapping.fit import fit_map
-from tests.fixtures.measured import FOLDER, needs
+from tests.fixtures.measured import FOLDER
 
 DRAWN = range(20)
 
@@ -194,7 +194,6 @@ def odd_amplitude(x, force, direction, harmonics, which):
 
 @pytest.mark.data
 def test_hysteresis_of_a_real_turn_and_back():
-    needs("laas")
     rows = laas.read("stopped_data", FOLDER / "laas")
     fit = fit_map(rows.position, rows.current, pitch=laas.TURN)
     table = {entry.harmonic: entry.amplitude for entry in fit.direction_amplitudes}
@@ -210,7 +209,6 @@ def test_hysteresis_of_a_real_turn_and_back():
 
 def odrive(which):
     """Position (rad) and current (A) of the filled entries of a scan over one turn."""
-    needs("odrive")
     entries = np.load(FOLDER / "odrive" / f"cogging_measure_final_{which}_16.npy")
     filled = np.flatnonzero(entries)
     return filled * (2.0 * np.pi / entries.size), entries[filled]

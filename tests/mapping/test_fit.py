@@ -1,11 +1,9 @@
 """The cogging map against known truth, plain numpy and scipy, and a real scan (72 detents a turn)."""
 
-import os
 import re
 import subprocess
 import sys
 from dataclasses import fields
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +18,7 @@ from cogging.mapping.result import CrossValidation, MapFit
 from cogging.mapping.scan import read_scan
 from cogging.mapping.spectrum import HarmonicSpectrum
 from cogging.mapping.spline_fit import FOLDS, cross_validate, fit_splines, normal_equations
+from tests.fixtures.measured import FOLDER
 
 PITCH = 0.05
 STEP = 1e-3
@@ -29,8 +28,6 @@ BASE = np.array([0.5, 0.3, 0.2, 0.1, 0.08])[:, None]  # V
 GRID = np.arange(511) * STEP  # 0 to 0.51 m, as Lu et al. 2008 measured
 THERE_AND_BACK = np.concatenate([GRID, GRID[::-1]])
 DIRECTION = np.repeat([1.0, -1.0], GRID.size)
-
-LAAS = Path(__file__).parents[2] / ".." / "shared" / "data" / "laas"
 
 
 def truth(seed, *, order=3, spread=0.3):
@@ -73,9 +70,7 @@ def found(fit):
 @pytest.fixture(scope="module")
 def laas():
     """Position (rad) and current (A) of one turn forward and one back."""
-    path = LAAS / "stopped_data.txt"
-    if not path.exists() and not os.environ.get("CI"):
-        pytest.skip(f"the measured data of laas are not at {path}")
+    path = FOLDER / "laas" / "stopped_data.txt"
     table = np.genfromtxt(path, delimiter=",", names=True, deletechars="", autostrip=True)
     return table["Position"], table["Iq"]
 

@@ -30,7 +30,8 @@ def run(*effects, axis=AXIS, **options):
 
 
 def compiled():
-    numba = pytest.importorskip("numba")
+    import numba
+
     return numba.cfunc("float64(float64, float64, float64, float64, float64)")(
         lambda position, velocity, time, slope, corner: -slope * velocity / (1.0 + (velocity / corner) ** 2)
     )

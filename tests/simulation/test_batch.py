@@ -103,7 +103,8 @@ def test_a_failed_run_is_a_row(tmp_path):
     assert same.failures[0].run == 3
     for name in ("runs.csv", "runs.parquet"):
         batch.write(tmp_path / name)
-    pandas = pytest.importorskip("pandas")
+    import pandas
+
     again = read_table(tmp_path / "runs.csv")
     np.testing.assert_array_equal(again[list(INDEXES)], frame[list(INDEXES)])
     pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "runs.parquet").set_index("run"), frame)

@@ -5,6 +5,7 @@ import re
 import sys
 
 import numpy as np
+import pandas
 import pytest
 
 import cogging
@@ -12,7 +13,6 @@ from cogging.simulation.frames import write_frame
 from cogging.simulation.reductions import COLUMNS, INDEXES, unit_of
 from tests.fixtures.sweeps import MOVE, SMALL, read_table
 
-pandas = pytest.importorskip("pandas")
 ASKED = ["error_quantile(0.9)", "command_tone(5.0)", "true_error_max"]
 UNITS = {
     "axis.mass": "V/(m/s^2)",
@@ -79,7 +79,6 @@ def test_a_sweep_as_a_frame(runs):
 
 
 def test_a_sweep_as_a_dataset(runs):
-    pytest.importorskip("xarray")
     dataset = runs.to_xarray()
     assert dict(dataset.sizes) == {"run": 24}
     right(dataset.to_dataframe(), runs)
@@ -89,7 +88,8 @@ def test_a_sweep_as_a_dataset(runs):
 
 
 def test_a_sweep_as_parquet(runs, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     runs.write(tmp_path / "runs.Parquet")
     right(pandas.read_parquet(tmp_path / "runs.Parquet").set_index("run"), runs)
     schema = parquet.read_schema(tmp_path / "runs.Parquet")
@@ -107,7 +107,6 @@ def test_a_sweep_as_csv(runs, tmp_path):
 
 
 def test_a_batch_as_a_dataset(batch):
-    pytest.importorskip("xarray")
     dataset = batch.to_xarray()
     assert dict(dataset.sizes) == {"run": 3, "row": 101}
     for name, unit in (("command", "V"), ("true_velocity", "m/s")):
@@ -123,7 +122,8 @@ def test_a_batch_as_a_dataset(batch):
 
 
 def test_a_batch_as_parquet(batch, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     batch.write(tmp_path / "runs.parquet")
     table = parquet.read_table(tmp_path / "runs.parquet")
     np.testing.assert_array_equal(table["error_rms"].to_numpy(), batch.indexes["error_rms"])

@@ -5,13 +5,13 @@ import os
 import random
 import signal
 
+import distributed
 import pytest
 
 import cogging
 from cogging.simulation import sweep_executor
 from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 
-distributed = pytest.importorskip("distributed")
 pytestmark = [pytest.mark.study, pytest.mark.filterwarnings("ignore")]  # its own warnings
 
 

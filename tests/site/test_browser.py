@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.pages
 WIDTHS = (390, 768, 1280, 1400)  # the last shows the page's own contents beside it
 SCHEMES = ("light", "dark")
 ENOUGH, ENOUGH_LARGE = 4.5, 3.0  # contrast of text, of large text: WCAG 2.2, 1.4.3

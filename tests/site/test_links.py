@@ -6,6 +6,8 @@ from urllib.parse import unquote, urldefrag
 
 import pytest
 
+pytestmark = pytest.mark.pages
+
 
 class Page(HTMLParser):
     """What a page refers to, and what can be referred to in it."""
