@@ -8,7 +8,7 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.diagnosis.diagnose import IN_THEIR_OWN_UNITS
-from cogging.model.labelled import labelled
+from cogging.diagnosis.labelled import labelled
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
 from tests.fixtures.files import REFERENCE
 from tests.fixtures.pid_axis import MODEL, run

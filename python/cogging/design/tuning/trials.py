@@ -71,6 +71,7 @@ def run_trials(
     judged: Callable[[Mapping[str, float]], Trial],
     kept: KeptTrials | None,
     step: Callable[[str], None],
+    micro: str,
 ) -> Iterator[Trial]:
     """Let Optuna propose gains, by its TPE sampler with constraints, and judge them one by one; the present first.
 
@@ -106,7 +107,7 @@ def run_trials(
             study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
         if trial.kept:
             best = min(best, trial.reached.error_rms)
-        step(f"trial {number + 1}, best {1e6 * best:.4g} um" if math.isfinite(best) else f"trial {number + 1}")
+        step(f"trial {number + 1}, best {1e6 * best:.4g} {micro}" if math.isfinite(best) else f"trial {number + 1}")
         yield trial
 
 
