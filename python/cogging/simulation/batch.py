@@ -256,15 +256,8 @@ def closed_loop_batch(
     """
     _require_plants(plants)
     columns, every = (COLUMNS, 1) if logs else (columns, every)
-    options: dict[str, Any] = {
-        "durations": [duration],
-        "steps_per_sample": [steps_per_sample],
-        "threads": threads,
-        "window": (start, stop, final_window),
-        "reductions": reductions,
-        "columns": columns,
-        "every": every,
-    }
+    options: dict[str, Any] = {"durations": [duration], "steps_per_sample": [steps_per_sample], "threads": threads}
+    options |= {"window": (start, stop, final_window), "reductions": reductions, "columns": columns, "every": every}
     kept = _in_parts(plants, controllers, reference, seeds, options, progress)
     return Batch(
         dict(zip(names_of(reductions), kept.values.T, strict=True)),

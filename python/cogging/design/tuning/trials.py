@@ -81,10 +81,8 @@ def run_trials(
     library = optuna()
     with _quiet(library):
         sampler = library.samplers.TPESampler(seed=seed)
-        directions = ["minimize"]
-        if against is not None:
-            directions.append("minimize" if INDEXES[against][1] else "maximize")
-        study = library.create_study(sampler=sampler, directions=directions)
+        other = [] if against is None else ["minimize" if INDEXES[against][1] else "maximize"]
+        study = library.create_study(sampler=sampler, directions=["minimize", *other])
         if all(gain.inside for gain in gains):
             study.enqueue_trial({gain.path: _exact(gain, gain.present) for gain in gains})
         space = {gain.path: _distribution(library, gain) for gain in gains}
