@@ -175,6 +175,13 @@ def test_what_a_user_calls_things_is_no_unit(log):
         assert f"read with {name}" in audited.text()
 
 
+def test_the_core_tells_a_run_that_diverges_without_units():
+    wild = ROTARY.replace(controller=PID.replace(kd=4800.0))
+    with pytest.raises(cogging.DivergedError, match="the travel is") as error:
+        cogging.simulate(wild, MOVE, duration=1.0)
+    assert left_in(str(error.value)) == []
+
+
 def test_an_axis_that_turns_is_asked_about_angles(log):
     travel = ROTARY.replace(axis=ROTARY.axis.replace(travel=[0.0, 0.4]))
     in_degrees = cogging.Log(log.time, np.degrees(log.position), log.command)
