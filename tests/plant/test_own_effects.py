@@ -347,9 +347,7 @@ def test_a_law_that_fails_in_a_run_says_when_and_where():
     def late(time):
         return 0.0 * time if np.ndim(time) or time < 0.3 or time > 0.39 else [][0]  # where no trial comes by
 
-    with pytest.raises(
-        RuntimeError, match=r"mine\.force: raised IndexError .* at position .*, .*time 0\.3 s"
-    ) as told:
+    with pytest.raises(RuntimeError, match=r"mine\.force: raised IndexError .* at position .*, .*time 0\.3 s") as told:
         run(Custom("mine", force=late))
     assert isinstance(told.value.__cause__, IndexError)
     endless = Custom("mine", friction_level=lambda position: np.where(abs(position - 0.2) > 1e-3, 0.0, np.nan))
