@@ -22,7 +22,7 @@ BASE |= {"values"}
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
+DIAGNOSIS = ["labelled", "thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
 DIAGNOSIS += [
     "next_step",
     "report",
@@ -140,7 +140,7 @@ def test_a_report_only_renders():
         seen.add(name)
         todo |= {used for used in GRAPH.get(name, ()) if used.startswith("cogging.diagnosis.")} - seen
     held = {f"cogging.diagnosis.residual{name}" for name in ("", ".shape", ".location_words")}
-    held.add("cogging.diagnosis.thresholds")
+    held |= {"cogging.diagnosis.thresholds", "cogging.diagnosis.labelled"}
     assert seen <= shown | held | {"cogging.diagnosis", "cogging.diagnosis.report"}
     estimation = {used for name in seen for used in GRAPH.get(name, ()) if used.startswith("cogging.estimation")}
     assert estimation <= {"cogging.estimation.statistics"}  # the moving average of a drawn trace

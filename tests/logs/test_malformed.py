@@ -149,13 +149,19 @@ CASES = {
         "a.csv",
         b"time;position;command\ns;m;%\n0;1;2\n1;2;3\n",
         [],
-        r"command: must be in V, A, N, got .*%",
+        r"command: must be in V, A, N or Nm, got .*%",
     ),
     "degrees": (
         "a.csv",
         b"time,position [deg],command\n0,1,2\n1,2,3\n",
         [],
-        r"unit 'deg'; give --scale position=FACTOR",
+        r"unit 'deg'; give --scale position=0.0174533",
+    ),
+    "turns a minute": (
+        "a.csv",
+        b"time,position [rpm],command\n0,1,2\n1,2,3\n",
+        [],
+        r"position: must be in m or rad, got the unit 'rpm'; give --scale position=FACTOR",
     ),
     "scale of zero": (
         "a.csv",

@@ -302,7 +302,7 @@ def test_direction_is_that_of_the_motion_and_not_of_the_encoder_noise():
     model = truth(4, order=0)
     force = model.force(x) + 0.15 * direction + noise(rng, x.size)
     assert np.mean(np.sign(np.diff(x)) != direction[1:]) > 0.4  # what the raw sign would say
-    scan = read_scan(x, force, pitch=PITCH, force_sign=1, highest_harmonic=20)
+    scan = read_scan(x, force, cogging.Units(), pitch=PITCH, force_sign=1, highest_harmonic=20)
     assert np.count_nonzero(np.diff(scan.direction)) == 1
     fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
     assert fit.coulomb == pytest.approx(0.15, abs=5.0 * fit.coulomb_standard_error)
@@ -313,7 +313,7 @@ def test_direction_is_that_of_the_motion_and_not_of_the_encoder_noise():
 def test_jitter_does_not_make_points_look_dense():
     """Both ways with 1 um of jitter there are points 1 um apart, but they resolve no more than one every mm."""
     x = THERE_AND_BACK + 1e-6 * np.random.default_rng(5).normal(size=THERE_AND_BACK.size)
-    scan = read_scan(x, np.zeros(x.size), pitch=PITCH, force_sign=1, highest_harmonic=200)
+    scan = read_scan(x, np.zeros(x.size), cogging.Units(), pitch=PITCH, force_sign=1, highest_harmonic=200)
     assert scan.resolvable == scan.highest == 19
     assert scan.travel == pytest.approx(0.51, abs=1e-5)
 

@@ -95,27 +95,3 @@ def test_a_model_takes_units_alone():
     axis = cogging.AxisParameters(mass=1.0)
     with pytest.raises(TypeError, match="units: must be Units"):
         cogging.Model(axis, units="A")
-
-
-# Sentences ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("said", "told"),
-    [
-        ("0.4 V about 24 mm, 3 um rms", "0.4 N about 24 mrad, 3 urad rms"),
-        ("gap (V/√Hz), speed, m/s; acceleration (m/s²)", "gap (N/√Hz), speed, rad/s; acceleration (rad/s²)"),
-        ("2 V/(m/s)^2; 3 V/(m s) left, 1 V per m/s.", "2 N/(rad/s)^2; 3 N/(rad s) left, 1 N per rad/s."),
-        ("travel [0, 0.3] m: 5 V/m.", "travel [0, 0.3] rad: 5 N/rad."),
-        ("3 ms, 4 Hz, 12 %, T = 5, kV_err, a.V, m=3, x m.csv, m/data/V.csv", None),
-    ],
-)
-def test_units_in_a_sentence(said, told):
-    """Those that are units; no part of a key, a formula or a file's name."""
-    assert cogging.Units("N", "rad").in_words(said) == (said if told is None else told)
-    assert cogging.Units().in_words(said) == said
-
-
-def test_a_name_in_a_sentence_stays():
-    told = cogging.Units("N", "rad").in_words("run 5 V at 3 m: 0.4 V", keep=["run 5 V", "run 5 V at 3 m"])
-    assert told == "run 5 V at 3 m: 0.4 N"

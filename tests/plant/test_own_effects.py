@@ -281,10 +281,10 @@ REFUSED = [
     (law_of(lambda velocity: "a"), "mine.force: raised TypeError .*real numbers"),
     (law_of(lambda velocity: None), "mine.force: raised TypeError"),
     (law_of(lambda velocity: np.zeros(2)), r"mine.force: raised ValueError .*shape \(2,\)"),
-    (law_of(lambda velocity: velocity * math.nan), "mine.force: must be a finite number, got nan at position 0.02 m"),
+    (law_of(lambda velocity: velocity * math.nan), "mine.force: must be a finite number, got nan at position 0.02,"),
     (law_of(lambda velocity: [][0]), r"mine.force: raised IndexError \(list index out of range\)"),
     (law_of(lambda velocity: 1.0 if velocity > 0 else 0.0), "mine.force: raised ValueError .*along arrays of 3"),
-    (law_of(lambda velocity: velocity.clip(0)), "mine.force: raised AttributeError .* at position 0.02 m"),
+    (law_of(lambda velocity: velocity.clip(0)), "mine.force: raised AttributeError .* at position 0.02,"),
     (law_of(lambda velocity: velocity - np.mean(velocity)), "mine.force: must give the same for arrays as for numbers"),
     (law_of(remembering), "mine.force: must give the same for arrays as for numbers"),
     ({"name": "mine", "command_gain": lambda velocity: velocity}, "must take its arguments by name, of position, time"),
@@ -348,9 +348,7 @@ def test_a_law_that_fails_in_a_run_says_when_and_where():
     def late(time):
         return 0.0 * time if np.ndim(time) or time < 0.3 or time > 0.39 else [][0]  # where no trial comes by
 
-    with pytest.raises(
-        RuntimeError, match=r"mine\.force: raised IndexError .* at position .* m, .*time 0\.3 s"
-    ) as told:
+    with pytest.raises(RuntimeError, match=r"mine\.force: raised IndexError .* at position .*, .*time 0\.3 s") as told:
         run(Custom("mine", force=late))
     assert isinstance(told.value.__cause__, IndexError)
     endless = Custom("mine", friction_level=lambda position: np.where(abs(position - 0.2) > 1e-3, 0.0, np.nan))

@@ -289,7 +289,7 @@ def test_a_diverging_run_says_when_and_where():
     when, where = float(words[words.index("at") + 1]), float(words[words.index("position") + 1])
     assert 0.0 < when < 0.5
     assert not -0.255 < where < 0.765  # half a travel beyond its ends
-    assert "the travel is [0, 0.51] m" in text
+    assert "the travel is [0, 0.51]" in text
     assert "\n" not in text
     assert isinstance(caught.value, RuntimeError)
     # It is the first such sample: until the one before, the run is as any other.

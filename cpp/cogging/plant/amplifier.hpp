@@ -63,7 +63,7 @@ class Amplifier {
   template <class Value>
   [[noreturn]] COGGING_NOINLINE void refuse_command(const Value& command) const {
     std::string value = "a lane's";
-    if constexpr (std::is_same_v<Value, double>) value = format(command) + " V";
+    if constexpr (std::is_same_v<Value, double>) value = format(command);
     const double time = static_cast<double>(accepted_) * sample_time_;
     throw DivergedError("the run diverged at " + format(time) + " s: the command must be a finite number, got " + value,
                         time);

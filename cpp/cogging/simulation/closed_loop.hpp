@@ -51,9 +51,9 @@ template <class Scalar>
 [[noreturn]] COGGING_NOINLINE void refuse_state(const AxisState<Scalar>& state, const Range& travel, double time) {
   std::string where = "a lane";
   if constexpr (std::is_same_v<Scalar, double>)
-    where = "position " + format(state.position) + " m, velocity " + format(state.velocity) + " m/s";
+    where = "position " + format(state.position) + ", velocity " + format(state.velocity);
   throw DivergedError("the run diverged at " + format(time) + " s: " + where + "; the travel is [" + format(travel[0]) +
-                          ", " + format(travel[1]) + "] m",
+                          ", " + format(travel[1]) + "]",
                       time);
 }
 

@@ -25,14 +25,14 @@ def add_parser(commands: Commands) -> None:
         help="fit the cogging model to a force-against-position scan",
         description="Find the harmonics of the magnet pitch in a scan of the force that holds the axis at each "
         "position, fit their amplitudes, constant or changing along the travel, and say what the map explains. The "
-        "scan has the columns position (m) and force (the command's unit).",
+        "scan has the columns position (m or rad) and force (the command's unit).",
         examples=(
             "cogging map scan.csv --pitch 0.05 --out map.toml",
             "cogging map sensor.csv --pitch 0.05 --columns position=mm --scale position=0.001 --force-sign -1",
         ),
     )
     command.add_argument("scan", metavar="SCAN", help="CSV, .mat, .mf4 or .parquet")
-    command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m")
+    command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m or rad")
     command.add_argument(
         "--force-sign", type=int, default=1, metavar="S", help="-1: the sensor reads the motor's push (default: 1)"
     )

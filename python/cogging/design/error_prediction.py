@@ -19,7 +19,6 @@ from cogging.design.drawn_machines import DrawnMachine, drawn_samples
 from cogging.design.predicted_error import INDEXES, ControllerPrediction, ErrorPrediction, PredictedIndex
 from cogging.model.controller import AnyController
 from cogging.model.intervals import Interval, Intervals
-from cogging.model.labelled import labelled
 from cogging.model.model import Model, is_number
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
@@ -99,10 +98,8 @@ def predict_error(
         predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
     coverage = min(COVERAGE, (samples - 1) / (samples + 1))
     notes = (*intervals.notes, *left_out)
-    told = ErrorPrediction(
-        tuple(predictions), window, int(samples), int(seed), coverage, notes, machines=_drawn(machines)
-    )
-    return labelled(told, model.units, apart=("controllers", "machines"))
+    told = (tuple(predictions), window, int(samples), int(seed), coverage, notes)
+    return ErrorPrediction(*told, machines=_drawn(machines), units=model.units)
 
 
 def _errors(

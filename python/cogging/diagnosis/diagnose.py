@@ -20,6 +20,7 @@ from cogging.diagnosis.evidence.running_controller import obeys, running_control
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
 from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
+from cogging.diagnosis.labelled import labelled
 from cogging.diagnosis.limits import unmeasured
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
@@ -29,7 +30,6 @@ from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
 from cogging.memory import require_rows
-from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.progress import Progress, steps

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from cogging import plot
 from cogging.arrays import FloatArray
+from cogging.diagnosis.labelled import in_words
 from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.thresholds import LOCATION
@@ -86,7 +87,7 @@ class Location(ByValue):
         """Coordinates, periods and frequencies in words, by the share of the gap that each explains."""
         told = [(shape.share, shape_text(shape)) for shape in self.significant]
         told += [(wave.share, wave.text()) for wave in self.waves]
-        return [self.model.units.in_words(line) for _, line in sorted(told, key=lambda one: -one[0])]
+        return [in_words(line, self.model.units) for _, line in sorted(told, key=lambda one: -one[0])]
 
     def text(self) -> str:
         """For the screen."""
@@ -106,7 +107,7 @@ class Location(ByValue):
                     "unit": units.of(shape.unit),
                     "share": shape.share,
                     "log_chance": shape.log_p_value,
-                    "where": units.in_words(ranges(shape)),
+                    "where": in_words(ranges(shape), units),
                     "places": shape.places.tolist(),
                     "force": shape.force.tolist(),
                     "deviation": shape.deviation.tolist(),

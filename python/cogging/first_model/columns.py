@@ -18,12 +18,15 @@ from cogging.first_model.units import (
     STATED,
     TRIED,
     Unit,
+    stated_unit,
+    turning,
     unit_of_command,
     unit_of_position,
     unit_of_time,
 )
 from cogging.logs.columns import survey_columns
 from cogging.logs.readers.request import listed
+from cogging.model.units import UNIT_KEYS, Units
 from cogging.shown import nearest, printable
 
 ROUGHER = 3.0  # of second differences over the span, from which a command is told from a position
@@ -33,7 +36,11 @@ EVEN = 0.5  # of their median, by which the steps of a time may scatter
 
 
 def guess_columns(
-    path: str | os.PathLike[str], columns: Mapping[str, str], scale: Mapping[str, float], rows: slice | None
+    path: str | os.PathLike[str],
+    columns: Mapping[str, str],
+    scale: Mapping[str, float],
+    rows: slice | None,
+    units: Units | None,
 ) -> ColumnGuesses:
     """Find the columns of a log in a file of any format, and their units.
 
@@ -42,6 +49,7 @@ def guess_columns(
         columns: what its owner says of them, by their names in a log.
         scale: factors that its owner states.
         rows: data rows to take.
+        units: that what stands beside the log states; None: nothing.
 
     Raises:
         InputError: it cannot be read, or which column is time, position or command cannot be told.
@@ -54,7 +62,7 @@ def guess_columns(
     found = {name: (label, "as stated", STATED) for name, label in own.items()}
     _required(path, found, headers, table)
     notes: list[str] = []
-    used = {name: _guess(name, headers, table, found, scale) for name in ("time", "position", "command")}
+    used = {name: _guess(name, headers, table, found, scale, units) for name in ("time", "position", "command")}
     references(used, found, headers, table, scale, notes)
     taken = {guess.label for guess in used.values()}
     for guess in used.values():
@@ -90,6 +98,13 @@ def _required(
         taken = {label for label, _, _ in found.values()}
         named = [h for h in headers.values() if h.kind == name and h.label in table and h.label not in taken]
         named = [h for h in named if np.ptp(table[h.label]) > 0.0] or named
+        if not named:  # one alone of a telling unit: `q1 [deg]`, `motor 1 [Nm]`
+            of_unit = [
+                h for h in headers.values() if h.kind_of_unit == name and h.label in table and h.label not in taken
+            ]
+            if len(of_unit) == 1:
+                found[name] = (of_unit[0].label, "by its unit", LIKELY)
+                continue
         if name == "time":
             named = [h for h in named if _rises(table[h.label])] or named
         if named:
@@ -148,22 +163,26 @@ def _guess(
     table: Table,
     found: Mapping[str, tuple[str, str, str]],
     scale: Mapping[str, float],
+    units: Units | None,
 ) -> ColumnGuess:
     """A column with its unit."""
     label, told, sure = found[name]
     header = headers[label]
+    turns = turning(headers[found["position"][0]], headers[found["command"][0]])
+    stated = stated_unit(header)
     if name in scale:
-        label_of_log = {"time": "s", "command": unit_of_command(header).label}.get(name, "m")
-        if name != "time" and name != "command" and header.unit:
-            label_of_log = unit_of_position(header, np.arange(8.0), np.zeros(8)).label
-        unit = Unit(scale[name], label_of_log, f"times {scale[name]:g} as stated", STATED)
+        labels = {"time": "s", "command": unit_of_command(header, turns).label, "position": "rad" if turns else "m"}
+        in_log = getattr(units, name, labels[name] if stated is None or name == "time" else stated.label)
+        unit = Unit(scale[name], in_log, f"times {scale[name]:g} as stated", STATED)
+    elif units is not None and name in UNIT_KEYS and label == name:
+        unit = Unit(1.0, getattr(units, name), "as the model beside the log says", STATED)
     elif name == "time":
         unit = unit_of_time(header, table[label])
     elif name == "command":
-        unit = unit_of_command(header)
+        unit = unit_of_command(header, turns)
     else:
         time = table[found["time"][0]]
-        unit = unit_of_position(header, _time(headers[found["time"][0]], time, scale), table[label])
+        unit = unit_of_position(header, _time(headers[found["time"][0]], time, scale), table[label], turns)
         if unit.sure != STATED:
             unit = _unit_by_reference(unit, headers, table, label)
     return placed(name, header, headers, unit, told, sure)
@@ -174,13 +193,18 @@ def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, 
     for header in headers.values():
         if header.kind != "reference" or header.label not in table or not header.unit:
             continue
-        stated = unit_of_position(header, np.arange(8.0), np.zeros(8))
+        stated = stated_unit(header)
+        if stated is None:
+            continue
         x, r = (values - values.mean() for values in (table[label], stated.factor * table[header.label]))
         power = float(np.sqrt((x @ x) * (r @ r)))
-        if stated.sure != STATED or power == 0.0 or abs(float(x @ r)) < FOLLOWED * power:
+        if power == 0.0 or abs(float(x @ r)) < FOLLOWED * power:
             continue
         slope = abs(float(x @ r)) / float(x @ x)
-        factor = next((known for known in TRIED.values() if abs(slope / known - 1.0) < NEAR), float(f"{slope:.4g}"))
+        factor = next(
+            (known for known in TRIED.get(stated.label, {}).values() if abs(slope / known - 1.0) < NEAR),
+            float(f"{slope:.4g}"),
+        )
         told = f"times {factor:.4g} it is as long as {printable(header.label)!r}, whose unit is stated"
         return Unit(factor, stated.label, told, LIKELY)
     return unit

@@ -21,8 +21,8 @@ from cogging.first_model.units import LIKELY, UNKNOWN
 from cogging.log_check.audit import audit
 from cogging.log_check.hints import hints
 from cogging.log_check.recovery import recover_controller
-from cogging.logs.log import Log, read_log, require_sizes
-from cogging.model.units import Units
+from cogging.logs.log import Log, read_log, require_sizes, units_beside
+from cogging.model.units import UNIT_KEYS, Units
 
 FILE = Kind((Log, *PATH), "a Log or the path of a log file")
 ROWS_OF_CONTROLLER = 50_000  # in which its gains are sought
@@ -68,7 +68,7 @@ def draft_model(
     """
     if isinstance(log, Log):
         return _drafted("log", log, None, {}, rows)
-    guesses = guess_columns(log, columns or {}, scale or {}, rows)
+    guesses = guess_columns(log, columns or {}, scale or {}, rows, units_beside(log))
     read = read_log(log, columns=guesses.columns, scale=guesses.scale, rows=rows)
     try:
         return _drafted(os.fspath(log), read, guesses, guesses.scale, rows)
@@ -83,7 +83,10 @@ def _drafted(
     if len(log) < FEWEST:
         raise ValueError(f"rows: must be at least {FEWEST} to draft a model from, got {len(log)}")
     require_sizes(log)
-    sizes = sizes_of(log)
+    units = log.units
+    if guesses is not None:
+        units = Units(**{name: guesses.used[name].unit.label for name in UNIT_KEYS})
+    sizes = sizes_of(log, units)
     unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
     if sizes.reversed:
         log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
@@ -92,11 +95,8 @@ def _drafted(
     found = audit(log)
     source_of_motion = "position" if log.reference is None else "reference"
     quantum = found.encoder_quantum if log.reference is None else 0.0
-    motion = motion_of_log(log.time, log.position if log.reference is None else log.reference, quantum)
-    labels = {"command": "V", "position": "m"}
-    if guesses is not None:
-        labels = {name: guesses.used[name].unit.label for name in labels}
-    units = Units(**labels)
+    motion = motion_of_log(log.time, log.position if log.reference is None else log.reference, quantum, units)
+    controller = recover_controller(_beginning(log))
     waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
     draft = ModelDraft(
         source=source,
@@ -107,15 +107,15 @@ def _drafted(
         seen_in=source_of_motion,
         sizes=sizes,
         wave=next(filter(None, waves), None),
-        controller=recover_controller(_beginning(log)),
+        controller=controller and controller._replace(units=units),
         units=units,
         scale=dict(scale),
         rows=rows,
         likely=tuple(_guessed(guesses, LIKELY)),
         unsure=(),
     )
-    unsure += [f"{name}: {units.in_words(size.told)}" for name, size in sizes.sizes.items() if size.uncertainty is None]
-    unsure += map(units.in_words, hints(found, draft.model))
+    unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]
+    unsure += hints(found, draft.model)
     return replace(draft, unsure=tuple(unsure))
 
 

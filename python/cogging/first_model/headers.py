@@ -39,7 +39,7 @@ NAMES = {
     "command": (
         "command iq current motor_current strom motorstrom i_q current_command iq_ref force "
         "force_command kraft vir torque drehmoment moment u control control_output stellgrosse "
-        "stellgröße stellgroesse voltage spannung dac output effort f i cmd thrust iq_cmd sollstrom "
+        "stellgröße stellgroesse voltage spannung dac output effort tau f i cmd thrust iq_cmd sollstrom "
         "stromsollwert iq_actual current_setpoint current_actual"
     ),
 }
@@ -71,9 +71,15 @@ COMMANDS = {"V": (1.0, "V"), "A": (1.0, "A"), "N": (1.0, "N"), "Nm": (1.0, "Nm")
 COMMANDS |= {"mN": (1e-3, "N"), "kN": (1e3, "N"), "kA": (1e3, "A"), "mNm": (1e-3, "Nm"), "%": (1.0, "%")}
 COMMANDS |= {"volt": (1.0, "V"), "volts": (1.0, "V"), "ampere": (1.0, "A"), "amps": (1.0, "A"), "newton": (1.0, "N")}
 COMMANDS |= {"Arms": (1.0, "Arms"), "Apk": (1.0, "Apk"), "amp": (1.0, "A"), "lbf": (4.4482216, "N")}
+TORQUES = ("Nm", "mNm")
 #: A unit that stands behind a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
 LONGEST = 200  # characters of a name that is looked at for a unit behind it, in a time that grows as their square
+#: Last parts of a column's name that say that an axis turns: what drives it, and where it is.
+TORQUE, ANGLE = (
+    re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)"),
+    re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)"),
+)
 RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNORECASE)
 
 
@@ -94,6 +100,26 @@ class Header:
     unit: str
     kind: str
     rank: int
+
+    @property
+    def kind_of_unit(self) -> str:
+        """What a column of no telling name holds by its unit: a position, a command, or nothing that is known."""
+        if self.kind or not self.unit:
+            return ""
+        return "command" if self.unit in COMMANDS else "" if self.is_angle is None else "position"
+
+    @property
+    def is_torque(self) -> bool:
+        """Whether it is one by its unit, or else by its name."""
+        return self.unit in TORQUES or (not self.unit and TORQUE.search(_plain(self.bare)) is not None)
+
+    @property
+    def is_angle(self) -> bool | None:
+        """Whether it is one by its unit, or else by its name; None where neither says so."""
+        for known, angle in ((LENGTHS, False), (ANGLES, True)):
+            if self.unit in known or self.unit.lower() in known:
+                return angle
+        return True if ANGLE.search(_plain(self.bare)) else None
 
 
 def header_of(label: str, apart: str = "") -> Header:
@@ -131,9 +157,14 @@ def _is_unit(text: str) -> bool:
     )
 
 
+def _plain(bare: str) -> str:
+    """A name in small letters, its parts joined by underscores."""
+    return "_".join(re.findall(r"[a-zäöüß0-9]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", bare.strip()).lower()))
+
+
 def _kind(bare: str) -> tuple[str, int]:
     """What a name says that a column holds, and how plainly."""
-    plain = "_".join(re.findall(r"[a-zäöüß0-9]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", bare.strip()).lower()))
+    plain = _plain(bare)
     for kind, words in WORDS.items():
         if plain in words or plain.replace("_", "") in words:
             place = words.index(plain) if plain in words else words.index(plain.replace("_", ""))

@@ -133,18 +133,19 @@ class ModelDraft(ByValue):
             samples: file of the samples where the motion is told by nothing less.
         """
         head = f"## The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
-        lines = [head, f"## {self.units.of(self.motion.told)}", ""]
+        lines = [head, f"## {self.motion.told}", ""]
         if self.motion.kind in ("sampled", "rest"):
             lines += ['type = "sampled"', f"file = {_quoted(samples)}   # time (s), reference"]
             return "\n".join(lines) + "\n"
         if self.motion.kind == "sine":
             lines.insert(2, "## It begins at the center, moving forward: the log may begin elsewhere in the period.")
         lines.append(f'type = "{self.motion.kind}"')
-        unit = {"velocity": "m/s", "acceleration": "m/s^2", "jerk": "m/s^3", "dwell": "s", "repeats": "there and back"}
-        unit |= {"frequency": "Hz"}
+        units = {"velocity": "m/s", "acceleration": "m/s^2", "jerk": "m/s^3", "dwell": "s", "frequency": "Hz"}
+        told = {key: self.units.of(units.get(key, "m")) for key in self.motion.fields}
+        told["repeats"] = "times there and back" if self.motion.moves > 1 else "the way there alone, in this duration"
         for key, value in self.motion.fields.items():
             text = str(value) if isinstance(value, int) else number(value, 8)
-            lines.append(f"{f'{key} = {text}':<27} # {self.units.of(unit.get(key, 'm'))}; found")
+            lines.append(f"{f'{key} = {text}':<27} # {told[key]}; found")
         lines.append(f"{f'duration = {number(self._duration(), 8)}':<27} # s; of the log")
         return "\n".join(lines) + "\n"
 
@@ -175,12 +176,12 @@ class ModelDraft(ByValue):
             if self.columns.unused:
                 lines.append(f"  not used: {', '.join(repr(printable(label)) for label in self.columns.unused[:12])}")
         lines += ["rows:", *(f"  {line}" for line in self.audit.text().splitlines())]
-        lines += [f"motion, seen in the {self.seen_in}: {self.units.of(self.motion.told)}", "first force balance:"]
+        lines += [f"motion, seen in the {self.seen_in}: {self.motion.told}", "first force balance:"]
         for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
             size = self.sizes.sizes[name]
             value = f"{size.value:.4g} {self.units.of(unit)}, "
             sure = f"+- {100.0 * size.uncertainty:.0f} %, " if size.uncertainty is not None else ""
-            lines.append(f"  {name} {value if size.value else ''}{sure}{self.units.in_words(size.told)}")
+            lines.append(f"  {name} {value if size.value else ''}{sure}{size.told}")
         if self.sizes.explained is not None:
             lines.append(
                 f"  together they explain {100.0 * self.sizes.explained:.3g} % of the command's power in motion"

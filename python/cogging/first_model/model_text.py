@@ -63,7 +63,7 @@ def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit)
     lines = [f"[axis]                      # {law}"]
     for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
         size = sizes.sizes[name]
-        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {units.in_words(size.told)}"))
+        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {size.told}"))
     width = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3
     lines += [
         _line("coulomb_width", number(width), f"{units.of('m/s')}; assumed: {100 * WIDTH:g} % of the top speed"),
@@ -100,15 +100,7 @@ def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> li
             f"# pitch = {number(span, 2):<18} # {units.of('m')}; to be filled in",
             "# harmonics = [1, 2]",
         ]
-        return (
-            [*lines, "# sine = [[0.0], [0.0]]     # V", "# cosine = [[0.0], [0.0]]"]
-            if units.command == "V"
-            else [
-                *lines,
-                f"# sine = [[0.0], [0.0]]     # {units.of('V')}",
-                "# cosine = [[0.0], [0.0]]",
-            ]
-        )
+        return [*lines, f"# sine = [[0.0], [0.0]]     # {units.command}", "# cosine = [[0.0], [0.0]]"]
     share = f"{100.0 * wave.share:.0f} % of what mass and friction leave"
     return [
         *lines,

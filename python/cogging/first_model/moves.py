@@ -11,6 +11,7 @@ import numpy as np
 
 from cogging._core import PointToPoint, PointToPointParameters
 from cogging.arrays import FloatArray
+from cogging.model.units import Units
 
 REST = 0.02  # of the top speed, and slower
 STILL = 3.0  # quanta within a window: less is no motion
@@ -42,28 +43,29 @@ class Motion:
     moves: int = 0
 
 
-def motion_of_log(time: FloatArray, position: FloatArray, quantum: float) -> Motion:
+def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units: Units) -> Motion:
     """What a motion is, from the reference of a log or else its position.
 
     Args:
         time: s, (n,), from any start.
         position: m, (n,).
         quantum: m, of the readings; 0 of a reference.
+        units: labels of the position's unit.
     """
     t = time - time[0]
     span = float(np.ptp(position))
     if span <= STILL * quantum or span == 0.0:
-        return Motion("rest", f"it rests: {span:.3g} m from end to end")
+        return Motion("rest", f"it rests: {span:.3g} {units.position} from end to end")
     moves = _moves(t, position, quantum)
-    seen = [_sine(t, position), _point_to_point(t, position, moves) if moves else None]
+    seen = [_sine(t, position, units), _point_to_point(t, position, moves, units) if moves else None]
     found = [motion for motion in seen if motion is not None]
     if found:
         return min(found, key=lambda motion: motion.left)
     parts = f"{len(moves)} moves between rests, " if moves else "no rests, "
-    return Motion("sampled", f"{parts}not of one length or shape: kept as samples", moves=len(moves))
+    return Motion("sampled", f"{parts}not there and back in one length and course: kept as samples", moves=len(moves))
 
 
-def _sine(t: FloatArray, x: FloatArray) -> Motion | None:
+def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
     """A sine about a center, where that is what the motion is."""
     from scipy.optimize import minimize_scalar
 
@@ -88,7 +90,8 @@ def _sine(t: FloatArray, x: FloatArray) -> Motion | None:
         return None
     fields = {"center": _round(float(weights[0]), amplitude), "amplitude": _round(amplitude, amplitude)}
     fields["frequency"] = float(f"{frequency:.4g}")
-    told = "a sine of amplitude {amplitude:.4g} m at {frequency:.4g} Hz about {center:.4g} m".format(**fields)
+    told = "a sine of amplitude {amplitude:.4g} {m} at {frequency:.4g} Hz about {center:.4g} {m}"
+    told = told.format(**fields, m=units.position)
     return Motion("sine", told, fields, rms)
 
 
@@ -106,8 +109,8 @@ def _moves(t: FloatArray, x: FloatArray, quantum: float) -> list[tuple[int, int]
     return [(a, b) for a, b in pairs if abs(x[b] - x[a]) > SAME * span and b - a > 4]
 
 
-def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]]) -> Motion | None:
-    """Moves there and back of one length, where that is what they are."""
+def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], units: Units) -> Motion | None:
+    """Moves there and back of one length and one course, or one move, where that is what they are."""
     levels = _levels(x, moves)
     lengths = np.diff(levels)
     distance = float(np.median(np.abs(lengths))) * math.copysign(1.0, lengths[0])
@@ -117,7 +120,7 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]]) 
     rests = [0, *((b + a) // 2 for (_, b), (a, _) in itertools.pairwise(moves)), len(t) - 1]
     chosen = min(1, len(moves) - 1)  # the second, whose start is in the log for certain
     shape = _shape(t, x, moves[chosen], (rests[chosen], rests[chosen + 1]), abs(distance))
-    if shape is None or shape[3] > SHAPE * abs(distance):
+    if shape is None or shape[3] > SHAPE * abs(distance) or not _alike(t, x, moves, abs(distance), shape):
         return None
     velocity, acceleration, jerk, left = shape
     dwell = _dwell(t, x, moves, abs(distance), shape)
@@ -126,9 +129,12 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]]) 
     if math.isfinite(jerk):
         fields["jerk"] = float(f"{jerk:.2g}")
     fields |= {"dwell": float(f"{dwell:.3g}"), "repeats": max(1, (len(moves) + 1) // 2)}
-    told = f"{len(moves)} moves of {abs(distance):.4g} m there and back, {velocity:.3g} m/s, {acceleration:.3g} m/s^2, "
-    told += f"about {jerk:.2g} m/s^3" if math.isfinite(jerk) else "no limit on the jerk"
-    return Motion("point_to_point", f"{told}, rests of {dwell:.3g} s", fields, left, len(moves))
+    of, length = units.of, f"{abs(distance):.4g} {units.position}"
+    told = f"{len(moves)} moves of {length} there and back" if len(moves) > 1 else f"one move of {length}, one way"
+    told += f", {velocity:.3g} {of('m/s')}, {acceleration:.3g} {of('m/s^2')}, "
+    told += f"about {jerk:.2g} {of('m/s^3')}" if math.isfinite(jerk) else "no limit on the jerk"
+    told += f", rests of {dwell:.3g} s" * (len(moves) > 1)
+    return Motion("point_to_point", told, fields, left, len(moves))
 
 
 def _levels(x: FloatArray, moves: list[tuple[int, int]]) -> list[float]:
@@ -188,16 +194,42 @@ def _dwell(
     distance: float,
     shape: tuple[float, float, float, float],
 ) -> float:
-    """The rest between two moves, s: from one's middle to the next one's, less the time of a move."""
-    velocity, acceleration, jerk, _ = shape
-    parameters = PointToPointParameters(distance=distance, velocity=velocity, acceleration=acceleration, jerk=jerk)
-    middles = []
+    """The rest between two moves, s: from one's middle to the next one's, less a move; of one move to the log's end."""
+    middles = [_middle(t, x, move) for move in moves]
+    between = float(np.median(np.diff(middles))) if len(middles) > 1 else float(t[-1])
+    return max(between - _course(distance, shape).move_time, 0.0)
+
+
+def _alike(
+    t: FloatArray,
+    x: FloatArray,
+    moves: list[tuple[int, int]],
+    distance: float,
+    shape: tuple[float, float, float, float],
+) -> bool:
+    """Whether every move takes the course of the one that the shape was found of, about its own middle."""
+    course, most = _course(distance, shape), shape[3] + SHAPE * distance
     for a, b in moves:
-        half = 0.5 * (x[a] + x[b])
-        beyond = x[a : b + 1] > half if x[b] > x[a] else x[a : b + 1] < half
-        middles.append(float(t[a + int(np.argmax(beyond))]))
-    between = float(np.median(np.diff(middles))) if len(middles) > 1 else float(t[-1] - t[moves[0][0]])
-    return max(between - PointToPoint(parameters).move_time, 0.0)
+        rows = np.unique(np.linspace(a, b, ROWS_OF_MOVE).astype(int))
+        times = np.clip(t[rows] - _middle(t, x, (a, b)) + 0.5 * course.move_time, 0.0, course.move_time)
+        if float(np.sqrt(np.mean((course.sample(times)[0] - np.abs(x[rows] - x[a])) ** 2))) > most:
+            return False
+    return True
+
+
+def _course(distance: float, shape: tuple[float, float, float, float]) -> PointToPoint:
+    """A move of such a length and shape."""
+    velocity, acceleration, jerk, _ = shape
+    limits = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    return PointToPoint(PointToPointParameters(distance=distance, **limits))
+
+
+def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:
+    """When a move is half done, s."""
+    a, b = move
+    half = 0.5 * (x[a] + x[b])
+    beyond = x[a : b + 1] > half if x[b] > x[a] else x[a : b + 1] < half
+    return float(t[a + int(np.argmax(beyond))])
 
 
 def _round(value: float, size: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.first_model.column_guess import ColumnGuess, placed
 from cogging.first_model.headers import Header
-from cogging.first_model.units import LIKELY, STATED, UNKNOWN, Unit, unit_of_position
+from cogging.first_model.units import LIKELY, STATED, TRIED, UNKNOWN, Unit, stated_unit
 
 ALIKE = 0.3  # of the position's span: rms by which a reference may leave it
 DERIVATIVE = 0.1  # of its rms, by which a reference's derivative may differ from its difference
@@ -59,9 +59,9 @@ def _unit_of_reference(
     stated = LIKELY
     if "reference" in scale:
         return Unit(scale["reference"], label, f"times {scale['reference']:g} as stated", STATED), "as stated"
-    own = unit_of_position(header, np.arange(8.0), np.zeros(8)) if header.unit else None
-    factors = [own.factor] if own is not None and own.sure == STATED else [position.unit.factor, 1.0, 1e-3, 1e-6]
-    if own is not None and own.sure == STATED:
+    own = stated_unit(header)
+    factors = [own.factor] if own is not None else [position.unit.factor, *TRIED.get(label, TRIED["m"]).values()]
+    if own is not None:
         stated = STATED
     for sign in (1.0, -1.0):
         for factor in dict.fromkeys(factors):

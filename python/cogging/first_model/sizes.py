@@ -14,6 +14,7 @@ from cogging.estimation.jackknife import shares_of_blocks, spread_of
 from cogging.identification.misreading.balance import AXIS, CUTOFFS, HIGHEST, Balance, thinned
 from cogging.logs.log import Log
 from cogging.model.model import Model
+from cogging.model.units import Units
 
 SIGMAS = 3.0  # from zero: a size that is told
 SHOWN = 0.003  # of the command's power, that a parameter must explain alone to be told
@@ -76,7 +77,7 @@ class _Fit:
     residual: FloatArray
 
 
-def sizes_of(log: Log) -> Sizes:
+def sizes_of(log: Log, units: Units) -> Sizes:
     """Mass and friction of an axis from a log, without any belief about it.
 
     Least squares of the low-pass filtered command on what a unit of mass, viscous and Coulomb friction needs along the
@@ -85,6 +86,7 @@ def sizes_of(log: Log) -> Sizes:
 
     Args:
         log: in SI, with the command's sign as it was logged.
+        units: its labels.
     """
     balance = _balance(log)
     if balance is None:
@@ -100,7 +102,7 @@ def sizes_of(log: Log) -> Sizes:
     fed /= max(float(np.sqrt(power * np.mean(balance.speed**2))), 1e-300)
     back = plain.values[0] < -SIGMAS * plain.sigmas[0] and plain.explained > EXPLAINED and fed < FED
     sign = -1.0 if back else 1.0
-    sizes = {name: _size(k, name, sign, placed, plain, power) for k, name in enumerate(AXIS)}
+    sizes = {name: _size(k, name, sign, placed, plain, power, units) for k, name in enumerate(AXIS)}
     if sizes["mass"].value <= 0.0:
         top = float(np.quantile(np.abs(needs[0]), 0.99))
         assumed = float(np.sqrt(power)) / top if top > 0.0 and power > 0.0 else 1.0
@@ -158,7 +160,7 @@ def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
     return _Fit(values, sigmas, alone, offset, 1.0 - float(residual @ residual) / power, residual)
 
 
-def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: float) -> Size:
+def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: float, units: Units) -> Size:
     """One size: of the fit beside a force of any place where that tells it, else of the plain one, else none."""
     for fit, beside in ((placed, True), (plain, False)):
         value, sigma = sign * float(fit.values[k]), SAFE * float(fit.sigmas[k])
@@ -169,7 +171,10 @@ def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: floa
             return Size(value, max(sigma / value, least, bias), f"found by a first force balance, {how}")
     value = sign * float(plain.values[k])
     bound = abs(value) + SIGMAS * float(plain.sigmas[k])
-    unit = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V"}[name]
     if not math.isfinite(bound) or name == "mass":
         return Size(0.0, None, "cannot tell from this log")
-    return Size(max(value, 0.0), None, f"cannot tell from this log; below {bound:.2g} {unit}")
+    return Size(
+        max(value, 0.0),
+        None,
+        f"cannot tell from this log; below {bound:.2g} {units.of(AxisParameters.FIELDS[name][0])}",
+    )

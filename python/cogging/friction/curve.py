@@ -14,7 +14,6 @@ from cogging.arrays import FloatArray, IntArray, real_array
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
-from cogging.model.labelled import labelled
 from cogging.model.units import UNITS, Units
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
@@ -130,7 +129,6 @@ class FrictionCurve(ByValue):
             raise ValueError(f"what: must be parameters or points, got {what!r}")
         rows = [
             {"law": law.name, "best": law.name == self.best.name, "parameter": path, **vars(parameter)}
-            | {"unit": self.units.of(parameter.unit)}
             for law in self.models
             for path, parameter in law.parameters.items()
         ]
@@ -138,7 +136,7 @@ class FrictionCurve(ByValue):
 
     def _repr_html_(self) -> str:
         found = self.best.parameters.items()
-        rows = [[path, p.value, p.low, p.high, "" if p.unit == "1" else self.units.of(p.unit)] for path, p in found]
+        rows = [[path, p.value, p.low, p.high, "" if p.unit == "1" else p.unit] for path, p in found]
         headers = ["parameter", "value", "from", "to", "unit"]
         return html_table(f"FrictionCurve: {self._brief()}", headers, rows, self.notes)
 
@@ -231,7 +229,7 @@ def fit_friction_curve(
     rms = np.sqrt(np.mean(errors**2, axis=1))
     models = []
     for law, fit, e, by_speed in zip(tried, fits, rms, squares, strict=True):
-        parameters, told = law.intervals(fit, v, f, confidence)
+        parameters, told = law.intervals(fit, v, f, confidence, units or Units())
         notes += [f"{law.name}: {note}" for note in told]
         spread = _standard_error(by_speed, counts) / max(2.0 * e, np.finfo(float).tiny)
         left = float(np.sqrt(np.mean((f - law.predict(fit, v)) ** 2)))
@@ -240,8 +238,7 @@ def fit_friction_curve(
     chosen = _simplest(tried, squares, counts, int(np.argmin(rms)))
     if "coulomb_asymmetry.difference" in models[chosen].parameters:
         notes.append("at steady speeds coulomb_asymmetry is not told from a constant force of -difference/2")
-    curve = FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes))
-    return labelled(curve, units or Units())
+    return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes), units or Units())
 
 
 def _check_options(exponent: float | None, same_speed: float, confidence: float) -> None:

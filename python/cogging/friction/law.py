@@ -12,6 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
 from cogging.linear import least_squares
+from cogging.model.units import Units
 from cogging.values import ByValue
 
 UNITS = {
@@ -34,7 +35,7 @@ class FrictionParameter(ByValue):
     Attributes:
         value: as fitted.
         low, high: ends of the interval.
-        unit: SI and V.
+        unit: in the labels that were asked for.
     """
 
     value: float
@@ -133,7 +134,7 @@ class Law:
         return Fit(self.solve(v, f, self.shape(best))[0], self.shape(best))
 
     def intervals(
-        self, fit: Fit, v: FloatArray, f: FloatArray, confidence: float
+        self, fit: Fit, v: FloatArray, f: FloatArray, confidence: float, units: Units
     ) -> tuple[dict[str, FrictionParameter], list[str]]:
         """Parameters by path with HC3 intervals; those of the shape in the logarithm. And what to note."""
         design, residual = self.design(v, fit.shape), f - self.predict(fit, v)
@@ -167,7 +168,7 @@ class Law:
             else:
                 factor = float(np.exp(half[i])) if half[i] < 700.0 else np.inf
                 low_end, high_end = value / factor, value * factor
-            parameters[path] = FrictionParameter(value, float(low_end), float(high_end), UNITS[path])
+            parameters[path] = FrictionParameter(value, float(low_end), float(high_end), units.of(UNITS[path]))
         return parameters, notes
 
 

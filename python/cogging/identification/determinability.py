@@ -105,7 +105,7 @@ def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
             return max(value, model.axis.coulomb) or scales.force
     elif parameter.positive and value > 0.0:
         return value
-    return max(value, scales.of(parameter.unit))
+    return max(value, scales.of(parameter.dimension))
 
 
 _Table = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # columns (p, n), residual (n,), block (n,) of a log
@@ -212,7 +212,7 @@ def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalan
     motions = [(b.dynamics.motion, b.mask) for b in balances]
     if any(p.path == "axis.mass" for p in pair):
         top = max(float(np.quantile(np.abs(m.acceleration[rows]), 0.99)) for m, rows in motions)
-        return f"accelerations reach only {top:.2g} m/s^2"
+        return f"accelerations reach only {top:.2g} {model.units.of('m/s^2')}"
     velocity = np.concatenate([m.middle_velocity[rows] for m, rows in motions])
     if not 0.001 < np.mean(velocity > 0.0) < 0.999:
         return "the axis moves one way only"
@@ -221,12 +221,12 @@ def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalan
         return f"speeds span only a factor {high / max(low, 1e-12):.2g}"
     low = min(float(m.position[rows].min()) for m, rows in motions)
     high = max(float(m.position[rows].max()) for m, rows in motions)
-    return f"positions span only {low:.4g} to {high:.4g} m"
+    return f"positions span only {low:.4g} to {high:.4g} {model.units.position}"
 
 
 def _by_speed(model: Model, parameter: Parameter) -> bool:
     if parameter.path.startswith("axis."):
         return True
-    if "m/s" in parameter.unit:
+    if "m/s" in parameter.dimension:
         return True
     return parameter.path.startswith("effects.") and "friction_level" in effect_at(model, parameter.path).HOOKS

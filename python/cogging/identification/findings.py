@@ -103,7 +103,10 @@ def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identifi
         estimator="inverse_dynamics" if reported is found.balance else "output_error",
         controller=tuple(run.line for run in runs if run.line),
         explained=_of_all(logs),
-        warnings=(*(run.sparse for run in runs if run.sparse), *warnings_of(logs, entries, refused, limits)),
+        warnings=(
+            *(run.sparse for run in runs if run.sparse),
+            *warnings_of(logs, entries, refused, limits, prior.units.command),
+        ),
     )
 
 

@@ -232,7 +232,7 @@ def _newton(
         if moved is None:
             break
         model = moved
-        small = np.array([scales.of(known[path].unit) for path in paths])
+        small = np.array([scales.of(known[path].dimension) for path in paths])
         if np.all(np.abs(step) <= TOLERANCE * (np.abs(values) + 1e-3 * small)):
             break
     return model

@@ -20,7 +20,6 @@ from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
 from cogging.memory import require_rows
-from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, parameters_of, role_of
 from cogging.model.units import Units
@@ -111,8 +110,7 @@ def identify(
     runs = [LoggedRun.of(*entry) for entry in zip(read, [model] * len(read), called, added, strict=True)]
     notes = (*notes, *(run.repairs for run in runs if run.repairs))
     notes = (*notes, *(f"{run.name}: {hint}" for run in runs for hint in hints(run.audit, model)))
-    found = replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
-    return labelled(found, model.units, called, apart=("audits",))
+    return replace(TwoEstimators(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 
 def _one_each(

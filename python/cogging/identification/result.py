@@ -28,7 +28,7 @@ class ParameterEstimate:
 
     Attributes:
         path: where it stands in the model.
-        unit: SI and V.
+        unit: in the labels of the model.
         prior: as the model had it.
         value: as fitted; the prior where the logs do not determine it.
         ci95: 95 % interval; infinite where the logs do not determine it.
@@ -216,7 +216,6 @@ class Identification(ByValue):
         Raises:
             ImportError: pandas is not there; names the extra that brings it.
         """
-        units = self.model.units
         rows = [
             {
                 "parameter": p.path,
@@ -224,7 +223,7 @@ class Identification(ByValue):
                 "low": p.ci95[0],
                 "high": p.ci95[1],
                 "prior": p.prior,
-                "unit": units.of(p.unit),
+                "unit": p.unit,
                 "determined": p.determined,
                 "note": p.note,
             }
@@ -233,9 +232,8 @@ class Identification(ByValue):
         return frame_of(rows, {})
 
     def _repr_html_(self) -> str:
-        units = self.model.units
         rows = [
-            [p.path, p.prior, p.value, *(p.ci95 if p.determined else (None, None)), units.of(p.unit), p.note]
+            [p.path, p.prior, p.value, *(p.ci95 if p.determined else (None, None)), p.unit, p.note]
             for p in self.parameters
         ]
         headers = ["parameter", "before", "fitted", "from", "to", "unit", ""]

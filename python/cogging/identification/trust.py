@@ -63,7 +63,11 @@ def moved_beyond(
 
 
 def warnings_of(
-    logs: Sequence[LogFit], parameters: Sequence[ParameterEstimate], refused: Sequence[str], limits: TrustLimits
+    logs: Sequence[LogFit],
+    parameters: Sequence[ParameterEstimate],
+    refused: Sequence[str],
+    limits: TrustLimits,
+    unit: str,
 ) -> tuple[str, ...]:
     """What is to be said against a fit, most important first.
 
@@ -72,29 +76,30 @@ def warnings_of(
         parameters: as fitted.
         refused: paths of those whose intervals are refused for what is missing.
         limits: from where something is said.
+        unit: of the command.
     """
-    said = [sentence for log in logs for sentence in _of_log(log, limits)]
+    said = [sentence for log in logs for sentence in _of_log(log, limits, unit)]
     if refused:
         said.append(f"what is missing is too much of the command to tell {_some(refused)}: not determined")
     said += _of_estimators(parameters, limits)
     return (*said, *_of_other_answers(parameters))
 
 
-def _of_log(log: LogFit, limits: TrustLimits) -> list[str]:
+def _of_log(log: LogFit, limits: TrustLimits, unit: str) -> list[str]:
     said = []
     missing = log.noise is not None and log.residual_free > limits.missing * log.noise
     if missing and log.noise is not None:
         times = log.residual_free / max(log.noise, 1e-300)
         said.append(
-            f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} V, {times:.3g} times the "
-            f"noise ({log.noise:.2g} V), and explains {percent(log.explained)} of the command: run diagnose"
+            f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} {unit}, {times:.3g} times the "
+            f"noise ({log.noise:.2g} {unit}), and explains {percent(log.explained)} of the command: run diagnose"
         )
     if log.explained < limits.explained and not missing:
         said.append(f"{log.name}: the model explains only {percent(log.explained)} of the command")
     if log.residual_after > limits.worse * log.residual_before:
         said.append(
-            f"{log.name}: the fit is worse than the model as given: force balance {log.residual_before:.4g} V before, "
-            f"{log.residual_after:.4g} V after"
+            f"{log.name}: the fit is worse than the model as given: force balance {log.residual_before:.4g} {unit} "
+            f"before, {log.residual_after:.4g} {unit} after"
         )
     for name in ("position", "command"):
         before, after = log.replay_before.get(name), log.replay.get(name)

@@ -56,7 +56,7 @@ class Audit(ByValue):
         outlier_rows: the first ten of them, from 0.
         read_with: what was found of the log's file that bears on its numbers: decimal commas.
         controller: the stated controller beside the log; None where the model states none or no model is given.
-        units: labels of the model's units.
+        units: labels of the units, of the model or, without one, of the log.
         begins_at: s, the time of the first row; where it is negative the text says that time counts from that row.
 
     Example:
@@ -103,24 +103,24 @@ class Audit(ByValue):
 
     def text(self) -> str:
         """A few lines for a reader."""
+        of = self.units.of
         low, high = self.travel
         lines = [
             f"{self.rows} rows, {self.duration:.6g} s at {self.rate:.6g} Hz; "
             f"{100 * self.jitter_share:.2g} % of the steps off by more than 1 %, rms {self.jitter_rms:.2g} s",
             f"{self.gaps} gaps"
             + (f", the longest {self.gap_longest:.3g} s, first at {self.gap_times[0]:.6g} s" if self.gaps else ""),
-            f"position {low:.6g} to {high:.6g} m, quantum {self.encoder_quantum:.4g} m, {self.outliers} outliers"
-            + (f", first in row {self.outlier_rows[0]}" if self.outliers else ""),
-            f"speed {self.speed[0]:.4g} to {self.speed[1]:.4g} m/s, acceleration {self.acceleration[0]:.4g} to "
-            f"{self.acceleration[1]:.4g} m/s^2, {100 * self.share_at_rest:.3g} % at rest",
-            f"command {self.command[0]:.4g} to {self.command[1]:.4g} V, rms {self.command_rms:.4g} V, "
+            f"position {low:.6g} to {high:.6g} {of('m')}, quantum {self.encoder_quantum:.4g} {of('m')}, "
+            f"{self.outliers} outliers" + (f", first in row {self.outlier_rows[0]}" if self.outliers else ""),
+            f"speed {self.speed[0]:.4g} to {self.speed[1]:.4g} {of('m/s')}, acceleration {self.acceleration[0]:.4g} to "
+            f"{self.acceleration[1]:.4g} {of('m/s^2')}, {100 * self.share_at_rest:.3g} % at rest",
+            f"command {self.command[0]:.4g} to {self.command[1]:.4g} {of('V')}, rms {self.command_rms:.4g} {of('V')}, "
             f"{100 * self.saturation_share:.3g} % saturated",
         ]
         if self.begins_at < 0.0:
             lines.append(f"time begins at {self.begins_at:.6g} s: what acts over time counts from the first row")
         lines += [f"read with {', '.join(self.read_with)}"] * bool(self.read_with)
-        told = [self.units.in_words(line) for line in lines]
-        return "\n".join(told + _controller_lines(self.controller, self.units.command))
+        return "\n".join(lines + _controller_lines(self.controller, self.units.command))
 
 
 def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
@@ -201,7 +201,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
         outlier_rows=tuple(outliers[:SHOWN].tolist()),
         read_with=tuple(log.metadata.get(READ_WITH, ())),
         controller=check_controller(log, model) if model is not None else None,
-        units=Units() if model is None else model.units,
+        units=log.units if model is None else model.units,
         begins_at=float(log.time[0]),
     )
 

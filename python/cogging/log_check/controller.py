@@ -14,7 +14,6 @@ from cogging.log_check.command_comparison import Compared, compared, root_mean_s
 from cogging.log_check.controller_gains import fit_gains, linear_regressors
 from cogging.log_check.controller_samples import LONG
 from cogging.logs.log import Log
-from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.simulation.arguments import LOG, MODEL_ALONE
@@ -109,17 +108,17 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     kind, command_rms = model.controller_type, float(np.sqrt(np.mean(log.command**2)))
     refusal = _why_not(log, model, command_rms)
     if refusal:
-        return labelled(ControllerCheck(kind, None, command_rms, notes=(refusal,)), model.units)
+        return ControllerCheck(kind, None, command_rms, notes=(refusal,), units=model.units)
     found = compared(log, model, kind)
     if found.judged.sum() < FEWEST_ROWS:
         text = (
             f"{int(found.judged.sum())} rows between gaps are too few to check the controller, "
             f"which takes {FEWEST_ROWS}"
         )
-        return labelled(ControllerCheck(kind, None, command_rms, notes=(text,)), model.units)
+        return ControllerCheck(kind, None, command_rms, notes=(text,), units=model.units)
     if found.doubted.any():
         command_rms = root_mean_square(found.samples.command[found.judged])
-    return labelled(_judged(found, model, kind, command_rms), model.units)
+    return _judged(found, model, kind, command_rms)
 
 
 def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> ControllerCheck:
@@ -155,6 +154,7 @@ def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> Con
         notes=tuple(notes),
         unseen_readings=tuple(np.flatnonzero(found.unseen).tolist()),
         doubted_commands=tuple(found.samples.row[found.doubted].tolist()),
+        units=model.units,
     )
 
 

@@ -19,17 +19,17 @@ def hints(found: Audit, model: Model) -> list[str]:
 
     Args:
         found: audit of the log.
-        model: whose encoder is compared.
+        model: whose encoder is compared, and whose units count.
 
     Returns:
         What to bear in mind, each with its figure.
     """
-    said = []
+    said, of = [], model.units.of
     if found.saturation_share > SATURATED:
         top = max(abs(value) for value in found.command)
         said.append(
-            f"the command stands at its limit ({top:.4g} V) in {100 * found.saturation_share:.2g} % of the rows: what "
-            "the controller asked for beyond it is not known"
+            f"the command stands at its limit ({top:.4g} {of('V')}) in {100 * found.saturation_share:.2g} % of the "
+            "rows: what the controller asked for beyond it is not known"
         )
     if found.share_at_rest > AT_REST:
         said.append(
@@ -55,7 +55,9 @@ def hints(found: Audit, model: Model) -> list[str]:
         )
     stated = model.encoder.resolution
     if stated > 0.0 and found.encoder_quantum > QUANTUM * stated:
-        said.append(f"readings step by {found.encoder_quantum:.4g} m, the model's encoder by {stated:.4g} m")
+        said.append(
+            f"readings step by {found.encoder_quantum:.4g} {of('m')}, the model's encoder by {stated:.4g} {of('m')}"
+        )
     return said
 
 

@@ -12,10 +12,12 @@ from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
+from cogging.core_values import line_of
 from cogging.log_check.controller_gains import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
+from cogging.model.units import Units
 from cogging.simulation.arguments import LOG
 
 Columns = dict[str, FloatArray]
@@ -28,14 +30,19 @@ NEGLIGIBLE = 1e-3  # of the rms command: what a gain of no use contributes at mo
 
 
 class RecoveredController(NamedTuple):
-    """Type and parameters of a controller that reproduces a log's command, and the rms of what it leaves, V."""
+    """Type and parameters of a controller that reproduces a log's command, and the rms of what it leaves, V.
+
+    `units` are the labels of the log's units.
+    """
 
     type: str
     parameters: PidParameters | CascadeParameters
     residual_rms: float
+    units: Units = Units()
 
     def __repr__(self) -> str:
-        return f"RecoveredController({self.parameters!r}, leaves {self.residual_rms:.3g} V rms)"
+        left = f"{self.residual_rms:.3g} {self.units.command} rms"
+        return f"RecoveredController({line_of(self.parameters, self.units.of)}, leaves {left})"
 
 
 @takes(log=LOG)
@@ -89,7 +96,7 @@ def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredContro
             gains, rms = fit
             if "kp kv" in gains:
                 gains["kp"] = gains.pop("kp kv") / gains["kv"]
-            recovered = RecoveredController(kind, base.replace(**gains, command_limit=limit), rms)
+            recovered = RecoveredController(kind, base.replace(**gains, command_limit=limit), rms, log.units)
             found.append((sum(value != 0.0 for value in gains.values()), recovered))
     if not found:
         return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,9 +11,10 @@ from cogging.files import InputError
 from cogging.log_check.outliers import find_outliers
 from cogging.logs.log import Log, require_sizes
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 
-UNITS = {1e-3: "mm", 1e-6: "um", 1e-2: "cm", 0.0254: "inches"}
+ANGLES = {math.pi / 180.0: "degrees", 2.0 * math.pi: "turns"}
 TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 
@@ -46,31 +46,34 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
         raise InputError(f"{name}: {error}") from None
     inside = np.delete(log.position, find_outliers(log.position))
     low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.0, 0.0)
-    try:
-        _check_against_travel(low, high, model.axis.travel, name)
-        if log.reference is not None:
-            _check_against_reference(high - low, float(np.ptp(log.reference)), name)
-    except InputError as error:
-        raise InputError(model.units.in_words(str(error), keep=[name])) from None
+    _check_against_travel(low, high, model, name)
+    if log.reference is not None:
+        _check_against_reference(high - low, float(np.ptp(log.reference)), model.units, name)
     if model.controller is not None:
         _check_against_sample_rate(float(np.median(np.diff(log.time))), model.controller.sample_rate, name)
 
 
-def _check_against_travel(low: float, high: float, travel: Sequence[float], name: str) -> None:
-    span, (start, end) = high - low, travel
+def position_units(units: Units) -> dict[float, str]:
+    """In what a position may be written other than the unit of a model, by the factor to that, the likelier first."""
+    small = {1e-3: units.of("mm"), 1e-6: units.of("um")}
+    return ANGLES | small if units.position == "rad" else small | {1e-2: "cm", 0.0254: "inches"}
+
+
+def _check_against_travel(low: float, high: float, model: Model, name: str) -> None:
+    span, (start, end), unit, others = high - low, model.axis.travel, model.units.position, position_units(model.units)
     length = end - start
     if not math.isfinite(length):
         return
     if span > 1.5 * length:
-        factor = next((f for f in UNITS if span * f <= 1.02 * length), None)
+        factor = next((f for f in others if span * f <= 1.02 * length), None)
         raise InputError(
-            f"{name}: position: spans {span:.4g} m but the model's travel is {length:.4g} m: give "
-            + _advice("position", factor, UNITS)
+            f"{name}: position: spans {span:.4g} {unit} but the model's travel is {length:.4g} {unit}: give "
+            + _advice("position", factor, others)
         )
     if low > end + length or high < start - length:
         raise InputError(
-            f"{name}: position: lies in [{low:.4g}, {high:.4g}] m, far outside the model's travel "
-            f"[{start:.4g}, {end:.4g}] m"
+            f"{name}: position: lies in [{low:.4g}, {high:.4g}] {unit}, far outside the model's travel "
+            f"[{start:.4g}, {end:.4g}] {unit}"
         )
 
 
@@ -83,10 +86,11 @@ def _check_against_sample_rate(step: float, sample_rate: float, name: str) -> No
             )
 
 
-def _check_against_reference(span: float, reference: float, name: str) -> None:
+def _check_against_reference(span: float, reference: float, units: Units, name: str) -> None:
     if span == 0.0 or reference == 0.0:
         return
-    for factor in UNITS:
+    unit, others = units.position, position_units(units)
+    for factor in others:
         for column, other, ratio in (
             ("position", "reference", span / reference),
             ("reference", "position", reference / span),
@@ -94,8 +98,8 @@ def _check_against_reference(span: float, reference: float, name: str) -> None:
             if 0.7 < ratio * factor < 1.4 and ratio > 30.0:
                 wide, narrow = max(span, reference), min(span, reference)
                 raise InputError(
-                    f"{name}: {column}: spans {wide:.4g} m but the {other} {narrow:.4g} m: give "
-                    + _advice(column, factor, UNITS)
+                    f"{name}: {column}: spans {wide:.4g} {unit} but the {other} {narrow:.4g} {unit}: give "
+                    + _advice(column, factor, others)
                 )
 
 

@@ -134,12 +134,7 @@ class Log(ByValue):
     @property
     def units(self) -> Units:
         """Labels of command and position: those of the model that the metadata tell; V and m where they tell none."""
-        model = self.metadata.get("model")
-        told = model.get("units") if isinstance(model, Mapping) else None
-        try:
-            return Units.from_dict(told) if isinstance(told, Mapping) else Units()
-        except FieldError:
-            return Units()  # what a sidecar says of a model is not held against its log
+        return _units_told(self.metadata) or Units()
 
     @property
     def error(self) -> FloatArray:
@@ -350,11 +345,35 @@ def read_log(
         row = at + (rows.start or 0 if rows is not None else 0)
         before, here = _told_apart(time[at - 1], time[at])
         raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
-    beside = Path(sidecar(path))
-    metadata: dict[str, Any] = read_toml(beside) if beside.exists() else {}
+    metadata = _metadata_beside(path)
     if notes:
         metadata[READ_WITH] = notes
     return Log.of(table, metadata)
+
+
+def units_beside(path: str | os.PathLike[str]) -> Units | None:
+    """Labels of command and position that the metadata beside a log tell; None where there are none.
+
+    Raises:
+        InputError: the file beside it cannot be used.
+    """
+    return _units_told(_metadata_beside(path))
+
+
+def _metadata_beside(path: str | os.PathLike[str]) -> dict[str, Any]:
+    beside = Path(sidecar(path))
+    return read_toml(beside) if beside.exists() else {}
+
+
+def _units_told(metadata: Mapping[str, Any]) -> Units | None:
+    """Those of the model that the metadata hold: V and m where it has no labels of its own."""
+    model = metadata.get("model")
+    if not isinstance(model, Mapping):
+        return None
+    try:
+        return Units.from_dict(model.get("units", {}))
+    except (FieldError, AttributeError, TypeError):
+        return None  # what a sidecar says of a model is not held against its log
 
 
 def _require_sidecar(path: str) -> None:

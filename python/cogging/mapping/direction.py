@@ -12,6 +12,7 @@ from cogging.mapping.result import HarmonicAmplitude
 from cogging.mapping.scan import Scan
 from cogging.mapping.spectrum import FLOOR, HarmonicSpectrum, Line
 from cogging.mapping.spline_fit import SplineFit, rows_of
+from cogging.model.units import Units
 
 MOST_TERMS = 32  # harmonics that are fitted in direction g(x)
 LAG_SHARE = 0.9  # of the power of g(x) that one lag must explain to be called one
@@ -66,20 +67,22 @@ class DirectionContent:
         lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
         return cls(tuple(entries), float(np.sqrt(np.mean(content**2))), lag)
 
-    def notes(self, coulomb: float | None) -> list[str]:
+    def notes(self, coulomb: float | None, units: Units) -> list[str]:
         """What the reader has to know of it."""
         if not self.amplitudes:
             return []
+        v = units.command
         which = ", ".join(str(entry.harmonic) for entry in sorted(self.amplitudes, key=lambda a: -a.amplitude)[:8])
-        against = f", Coulomb friction is {coulomb:.3g} V" if coulomb is not None else ""
+        against = f", Coulomb friction is {coulomb:.3g} {v}" if coulomb is not None else ""
         if self.lag is None:
             cause = "friction that ripples along the travel, or hysteresis"
         else:
             way = "late" if self.lag > 0.0 else "early"
-            cause = f"as of a map that comes {abs(self.lag):.3g} m {way} each way: hysteresis, play or a late reading"
+            lag = f"{abs(self.lag):.3g} {units.position}"
+            cause = f"as of a map that comes {lag} {way} each way: hysteresis, play or a late reading"
         return [
-            f"{self.rms:.3g} V rms of the force change sign with the direction of motion (harmonics {which}{against}): "
-            f"{cause}; not in the map, which is the mean of both ways"
+            f"{self.rms:.3g} {v} rms of the force change sign with the direction of motion (harmonics {which}"
+            f"{against}): {cause}; not in the map, which is the mean of both ways"
         ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.logs.log import Log
+from cogging.model.units import Units
 from cogging.simulation.arguments import LOG
 from cogging.tables import frame_of
 from cogging.values import ByValue
@@ -34,6 +35,7 @@ class TrackingSpectrum(ByValue):
         noise: m, the median amplitude once the proposed lines are taken out.
         resolution: 1/m, one over the travel at constant speed: closer lines cannot be told apart.
         periods: m, proposed for cancellation, strongest first; period_amplitudes: m.
+        units: labels of the log's units.
 
     Example:
         >>> cogging.tracking_spectrum(log)
@@ -46,6 +48,7 @@ class TrackingSpectrum(ByValue):
     resolution: float
     periods: tuple[float, ...]
     period_amplitudes: tuple[float, ...]
+    units: Units = field(default_factory=Units)
 
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
         """Draw amplitude over spatial frequency, and the proposed periods (cogging.plot.spectrum).
@@ -65,15 +68,14 @@ class TrackingSpectrum(ByValue):
         Raises:
             ImportError: pandas is not there; names the extra that brings it.
         """
-        return frame_of(
-            {"frequency": self.frequency, "amplitude": self.amplitude}, {"frequency": "1/m", "amplitude": "m"}
-        )
+        units = {"frequency": self.units.of("1/m"), "amplitude": self.units.position}
+        return frame_of({"frequency": self.frequency, "amplitude": self.amplitude}, units)
 
     def _brief(self) -> str:
-        lines = [
-            f"{1e3 * p:.4g} mm {1e6 * a:.3g} um" for p, a in zip(self.periods, self.period_amplitudes, strict=True)
-        ]
-        return f"{', '.join(lines) or 'no line'}; noise {1e6 * self.noise:.3g} um"
+        milli, micro = self.units.of("mm"), self.units.of("um")
+        pairs = zip(self.periods, self.period_amplitudes, strict=True)
+        lines = [f"{1e3 * period:.4g} {milli} {1e6 * amplitude:.3g} {micro}" for period, amplitude in pairs]
+        return f"{', '.join(lines) or 'no line'}; noise {1e6 * self.noise:.3g} {micro}"
 
 
 @takes(log=LOG)
@@ -107,9 +109,8 @@ def tracking_spectrum(
     stretches = _stretches(log, shortest_period)
     travel = max((float(np.ptp(x)) for x, _ in stretches), default=0.0)
     if travel < 3 * shortest_period:
-        raise ValueError(
-            f"log: must hold a stretch of constant speed of {3 * shortest_period:g} m or more, got {travel:g} m"
-        )
+        rule, unit = "must hold a stretch of constant speed of", log.units.position
+        raise ValueError(f"log: {rule} {3 * shortest_period:g} {unit} or more, got {travel:g} {unit}")
     stretches = [(x, e) for x, e in stretches if np.ptp(x) > 0.5 * travel]
     frequency = np.arange(1.0 / travel, 1.0 / shortest_period, 1.0 / (OVERSAMPLING * travel))
     rest = [e for _, e in stretches]
@@ -133,6 +134,7 @@ def tracking_spectrum(
         resolution=1.0 / travel,
         periods=tuple(period for period, _ in found),
         period_amplitudes=tuple(size for _, size in found),
+        units=log.units,
     )
 
 

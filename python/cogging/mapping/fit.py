@@ -18,7 +18,6 @@ from cogging.mapping.result import CrossValidation, MapFit
 from cogging.mapping.scan import Scan, read_scan
 from cogging.mapping.spectrum import HarmonicSpectrum, Line
 from cogging.mapping.spline_fit import FOLDS, SplineFit, cross_validate, fit_splines
-from cogging.model.labelled import labelled
 from cogging.model.units import UNITS, Units
 
 ORDERS = (0, 1, 2, 3, 4)  # compared where none is given; 0 = periodic
@@ -86,8 +85,9 @@ def fit_map(
         >>> [(entry.harmonic, round(entry.amplitude, 3)) for entry in fit.amplitudes]
         [(1, 0.1)]
     """
+    units = units or Units()
     request = MapRequest(pitch, harmonics, order, origin, highest_harmonic, false_alarm)
-    scan = read_scan(position, force, pitch=pitch, force_sign=force_sign, highest_harmonic=request.highest)
+    scan = read_scan(position, force, units, pitch=pitch, force_sign=force_sign, highest_harmonic=request.highest)
     request.check_against(scan)
     notes = list(scan.notes)
     spectrum = HarmonicSpectrum(scan.position, pitch, scan.highest)
@@ -105,7 +105,7 @@ def fit_map(
         nuisance = nuisance_columns(scan, pitch, odd, trend)
         chosen, fit, scores, said = _choose(request, scan, terms, nuisance)
     fitted = FittedMap.of(spectrum, scan, terms, odd, chosen, fit)
-    return labelled(fitted.result(scores, [*notes, *said, *fitted.notes(false_alarm)], false_alarm), units or Units())
+    return fitted.result(scores, [*notes, *said, *fitted.notes(false_alarm)], false_alarm)
 
 
 def _terms(request: MapRequest, lines: list[Line], notes: list[str]) -> list[int]:

@@ -15,6 +15,7 @@ from cogging.mapping.result import CrossValidation, MapFit
 from cogging.mapping.scan import Scan
 from cogging.mapping.spectrum import FLOOR, HarmonicSpectrum, Line
 from cogging.mapping.spline_fit import SplineFit, cogging_of, fit_splines, rows_of
+from cogging.model.units import Units
 
 SIGNIFICANT = 3.0  # standard errors from which a trend is kept
 TREND_TRAVEL = 2.0  # pitches: over a shorter travel a trend looks like the first harmonic and is not tried
@@ -80,22 +81,25 @@ class FittedMap:
 
     def notes(self, false_alarm: float) -> list[str]:
         """What the reader has to know about this fit."""
-        notes = []
+        notes, of = [], self.scan.units.of
         if self.trend != (0.0, 0.0):
             trend, error = self.trend
-            notes.append(f"the force also has a trend of {trend:.3g} +- {error:.1g} V/m, which is not part of the map")
+            size = f"{trend:.3g} +- {error:.1g} {of('V/m')}"
+            notes.append(f"the force also has a trend of {size}, which is not part of the map")
         if np.std(self.fit.residual) > FLOOR * np.std(self.scan.force):
             taken = self.spectrum.taken_by(self.terms, modulated=self.order > 0)
             lines = self.spectrum.find(self.fit.residual, self.nuisance, false_alarm, taken)
-            notes += _unmodelled(lines, self.terms, self.spectrum.pitch)
+            notes += _unmodelled(lines, self.terms, self.spectrum.pitch, self.scan.units)
         coulomb, error_of_it = self.coulomb
-        notes += self.direction.notes(coulomb)
+        notes += self.direction.notes(coulomb, self.scan.units)
         for line in find_direction_lines(self.spectrum, self.scan, self.fit.residual, false_alarm)[:1]:
             if line.harmonic is None:
-                period = f"period {1.0 / line.frequency:.3g} m, which is none of the pitch"
-                notes.append(f"{line.amplitude:.2g} V change sign with the direction of motion with {period}")
+                period = f"period {1.0 / line.frequency:.3g} {of('m')}, which is none of the pitch"
+                notes.append(f"{line.amplitude:.2g} {of('V')} change sign with the direction of motion with {period}")
         if coulomb is not None and error_of_it is not None and coulomb < -SIGNIFICANT * error_of_it:
-            notes.append(f"the force is lower in the direction of motion ({coulomb:.3g} V): is force_sign right?")
+            notes.append(
+                f"the force is lower in the direction of motion ({coulomb:.3g} {of('V')}): is force_sign right?"
+            )
         if unexcited := _unexcited(self.fit):
             which = ", ".join(map(str, unexcited))
             notes.append(f"the scan does not determine control points {which}: they continue their neighbours")
@@ -138,6 +142,7 @@ class FittedMap:
             line=spectrum.pitch * spectrum.frequency[spectrum.present],
             line_amplitude=spectrum.amplitude(spectrum.power(explained))[spectrum.present],
             line_threshold=noise.threshold(spectrum, false_alarm),
+            units=scan.units,
         )
 
 
@@ -155,14 +160,15 @@ def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> F
     return np.stack([np.ones_like(x), *ways, *([x] if trend else [])], axis=1)
 
 
-def _unmodelled(lines: list[Line], terms: list[int], pitch: float) -> list[str]:
+def _unmodelled(lines: list[Line], terms: list[int], pitch: float, units: Units) -> list[str]:
     """Say what stands out and is not in the model: changes of its harmonics, the three strongest of other lines."""
     notes = []
     for line in sorted((line for line in lines if line.harmonic not in terms), key=lambda line: -line.amplitude)[:3]:
         which = (
             f"harmonic {line.harmonic}" if line.harmonic is not None else f"{line.frequency * pitch:.3g} times a pitch"
         )
-        notes.append(f"not in the map: {line.amplitude:.2g} V with period {1.0 / line.frequency:.4g} m ({which})")
+        size, period = f"{line.amplitude:.2g} {units.command}", f"{1.0 / line.frequency:.4g} {units.position}"
+        notes.append(f"not in the map: {size} with period {period} ({which})")
     changing = [str(line.harmonic) for line in lines if line.harmonic in terms]
     if changing:
         notes.append(f"harmonics {', '.join(changing)} change along the travel in a way that the map does not follow")

@@ -70,9 +70,12 @@ class MapRequest:
         highest = max(self.harmonics or (1,))
         rule = f"must be at most {scan.resolvable} with points this far apart"
         _require(highest <= scan.resolvable, "harmonics", rule, highest)
-        end = float(scan.position.max())
+        end, unit = float(scan.position.max()), scan.units.position
         _require(
-            self.first_knot(scan) < end, "origin", f"must lie below the scan's highest position {end:g} m", self.origin
+            self.first_knot(scan) < end,
+            "origin",
+            f"must lie below the scan's highest position {end:g} {unit}",
+            self.origin,
         )
         if self.harmonics is not None and self.order is not None:
             self.check_size(scan, len(self.harmonics), self.order)
@@ -86,7 +89,8 @@ class MapRequest:
         size = 2 * terms * self.control_points(scan, order)
         limit = min(MOST_COEFFICIENTS, scan.position.size - 4)
         rule = f"must need at most {limit} coefficients ({scan.position.size} points)"
-        _require(size <= limit, "order", rule, f"{size} for order {order} from origin {self.first_knot(scan):g} m")
+        origin = f"{self.first_knot(scan):g} {scan.units.position}"
+        _require(size <= limit, "order", rule, f"{size} for order {order} from origin {origin}")
 
 
 def _is_number(value: object) -> bool:

@@ -128,36 +128,34 @@ class MapFit(ByValue):
     def _brief(self) -> str:
         which = ", ".join(str(entry.harmonic) for entry in self.amplitudes) or "none"
         kind = f"splines of order {self.order}" if self.order else "periodic"
-        told = f"harmonics {which} of {self.cogging.basis.pitch:g} m, {kind}; residual {self.residual_rms:.4g} V rms"
-        return self.units.in_words(told)
+        pitch = f"{self.cogging.basis.pitch:g} {self.units.position}"
+        return f"harmonics {which} of {pitch}, {kind}; residual {self.residual_rms:.4g} {self.units.command} rms"
 
     def text(self) -> str:
         """The fit in a few lines for the screen."""
-        v = self.units.command
+        v, m = self.units.command, self.units.position
         spline, pitch = self.cogging.basis.spline, self.cogging.basis.pitch
         kind = f"order {self.order}, {spline.control_points} control points" if self.order else "periodic"
         lines = [
-            f"cogging map: {len(self.position)} points over {np.ptp(self.position):.4g} m, pitch {pitch:.4g} m, {kind}",
+            f"cogging map: {len(self.position)} points over {np.ptp(self.position):.4g} {m}, pitch {pitch:.4g} {m}, "
+            f"{kind}",
             f"harmonic  {f'amplitude ({v})':>13}{f'+- ({v})':>9}  phase (rad)  false alarm",
         ]
         lines += _table(self.amplitudes)
-        values = [("offset", self.offset, self.offset_standard_error, "V")]
+        values = [("offset", self.offset, self.offset_standard_error, v)]
         if self.coulomb is not None and self.coulomb_standard_error is not None:
-            values.insert(0, ("coulomb", self.coulomb, self.coulomb_standard_error, "V"))
+            values.insert(0, ("coulomb", self.coulomb, self.coulomb_standard_error, v))
         if self.trend_standard_error > 0.0:
-            values.append(("trend", self.trend, self.trend_standard_error, "V/m"))
+            values.append(("trend", self.trend, self.trend_standard_error, self.units.of("V/m")))
         lines += [f"{name:8s}  {value:13.5g}  {error:7.1g}  {unit}" for name, value, error, unit in values]
         if self.direction_amplitudes:
             lines += ["changes sign with the direction of motion:", *_table(self.direction_amplitudes)]
-        lines.append(f"residual  {self.residual_rms:13.5g}  V rms; noise {self.noise:.3g} V rms")
+        lines.append(f"residual  {self.residual_rms:13.5g}  {v} rms; noise {self.noise:.3g} {v} rms")
         for c in self.cross_validation:
             name, mark = (f"order {c.order}" if c.order else "periodic"), "  <- chosen" * (c.order == self.order)
-            lines.append(
-                f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  V rms, {name}, {c.coefficients} coefficients{mark}"
-            )
-        told = [lines[0], lines[1], *map(self.units.in_words, lines[2:])]
-        told[0] = self.units.in_words(told[0])
-        return "\n".join(told + [f"note: {note}" for note in self.notes])
+            told = f"{v} rms, {name}, {c.coefficients} coefficients{mark}"
+            lines.append(f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  {told}")
+        return "\n".join(lines + [f"note: {note}" for note in self.notes])
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging map --json` writes: the fit without the points of the scan and of the spectrum."""

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from cogging.arrays import FloatArray, Mask, real_array
 from cogging.files import LARGEST
 from cogging.logs.log import SMALLEST
+from cogging.model.units import Units
 
 FEWEST_POINTS = 10
 TURN = 0.01  # of the travel: going back by less is noise of the encoder or a rest, no reversal
@@ -32,6 +33,7 @@ class Scan:
         resolvable: the highest harmonic that the points tell from others.
         highest: the highest harmonic that is looked for.
         notes: what was done to the rows.
+        units: labels of force and position.
     """
 
     position: FloatArray
@@ -42,6 +44,7 @@ class Scan:
     resolvable: int
     highest: int
     notes: tuple[str, ...]
+    units: Units
 
     @property
     def travel(self) -> float:
@@ -54,7 +57,7 @@ class Scan:
 
 
 def read_scan(
-    position: npt.ArrayLike, force: npt.ArrayLike, *, pitch: float, force_sign: int, highest_harmonic: int
+    position: npt.ArrayLike, force: npt.ArrayLike, units: Units, *, pitch: float, force_sign: int, highest_harmonic: int
 ) -> Scan:
     """Check a scan, find which way it went and average its rows where they stand close.
 
@@ -75,14 +78,14 @@ def read_scan(
         raise ValueError(f"position: must hold at least {FEWEST_POINTS} points of a scan, got {x.size}")
     if isinstance(force_sign, bool) or force_sign not in (1, -1):
         raise ValueError(f"force_sign: must be 1 or -1, got {force_sign!r}")
-    travel = float(np.ptp(x))
+    travel, m = float(np.ptp(x)), units.position
     spacing = _spacing(x) if travel > 0.0 else 0.0
     if not _spans(travel, pitch, min(spacing, pitch / FEWEST_POINTS)):
-        raise ValueError(f"position: must travel at least one pitch ({pitch:g} m), got {travel:g} m")
+        raise ValueError(f"position: must travel at least one pitch ({pitch:g} {m}), got {travel:g} {m}")
     resolvable = int(pitch / (POINTS_PER_PERIOD * spacing) - 0.5)
     if resolvable < 1:
-        rule = f"must have a point every {pitch / 3.75:.3g} m or less"
-        raise ValueError(f"position: {rule}, got one every {spacing:.3g} m")
+        rule = f"must have a point every {pitch / 3.75:.3g} {m} or less"
+        raise ValueError(f"position: {rule}, got one every {spacing:.3g} {m}")
     highest = min(highest_harmonic, resolvable)
     y = force_sign * y
     passes, direction, turns = _passes(x)
@@ -93,11 +96,11 @@ def read_scan(
     _, members, counts = np.unique(keys, axis=1, return_inverse=True, return_counts=True)
     members = members.ravel()
     if counts.size < kept.sum():
-        notes.append(f"{int(kept.sum())} rows averaged to {counts.size} points, one a {cell:.3g} m and pass")
+        notes.append(f"{int(kept.sum())} rows averaged to {counts.size} points, one a {cell:.3g} {m} and pass")
     position, force, way = (np.bincount(members, v[kept]) / counts for v in (x, y, direction))
     if position.size < FEWEST_POINTS:
         raise ValueError(f"position: must hold at least {FEWEST_POINTS} points that differ, got {position.size}")
-    return Scan(position, force, np.sign(way), spacing, both_ways, resolvable, highest, tuple(notes))
+    return Scan(position, force, np.sign(way), spacing, both_ways, resolvable, highest, tuple(notes), units)
 
 
 def _kept(

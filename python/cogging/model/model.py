@@ -22,6 +22,7 @@ from cogging._core import (
     SplineHarmonics,
 )
 from cogging.calls import told_constructor
+from cogging.core_values import line_of
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
@@ -131,7 +132,7 @@ class Model(ByValue):
             for name, part in parts
             for field in part.FIELDS
         ]
-        cogging = "no cogging" if self.cogging is None else repr(self.cogging)
+        cogging = "no cogging" if self.cogging is None else line_of(self.cogging, self.units.of)
         return html_table(f"Model: {self._brief()}", ["field", "value", "unit", "95 %"], rows, [cogging])
 
     def _field_unit(self, part: Any, field: str) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from cogging._core import AxisParameters, CoggingModel
 from cogging.calls import Kind, takes
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.model.model import Model
+from cogging.model.units import Units
 
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
 
@@ -26,16 +28,23 @@ class Parameter:
         path: where it stands: `axis.mass`, `cogging.sine[0][2]`, `effects.cable_spring.stiffness`; of effects that
             stand more than once `effects.cogging_harmonic[1].sine`, of lists `effects.end.levels[3]`.
         value: as the model has it.
-        unit: in SI and the command unit V.
+        dimension: its unit in the terms of this package, of V and m.
         uncertainty: stated relative 1-sigma, or None.
         period: whether it is the period of a wave along the travel.
+        units: labels of the model's units.
     """
 
     path: str
     value: float
-    unit: str
+    dimension: str
     uncertainty: float | None = None
     period: bool = False
+    units: Units = field(default_factory=Units)
+
+    @property
+    def unit(self) -> str:
+        """In the labels of the model."""
+        return self.units.of(self.dimension)
 
     @property
     def positive(self) -> bool:
@@ -102,17 +111,17 @@ class Scales:
     def step(self, parameter: Parameter) -> float:
         """A change of the parameter that is small against what it does, for a difference quotient."""
         size = abs(parameter.value)
-        if parameter.unit == "s" and size < 0.2 * self.time:
+        if parameter.dimension == "s" and size < 0.2 * self.time:
             return max(0.02 * self.sample_time, 1e-3 * size)
         if parameter.period and 0.0 < size < self.position:
             return 1e-3 * size * size / self.position  # the phase at the far end moves by 1e-3 turns
-        if parameter.unit == "m":
+        if parameter.dimension == "m":
             return 1e-3 * max(size, 1e-6 * self.position)
-        if parameter.unit == "Hz":
+        if parameter.dimension == "Hz":
             return 1e-3 / self.time
-        if parameter.unit == "m/s":
+        if parameter.dimension == "m/s":
             return 1e-3 * size if size > 0.0 else 1e-5 * self.velocity
-        return 1e-3 * max(size, 0.1 * self.of(parameter.unit))
+        return 1e-3 * max(size, 0.1 * self.of(parameter.dimension))
 
 
 @takes(model=Kind((Model,), "a Model"))
@@ -137,29 +146,30 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
         0.12 V/(m/s^2) 10
     """
     found: list[Parameter] = []
+    new = partial(Parameter, units=model.units)
     for name in AXIS_FIELDS:
         unit = AxisParameters.FIELDS[name][0]
-        found.append(Parameter(f"axis.{name}", getattr(model.axis, name), unit, model.uncertainty.get(name)))
+        found.append(new(f"axis.{name}", getattr(model.axis, name), unit, model.uncertainty.get(name)))
     if model.cogging is not None:
         for part in ("sine", "cosine"):
             for (row, column), value in np.ndenumerate(getattr(model.cogging, part)):
-                found.append(Parameter(f"cogging.{part}[{row}][{column}]", float(value), "V"))
+                found.append(new(f"cogging.{part}[{row}][{column}]", float(value), "V"))
     if together and model.cogging is not None:
         for row in range(len(model.cogging.sine)):
             for part in ("sine", "cosine"):
                 mean = float(np.mean(getattr(model.cogging, part)[row]))
-                found.append(Parameter(f"cogging.{part}[{row}][*]", mean, "V"))
-            found.append(Parameter(f"cogging.gain[{row}]", 1.0, "1"))
-            found += [Parameter(f"cogging.{name}[{row}]", 0.0, "1") for name in ("phase", "stretch", "shear")]
+                found.append(new(f"cogging.{part}[{row}][*]", mean, "V"))
+            found.append(new(f"cogging.gain[{row}]", 1.0, "1"))
+            found += [new(f"cogging.{name}[{row}]", 0.0, "1") for name in ("phase", "stretch", "shear")]
     for prefix, effect in effect_paths(model.effects):
         wave = kind_of(effect, Wave)
         period = wave.shape if wave is not None and effect.ROLES[wave.shape]["quantity"] == "distance" else None
         for name, (unit, _) in effect.FIELDS.items():
             value = getattr(effect, name)
             if isinstance(value, list):
-                found.extend(Parameter(f"{prefix}.{name}[{i}]", float(v), unit) for i, v in enumerate(value))
+                found.extend(new(f"{prefix}.{name}[{i}]", float(v), unit) for i, v in enumerate(value))
             elif isinstance(value, float):
-                found.append(Parameter(f"{prefix}.{name}", value, unit, period=name == period))
+                found.append(new(f"{prefix}.{name}", value, unit, period=name == period))
     return {parameter.path: parameter for parameter in found}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,11 +17,6 @@ UNIT_KEYS = ("command", "position")
 LABEL = r"[^\W\d_][\w^*/.()%-]{0,11}|%"
 #: V or m, alone or with a prefix, as a word of a unit.
 WORD = re.compile(r"(?<![A-Za-z*·])([kmunµ]?)([Vm])(?![A-Za-z])")
-#: The same in a sentence, with what it is divided by: no part of a file's name, of a key or of a formula.
-IN_WORDS = re.compile(
-    r"(?<![\w./\\=*·-])(?:1/)?\(?[kmunµ]?[Vm](?:\^?[23²³])?"
-    r"(?:(?:/| per )(?:\([\w/ ^²]*\)(?:\^2|²)?|√?\w+(?:/s(?:\^2|²)?)?))?(?![\w\\=]|[./-]\w)"
-)
 
 
 @told_constructor
@@ -61,25 +56,6 @@ class Units(ByValue):
         if self.command == "V" and self.position == "m":
             return unit
         return WORD.sub(lambda word: word[1] + (self.command if word[2] == "V" else self.position), unit)
-
-    def in_words(self, text: str, keep: Iterable[str] = ()) -> str:
-        """A sentence of this package with each unit of V and m in it in these labels; its numbers stay.
-
-        Args:
-            text: as "0.4 V about 24 mm".
-            keep: names in it that are a user's, such as those of files: these stay as they are.
-
-        Example:
-            >>> cogging.Units("N", "rad").in_words("m.csv: 0.4 V about 24 mm, 2 V/(m/s)", keep=["m.csv"])
-            'm.csv: 0.4 N about 24 mrad, 2 N/(rad/s)'
-        """
-        if self == Units():
-            return text
-        names = [re.escape(name) for name in sorted(keep, key=len, reverse=True) if name]
-        parts = re.split(f"({'|'.join(names)})", text) if names else [text]
-        return "".join(
-            part if i % 2 else IN_WORDS.sub(lambda found: self.of(found[0]), part) for i, part in enumerate(parts)
-        )
 
     @classmethod
     def from_dict(cls, section: Mapping[str, Any]) -> Units:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging.calls import described, did_you_mean
 from cogging.plot.canvas import Panels, drawn, grid_of
-from cogging.plot.scales import scale_of, units_of
+from cogging.plot.scales import labelled, scale_of, units_of
 from cogging.plot.series import LIMIT, look, named
 from cogging.plot.traces import draw_trace, is_dense
 
@@ -72,9 +72,9 @@ def adaptation(
     if values is None:
         rule = "must be in the log (simulate(..., record_estimates=True))"
         raise ValueError(f"estimates: {rule}, got {described(log)} without")
-    known = estimates_of(_stated(log) if bounds is None else bounds, values.shape[1], names)
-    chosen = _chosen(known, which)
     units = units or units_of(log)
+    known = estimates_of(_stated(log) if bounds is None else bounds, values.shape[1], names, units)
+    chosen = _chosen(known, which)
     wide = 1 if len(chosen) < 3 else 2 if len(chosen) < 7 else 3
     panels = grid_of(ax, len(chosen), 1) if ax is not None else _grid(len(chosen), wide)
     over = scale_of("s", log.time)
@@ -125,20 +125,21 @@ def _chosen(known: Sequence[Estimate], which: Sequence[str | int] | None) -> lis
     return found
 
 
-def estimates_of(stated: Any, count: int, names: Sequence[str] | None = None) -> list[Estimate]:
+def estimates_of(stated: Any, count: int, names: Sequence[str] | None = None, units: Any = None) -> list[Estimate]:
     """Names, units and bounds of the columns of estimates.
 
     Args:
         stated: what is known of the bounds (see `adaptation`), or None.
         count: of columns.
         names: of the columns, or None.
+        units: labels of command and position, or None.
 
     Raises:
         ValueError: another number of names or bounds.
         TypeError: `stated` is something else.
     """
     fields = _fields(stated)
-    own = _of_controller(fields, count) if fields is not None else [Estimate(f"[{i}]", "1") for i in range(count)]
+    own = [Estimate(f"[{i}]", "1") for i in range(count)] if fields is None else _of_controller(fields, count, units)
     if names is not None:
         if len(names) != count:
             raise ValueError(f"names: must be {count}, one an estimate, got {len(names)}")
@@ -173,7 +174,7 @@ def _fields(stated: Any) -> Mapping[str, Any] | None:
     return None
 
 
-def _of_controller(fields: Mapping[str, Any], count: int) -> list[Estimate]:
+def _of_controller(fields: Mapping[str, Any], count: int, units: Any) -> list[Estimate]:
     if "cogging_bounds" in fields and count >= len(PLAIN):
         plain = [Estimate(name, unit, *fields[f"{name}_bounds"]) for name, unit in PLAIN.items()]
         points = int(fields["cogging_control_points"])
@@ -191,6 +192,7 @@ def _of_controller(fields: Mapping[str, Any], count: int) -> list[Estimate]:
         ends = zip(TRIPLE, fields["theta_min"], fields["theta_max"], strict=True)
         return [Estimate(name, "1", low, high) for name, low, high in ends]
     elif "observer_gain" in fields and count == len(OBSERVED) + 2 * len(fields["periods"]):
-        waves = [f"{part}, {1e3 * period:.4g} mm" for period in fields["periods"] for part in ("sine", "cosine")]
+        lengths = [f"{1e3 * period:.4g} {labelled('mm', units)}" for period in fields["periods"]]
+        waves = [f"{part}, {length}" for length in lengths for part in ("sine", "cosine")]
         return [Estimate(*one) for one in OBSERVED.items()] + [Estimate(wave, "m/s^2") for wave in waves]
     return [Estimate(f"[{i}]", "1") for i in range(count)]

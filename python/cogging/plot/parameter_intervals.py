@@ -8,7 +8,7 @@ import numpy as np
 
 from cogging.calls import described
 from cogging.plot.canvas import drawn, legend, one_of
-from cogging.plot.scales import labelled, pretty, units_of
+from cogging.plot.scales import labelled, pretty
 from cogging.plot.series import COLOURS, FITTED, LIMIT, named
 
 if TYPE_CHECKING:
@@ -39,7 +39,6 @@ def intervals(fit: Any, *, units: Any = None, ax: Any = None) -> Axes:
     entries = getattr(fit, "parameters", None)
     if not isinstance(entries, tuple) or not entries or not all(hasattr(one, "ci95") for one in entries):
         raise TypeError(f"fit: must be an Identification, got {described(fit)}")
-    units = units or units_of(fit)
     axes = one_of(ax, size=(7.2, 1.0 + 0.34 * len(entries)))
     labels, widest = [], 1e-3
     for row, one in enumerate(entries):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -15,10 +15,11 @@ from cogging.arrays import FloatArray
 from cogging.calls import described, takes
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
+from cogging.model.units import UNITS, Units
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LIST, MOTION, NUMBER, PLANTS
 from cogging.simulation.frames import to_frame, to_pandas, to_xarray, write_frame
-from cogging.simulation.reductions import COLUMNS, Failed, Kept, kept_of_runs, names_of
+from cogging.simulation.reductions import COLUMNS, Failed, Kept, kept_of_runs, names_of, unit_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ class Batch(ByValue, Sequence[Log]):
         seeds: of each run's noise.
         in_lanes: of each run, whether it went through the processor side by side with others of its course.
         with_logs: whether the logs were asked for.
+        units: labels of the plants' units.
 
     Example:
         >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))
@@ -60,11 +62,12 @@ class Batch(ByValue, Sequence[Log]):
     seeds: tuple[int, ...]
     in_lanes: tuple[bool, ...]
     with_logs: bool = False
+    units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
         failed = f", {len(self.failures)} failed" if self.failures else ""
         worst = float(np.nanmax(self.indexes["error_max"])) if len(self.failures) < len(self) else np.nan
-        return f"{len(self)} runs{failed}, max |error| {worst:.3g} m"
+        return f"{len(self)} runs{failed}, max |error| {worst:.3g} {self.units.position}"
 
     @property
     def logs(self) -> tuple[Log, ...]:
@@ -91,7 +94,7 @@ class Batch(ByValue, Sequence[Log]):
         """
         failed = {failure.run for failure in self.failures}
         logs = {f"run {run}": self[run] for run in range(len(self)) if run not in failed}
-        return plot.error(logs, units=units, ax=ax).figure.figure
+        return plot.error(logs, units=units or self.units, ax=ax).figure.figure
 
     def table(self) -> dict[str, Any]:
         """One row a run: its place, the indexes, and when (s) and why it failed where it did.
@@ -119,7 +122,7 @@ class Batch(ByValue, Sequence[Log]):
         Raises:
             ImportError: pandas is not there; names the extra that brings it.
         """
-        return to_frame(self.table()).set_index("run")
+        return to_frame(self.table(), self._units()).set_index("run")
 
     def to_xarray(self) -> Any:
         """The table and the columns as an xarray Dataset over `run` and `row`; NaN beyond the end of a shorter run.
@@ -127,7 +130,7 @@ class Batch(ByValue, Sequence[Log]):
         Raises:
             ImportError: xarray is not there; names the extra that brings it.
         """
-        return to_xarray(self.table(), self.columns)
+        return to_xarray(self.table(), self.columns, self._units())
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the table as CSV, or as Parquet where the name ends so.
@@ -136,7 +139,10 @@ class Batch(ByValue, Sequence[Log]):
             InputError: the file cannot be written.
             ImportError: pyarrow is not there for Parquet; names the extra that brings it.
         """
-        write_frame(path, self.table())
+        write_frame(path, self.table(), self._units())
+
+    def _units(self) -> dict[str, str]:
+        return {name: self.units.of(unit_of(name)) for name in (*self.indexes, *self.columns)}
 
     def __len__(self) -> int:
         return len(self.plants)
@@ -171,10 +177,11 @@ class Batch(ByValue, Sequence[Log]):
             tuple(self.seeds[run] for run in runs),
             tuple(self.in_lanes[run] for run in runs),
             self.with_logs,
+            self.units,
         )
 
 
-@takes(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER)
+@takes(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER, units=UNITS)
 def closed_loop_batch(
     plants: Sequence[Plant],
     controllers: Sequence[AnyController],
@@ -191,6 +198,7 @@ def closed_loop_batch(
     columns: Sequence[str] = (),
     every: int = 1,
     logs: bool = False,
+    units: Units | None = None,
     progress: Progress = False,
 ) -> Batch:
     """Run many plants under their controllers along one reference: what closed_loop would give for each, reduced.
@@ -226,6 +234,7 @@ def closed_loop_batch(
         columns: of the log, by name, to keep as well.
         every: keep each so many rows of them, from the first on.
         logs: keep all columns and rows, so that the batch is a sequence of logs.
+        units: labels of the plants' units that the result is told in.
         progress: see cogging.progress.
 
     Returns:
@@ -247,15 +256,8 @@ def closed_loop_batch(
     """
     _require_plants(plants)
     columns, every = (COLUMNS, 1) if logs else (columns, every)
-    options: dict[str, Any] = {
-        "durations": [duration],
-        "steps_per_sample": [steps_per_sample],
-        "threads": threads,
-        "window": (start, stop, final_window),
-        "reductions": reductions,
-        "columns": columns,
-        "every": every,
-    }
+    options: dict[str, Any] = {"durations": [duration], "steps_per_sample": [steps_per_sample], "threads": threads}
+    options |= {"window": (start, stop, final_window), "reductions": reductions, "columns": columns, "every": every}
     kept = _in_parts(plants, controllers, reference, seeds, options, progress)
     return Batch(
         dict(zip(names_of(reductions), kept.values.T, strict=True)),
@@ -266,6 +268,7 @@ def closed_loop_batch(
         tuple(seeds) or (0,) * len(plants),
         kept.in_lanes,
         logs,
+        units or Units(),
     )
 
 

@@ -46,20 +46,19 @@ def numbers_of(setup: Setup) -> dict[str, float | None]:
 
 def units_of(setup: Setup, paths: Iterable[str], indexes: Iterable[str] = ()) -> dict[str, str]:
     """The units of numbers by path, none of the seed; of indexes too where the model has labels of its own."""
-    parameters = parameters_of(setup.model, together=True)
+    labels, parameters = setup.model.units, parameters_of(setup.model, together=True)
     structs = {name: getattr(setup.model, name) for name in SECTIONS}
     structs["reference"] = getattr(setup.reference, "parameters", None)
     units = {}
     for path in paths:
         section, _, rest = path.partition(".")
         if section in structs:
-            units[path] = structs[section].FIELDS[rest.partition("[")[0]][0] or ""
+            units[path] = labels.of(structs[section].FIELDS[rest.partition("[")[0]][0] or "")
         elif path != SEED:
             units[path] = parameters[path].unit
-    labels = setup.model.units
     if labels != Units():
-        units |= {name: unit for name in indexes if (unit := unit_of(name))}
-    return {name: labels.of(unit) for name, unit in units.items()}
+        units |= {name: labels.of(unit) for name in indexes if (unit := unit_of(name))}
+    return units
 
 
 def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:

@@ -12,9 +12,9 @@
 
 namespace cogging {
 
-/// " at position 0.1 m, velocity 0.2 m/s, time 3 s"
+/// " at position 0.1, velocity 0.2, time 3 s"
 inline std::string place_of(double position, double velocity, double time) {
-  return " at position " + format(position) + " m, velocity " + format(velocity) + " m/s, time " + format(time) + " s";
+  return " at position " + format(position) + ", velocity " + format(velocity) + ", time " + format(time) + " s";
 }
 
 /// Any of four laws: a force (V), what is added to the Coulomb level (V) and to the gain 1 of the command, and by how

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from cogging.design.tuning.margins import GAIN_MOST, Push
 from cogging.design.tuning.reached import INDEXES, MARGINS, Judge, Reached
 from cogging.files import FieldError, refuse_unknown_keys
 from cogging.model.model import is_number
+from cogging.model.units import Units
 from cogging.shown import quoted
 
 PRESENT = "present"
@@ -25,10 +26,12 @@ class Limit:
     Attributes:
         name: of INDEXES.
         value: the largest that is allowed, or for a margin the smallest.
+        units: labels of the model's units.
     """
 
     name: str
     value: float
+    units: Units = field(default_factory=Units)
 
     @property
     def upper(self) -> bool:
@@ -45,7 +48,7 @@ class Limit:
     def text(self, value: float | None = None) -> str:
         """The limit in words, or beside it what was reached."""
         unit = INDEXES[self.name][0]
-        unit = "" if unit == "1" else f" {unit}"
+        unit = "" if unit == "1" else f" {self.units.of(unit)}"
         rule = f"{self.name}: {'at most' if self.upper else 'at least'} {self.value:.4g}{unit}"
         return rule if value is None else f"{rule}, reached {value:.4g}{unit}"
 
@@ -74,7 +77,7 @@ def asked_limits(told: Mapping[str, Any]) -> dict[str, float | Mapping[str, floa
     return dict(told)
 
 
-def limits_of(asked: Mapping[str, Any], present: Reached) -> tuple[Limit, ...]:
+def limits_of(asked: Mapping[str, Any], present: Reached, units: Units) -> tuple[Limit, ...]:
     """The limits as numbers.
 
     Raises:
@@ -91,7 +94,7 @@ def limits_of(asked: Mapping[str, Any], present: Reached) -> tuple[Limit, ...]:
                     "limits", name, f"must be a number: the present gains have none to stand on, got {now}"
                 )
             told = told[PRESENT] * now
-        limits.append(Limit(name, float(told)))
+        limits.append(Limit(name, float(told), units))
     return tuple(limits)
 
 

@@ -70,6 +70,7 @@ def run_trials(
     judged: Callable[[Mapping[str, float]], Trial],
     kept: KeptTrials | None,
     step: Callable[[str], None],
+    micro: str,
 ) -> Iterator[Trial]:
     """Let Optuna propose gains, by its TPE sampler with constraints, and judge them one by one; the present first.
 
@@ -79,10 +80,8 @@ def run_trials(
     library = optuna()
     with _quiet(library):
         sampler = library.samplers.TPESampler(seed=seed)
-        directions = ["minimize"]
-        if against is not None:
-            directions.append("minimize" if INDEXES[against][1] else "maximize")
-        study = library.create_study(sampler=sampler, directions=directions)
+        other = [] if against is None else ["minimize" if INDEXES[against][1] else "maximize"]
+        study = library.create_study(sampler=sampler, directions=["minimize", *other])
         if all(gain.inside for gain in gains):
             study.enqueue_trial({gain.path: _exact(gain, gain.present) for gain in gains})
         space = {gain.path: _distribution(library, gain) for gain in gains}
@@ -105,7 +104,7 @@ def run_trials(
             study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
         if trial.kept:
             best = min(best, trial.reached.error_rms)
-        step(f"trial {number + 1}, best {1e6 * best:.4g} um" if math.isfinite(best) else f"trial {number + 1}")
+        step(f"trial {number + 1}, best {1e6 * best:.4g} {micro}" if math.isfinite(best) else f"trial {number + 1}")
         yield trial
 
 

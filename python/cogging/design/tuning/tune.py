@@ -23,7 +23,6 @@ from cogging.design.tuning.tuned_result import Task, result_of
 from cogging.design.tuning.tuning import Tuning
 from cogging.files import FieldError
 from cogging.model.controller import AnyController
-from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.shown import quoted
@@ -48,10 +47,6 @@ class Asked(NamedTuple):
     seed: int
     quantile: float
     against: str | None
-
-
-#: What a tuning holds that has no words.
-OF_NUMBERS = ("present", "tuned", "model", "trials", "front")
 
 
 @takes(model=MODEL, reference=REFERENCE, gains=TABLE, controller=CONTROLLER)
@@ -140,7 +135,7 @@ def tune(
     task = _task(setup, tuned, course, vary, limited, asked)
     digest = digest_of(model, _described(setup, tuned, course, vary, limited, asked)) if controller is None else None
     kept = None if out is None or digest is None else KeptTrials(out, digest)
-    result = labelled(_run(task, asked, out, kept, progress), model.units, apart=OF_NUMBERS)
+    result = _run(task, asked, out, kept, progress)
     if out is not None and result.model is not None:
         result.model.write(out)
     if kept is not None:
@@ -157,9 +152,9 @@ def _task(setup: Setup, tuned: Tuned, course: Course, vary: Any, limited: Mappin
     )
     judge, other = Judge(drawn, tuned, course), Judge(fresh, tuned, course)
     present, push = _present(judge, tuned, setup.reference, course)
-    limits = limits_of(limited, present)
+    limits = limits_of(limited, present, setup.model.units)
     first = Trial(tuned.present, present, excesses(limits, tuned.present, present, judge, push))
-    return Task(tuned, limits, judge, other, push, first, asked.against or CHATTER, notes)
+    return Task(tuned, limits, judge, other, push, first, asked.against or CHATTER, notes, setup.model.units)
 
 
 def _present(judge: Judge, tuned: Tuned, motion: Reference, course: Course) -> tuple[Reached, Push]:
@@ -180,7 +175,7 @@ def _run(task: Task, asked: Asked, out: Any, kept: KeptTrials | None, progress: 
         with steps(progress, "tune", asked.trials) as step:
             judged = _judge_of(task, asked.against)
             how = (asked.trials, asked.seed, asked.against)
-            for trial in run_trials(task.tuned.gains, *how, judged, kept, step):
+            for trial in run_trials(task.tuned.gains, *how, judged, kept, step, task.units.of("um")):
                 found.append(trial)  # one by one, so that they stand when the next is ended
         return result_of(task, found, {"quantile": asked.quantile, "seed": asked.seed}, progress)
 

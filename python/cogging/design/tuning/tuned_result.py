@@ -14,6 +14,7 @@ from cogging.design.tuning.margins import Push
 from cogging.design.tuning.reached import INDEXES, Judge
 from cogging.design.tuning.trials import RULE, Trial, best_of, failures_of, front_of, nearest_of, some_of
 from cogging.design.tuning.tuning import Setting, Tuning
+from cogging.model.units import Units
 from cogging.progress import Progress, steps
 
 FRONT = ("error_rms", "command_max", "command_chatter")  # of each point of the trade-off
@@ -33,6 +34,7 @@ class Task(NamedTuple):
         present: the present gains, as a trial.
         against: the index of the trade-off.
         notes: what is to be said besides.
+        units: labels of the model's units.
     """
 
     tuned: Tuned
@@ -43,6 +45,7 @@ class Task(NamedTuple):
     present: Trial
     against: str
     notes: list[str]
+    units: Units
 
 
 def result_of(task: Task, found: list[Trial], shown: Mapping[str, Any], progress: Progress) -> Tuning:
@@ -78,6 +81,7 @@ def result_of(task: Task, found: list[Trial], shown: Mapping[str, Any], progress
         machines=len(task.judge.machines),
         held_out=len(task.held_out.machines),
         notes=tuple(notes),
+        units=task.units,
         **shown,
     )
 

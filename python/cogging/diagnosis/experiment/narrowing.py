@@ -102,7 +102,7 @@ class Narrowing:
                     path,
                     "",
                     "",
-                    known[path].unit,
+                    known[path].dimension,
                     float(f"{half:.4g}") if told else None,
                     float(f"{before:.4g}") if stated else None,
                 )
@@ -115,4 +115,4 @@ class Narrowing:
         if np.isfinite([low, high]).all() and high > low:
             return float((0.5 * (high - low) / quantile()) ** -2)
         parameter = parameters_of(self.model, together=True)[path]
-        return float((EXPERIMENT.vague * (abs(parameter.value) or scales.of(parameter.unit))) ** -2)
+        return float((EXPERIMENT.vague * (abs(parameter.value) or scales.of(parameter.dimension))) ** -2)

@@ -23,6 +23,7 @@ from cogging.diagnosis.experiment.proposal import Machine, Question, propose, su
 from cogging.diagnosis.experiment.result_file import read_result
 from cogging.diagnosis.experiment.rivals import Found, found_in
 from cogging.diagnosis.experiment.separation import Separation, within
+from cogging.diagnosis.labelled import labelled
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.thresholds import EXPERIMENT, OBSERVER
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
@@ -30,7 +31,6 @@ from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet
 from cogging.model.controller import AnyController
-from cogging.model.labelled import labelled
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
 from cogging.shown import nearest

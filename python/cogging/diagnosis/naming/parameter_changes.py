@@ -35,7 +35,7 @@ def changes(search_: Search, model: Model) -> list[tuple[str, float, float, floa
         if search_.large is not None and path not in search_.large.let_go:
             continue  # it is held as far as the statement goes: nothing was found about it
         prior = getattr(model.axis, name)
-        if prior <= PARAMETER_CHANGE.vanishing * search_.evidence.scales.of(known[path].unit):
+        if prior <= PARAMETER_CHANGE.vanishing * search_.evidence.scales.of(known[path].dimension):
             continue  # a deviation relative to nothing says nothing
         if values[i] <= 0.0:
             continue  # no such machine: the logs do not tell this parameter from what goes with it

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.labelled import in_words
 from cogging.diagnosis.report.binning import Series, binned, bins_of, envelope, liveliest, rows_of, smoothed, spectrum
 from cogging.diagnosis.residual.shape import MOMENTS, Shape
 from cogging.diagnosis.thresholds import REPORT
@@ -187,6 +188,6 @@ def draw_shape(panel: Any, shape: Shape, units: Units) -> None:
     missing = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s", "jumps": "m"}
     panel.set(
         xlabel=f"{shape.coordinate.split()[-1]} ({units.of(shape.unit)})",
-        ylabel=f"missing ({units.in_words(missing.get(shape.coordinate.split()[0], 'V'))})",
+        ylabel=f"missing ({in_words(missing.get(shape.coordinate.split()[0], 'V'), units)})",
         title=shape.coordinate if at_moments else f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
     )

@@ -239,13 +239,12 @@ def _further(result: Diagnosis) -> list[str]:
 def _parameters(result: Diagnosis) -> list[dict[str, Any]]:
     """One row a parameter: as given, re-tuned without and with what was found, with the interval of the last."""
     given: Model | None = result.series.get("given")
-    units = result.model.units
     before = {path: p.value for path, p in parameters_of(given).items()} if given is not None else {}
     nominal = {path: p.value for path, p in parameters_of(result.nominal).items()}
     return [
         {
             "path": path,
-            "unit": "" if parameter.unit == "1" else units.of(parameter.unit),
+            "unit": "" if parameter.unit == "1" else parameter.unit,
             "given": numbers(before.get(path)),
             "nominal": numbers(nominal.get(path)),
             "final": numbers(parameter.value),

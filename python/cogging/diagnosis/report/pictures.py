@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from cogging.diagnosis.labelled import in_words
 from cogging.diagnosis.report.binning import Series
 from cogging.diagnosis.report.figures import (
     NO_MOTION,
@@ -81,7 +82,7 @@ def shape_pictures(location: Location) -> list[Picture]:
     units = location.model.units
 
     def drawn(shape: Shape) -> Picture:
-        return picture(lambda axes: draw_shape(axes, shape, units), units.in_words(f"Missing: {shape_text(shape)}."))
+        return picture(lambda axes: draw_shape(axes, shape, units), in_words(f"Missing: {shape_text(shape)}.", units))
 
     return [drawn(shape) for shape in location.significant[: REPORT.shapes_drawn]]
 
@@ -149,7 +150,7 @@ def _folded(gaps: Mapping[str, Series], units: Units, period: float, sign: float
         sizes = [f"{size:.2g} {units.of('V')}" for size in told.values() if size is not None]
         words = f"a wave of {sizes[0]}" if sizes else NO_MOTION
         words += f", of which {sizes[1]} is left" if len(sizes) > 1 else ""
-        return f"Gap within {units.in_words(length_text(period))} of position, moving {way}: {words}."
+        return f"Gap within {in_words(length_text(period), units)} of position, moving {way}: {words}."
 
     return picture(draw)
 
@@ -161,5 +162,5 @@ def _when(label: str) -> str:
 def _extreme(one: Extreme, unit: str, units: Units) -> str:
     if one is None:
         return "nothing that stands out"
-    place = units.in_words(quantity_text(one[1], unit))
+    place = in_words(quantity_text(one[1], unit), units)
     return f"{one[0]:+.2g} {units.of('V')} at most, about {place}"

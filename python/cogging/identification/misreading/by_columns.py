@@ -54,16 +54,16 @@ def misread_columns(log: Log, model: Model) -> list[Reading]:
             return [Reading("position", "derivative", "is the velocity: it follows that of the reference")]
         if too_smooth(position, encoder_quantum(reference)) and _is(position, reference):
             return [exchanged("position", "reference")]
-    resolution = model.encoder.resolution
+    resolution, unit = model.encoder.resolution, model.units.position
     if 0.0 < resolution < FINE and whole(log.position):
         others = REFERENCES if follows(log) > 0.0 else ()
         factors = {"position": resolution, **dict.fromkeys(others, resolution)}
-        return [Reading("position", "scale", f"is in counts of the encoder, of {resolution:g} m", factors)]
+        return [Reading("position", "scale", f"is in counts of the encoder, of {resolution:g} {unit}", factors)]
     if resolution > 0.0:
         if abs(encoder_quantum(log.command) / resolution - 1.0) < QUANTA and encoder_quantum(log.position) == 0.0:
             return [exchanged("position", "command")]
         if too_smooth(log.position, resolution):
-            said = f"is smoother than an encoder of {resolution:g} m reads: a reference, or filtered"
+            said = f"is smoother than an encoder of {resolution:g} {unit} reads: a reference, or filtered"
             return [Reading("position", "reference", said)]
     return []
 

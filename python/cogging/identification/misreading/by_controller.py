@@ -33,7 +33,7 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
         return []
     found: list[Reading] = []
     shifts = (moved(rows, log) for rows in _shifts(log, model))
-    for reading in shifts if check.reproduces else (*_readings(check.ratio), *shifts):
+    for reading in shifts if check.reproduces else (*_readings(check.ratio, model), *shifts):
         if found and reading.kind != "scale":
             break
         try:
@@ -47,7 +47,7 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
     return found
 
 
-def _readings(ratio: float | None) -> Iterator[Reading]:
+def _readings(ratio: float | None, model: Model) -> Iterator[Reading]:
     yield Reading("command", "sign", "has the other sign than the stated controller gives it", {"command": -1.0})
     yield Reading("position", "sign", "has the other sign than the stated controller sees", {"position": -1.0})
     others = dict.fromkeys(REFERENCES, -1.0)
@@ -56,7 +56,7 @@ def _readings(ratio: float | None) -> Iterator[Reading]:
     yield exchanged("position", "command")
     if ratio and abs(math.log(abs(ratio))) > math.log(UNIT):
         yield in_unit_of_command(1.0 / ratio)
-        yield in_unit_of_length(abs(ratio), REFERENCES)
+        yield in_unit_of_length(abs(ratio), REFERENCES, model.units)
 
 
 def _shifts(log: Log, model: Model) -> list[int]:

@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cogging.log_check.unit_check import ANGLES, position_units
 from cogging.logs.log import Log
 from cogging.model.model import Model
+from cogging.model.units import Units
 
 THOUSANDTHS, PERCENT = 1e-3, 1e-2
-#: Units in which a position may be written, by their factor.
-LENGTHS = {1e-3: "mm", 1e-6: "um", 1e-2: "cm", 0.0254: "inches", math.pi / 180.0: "degrees", 2.0 * math.pi: "turns"}
 TIMES = {1e-3: "ms", 1e-6: "us"}
-#: Units in which a command may be written that is another of the model's, by their factor.
+#: Shares of a model's unit in which a command may be written, by their factor.
 COMMANDS = {
-    1e-3: "thousandths of the model's unit (mA for A, mV for V)",
-    1e3: "thousands of the model's unit (A for mA, V for mV)",
+    1e-3: "thousandths of the model's unit",
+    1e3: "thousands of the model's unit",
     1e-2: "percent",
     1e2: "hundredths of a percent, or a share where the model has percent",
 }
@@ -111,7 +111,7 @@ def scales(log: Log, model: Model, *, gain: float, mass: float, follows: bool) -
     if gain:
         yield in_unit_of_command(gain, NEAR)
     others = REFERENCES if follows else ()
-    lengths = dict(LENGTHS)
+    lengths = position_units(model.units) | ANGLES
     if whole(log.position):
         resolution = model.encoder.resolution
         known = resolution if resolution not in (0.0, 1.0) else float(f"{mass:.2g}")
@@ -140,12 +140,13 @@ def in_unit_of_command(gain: float, near: float = EXACT) -> Reading:
     return Reading("command", "scale", f"is in a unit that is {factor:g} of the model's", {"command": factor})
 
 
-def in_unit_of_length(factor: float, others: Sequence[str]) -> Reading:
-    """Positions, and other columns, in a unit of so many metres."""
-    known = min(LENGTHS, key=lambda length: abs(math.log(length / factor)))
+def in_unit_of_length(factor: float, others: Sequence[str], units: Units) -> Reading:
+    """Positions, and other columns, in a unit of which one is so many of the model's."""
+    lengths = position_units(units) | ANGLES
+    known = min(lengths, key=lambda length: abs(math.log(length / factor)))
     near = abs(math.log(known / factor)) < math.log(EXACT)
     factor = known if near else float(f"{factor:.4g}")
-    said = f"is in {LENGTHS[known]}" if near else f"is in a unit of {factor:g} m"
+    said = f"is in {lengths[known]}" if near else f"is in a unit of {factor:g} {units.position}"
     return Reading("position", "scale", said, {"position": factor, **dict.fromkeys(others, factor)})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,21 +13,26 @@ from cogging.shown import nearest, printable, shortened
 
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
 SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
-COMMAND_UNITS = ("V", "A", "N")
 #: Spellings of units that need no conversion.
 SPELLINGS = {
     "s": ("s", "sec", "second", "seconds"),
-    "m": ("m", "meter", "meters", "metre", "metres"),
-    "m/s": ("m/s", "m s^-1", "m*s^-1", "m·s^-1", "m s-1"),
-    "m/s^2": ("m/s^2", "m/s2", "m/s²", "m/s**2", "m s^-2", "m*s^-2", "m·s^-2", "m s-2"),
-    "V": ("V", "A", "N", "volt", "volts", "ampere", "amperes", "amp", "amps", "newton", "newtons"),
+    "m": ("m", "meter", "meters", "metre", "metres", "rad", "radian", "radians"),
+    "m/s": ("m/s", "m s^-1", "m*s^-1", "m·s^-1", "m s-1", "rad/s"),
+    "m/s^2": (
+        *("m/s^2", "m/s2", "m/s²", "m/s**2", "m s^-2", "m*s^-2", "m·s^-2", "m s-2"),
+        *("rad/s^2", "rad/s2", "rad/s²"),
+    ),
+    "V": ("V", "A", "N", "Nm", "N m", "volt", "volts", "ampere", "amperes", "amp", "amps", "newton", "newtons"),
 }
-#: Lengths and times whose factor is known, so that the error can propose it.
+#: What an error asks for.
+NEEDED = {"s": "s", "m": "m or rad", "m/s": "m/s or rad/s", "m/s^2": "m/s^2 or rad/s^2", "V": "V, A, N or Nm"}
+#: Lengths, angles and times whose factor is known, so that the error can propose it.
 FACTORS = {"mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "cm": 1e-2, "km": 1e3, "in": 0.0254}
+FACTORS |= {"mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "rev": 2.0 * math.pi}
 TIME_FACTORS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
-COMMAND_FACTORS = {"mV": 1e-3, "mA": 1e-3, "mN": 1e-3, "kN": 1e3, "kV": 1e3, "kA": 1e3}
+COMMAND_FACTORS = {"mV": 1e-3, "mA": 1e-3, "mN": 1e-3, "kN": 1e3, "kV": 1e3, "kA": 1e3, "mNm": 1e-3}
 #: In round brackets only these are units: a name may have a remark in them.
-OTHER_UNITS = ("rad", "deg", "°", "rpm", "rad/s", "deg/s", "rad/s^2", "%", "counts", "count", "inc", "Nm", "g")
+OTHER_UNITS = ("rpm", "%", "counts", "count", "inc", "g")
 SQUARED = ("s^2", "s2", "s²")
 SHOWN = 40  # columns that an error lists
 LONGEST = 80  # characters of a name in an error
@@ -142,9 +148,8 @@ class Request:
         if slash and (rest not in ("s", *SQUARED) or wanted not in ("m/s", "m/s^2")):
             factor = None
         advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
-        needed = ", ".join(COMMAND_UNITS) if wanted == "V" else wanted
         stated = shortened(unit, LONGEST)
-        raise self.refuse(f"column {there}: must be in {needed}, got the unit {stated!r}; give {advice}")
+        raise self.refuse(f"column {there}: must be in {NEEDED[wanted]}, got the unit {stated!r}; give {advice}")
 
 
 def is_si(name: str, unit: str) -> bool:

@@ -1,14 +1,24 @@
-"""A result in the units of a model: the labels of its numbers, and the units in its sentences."""
+"""A result of a diagnosis in the units of a model: its words are made in V and m, and put into its labels here.
+
+Nothing else in the package does so: words are made once, with the units in hand (`Units.of`). What makes those of a
+diagnosis anew is to do the same, and this file is to go with the last that uses it.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar, cast
 
 from cogging.model.units import Units
 
 Result = TypeVar("Result")
+#: V or m in a sentence, alone or with a prefix, with what it is divided by: no part of a file's name, a key, a formula.
+IN_WORDS = re.compile(
+    r"(?<![\w./\\=*·-])(?:1/)?\(?[kmunµ]?[Vm](?:\^?[23²³])?"
+    r"(?:(?:/| per )(?:\([\w/ ^²]*\)(?:\^2|²)?|√?\w+(?:/s(?:\^2|²)?)?))?(?![\w\\=]|[./-]\w)"
+)
 #: Fields that hold a unit alone.
 UNIT_FIELDS = ("unit",)
 #: Fields that hold a name that must be found again, and no words.
@@ -35,9 +45,20 @@ def labelled(result: Result, units: Units, keep: Iterable[str] = (), *, apart: I
     return cast(Result, _with(result, told, now))
 
 
+def in_words(text: str, units: Units, keep: Iterable[str] = ()) -> str:
+    """A sentence with each unit of V and m in it in these labels; names of a user's in it (`keep`) stay."""
+    if units == Units():
+        return text
+    names = [re.escape(name) for name in sorted(keep, key=len, reverse=True) if name]
+    parts = re.split(f"({'|'.join(names)})", text) if names else [text]
+    return "".join(
+        part if i % 2 else IN_WORDS.sub(lambda found: units.of(found[0]), part) for i, part in enumerate(parts)
+    )
+
+
 def _labelled(value: Any, units: Units, keep: tuple[str, ...]) -> Any:
     if isinstance(value, str):
-        return units.in_words(value, keep)
+        return in_words(value, units, keep)
     if isinstance(value, Mapping):
         return {key: _field(key, entry, units, keep) for key, entry in value.items()}
     if type(value) in (tuple, list):
