@@ -21,6 +21,7 @@ from cogging.first_model.units import LIKELY, UNKNOWN
 from cogging.log_check.audit import audit
 from cogging.log_check.hints import hints
 from cogging.log_check.recovery import recover_controller
+from cogging.log_check.time_base import on_its_clock
 from cogging.logs.log import Log, read_log, require_sizes
 from cogging.model.units import Units
 
@@ -83,13 +84,14 @@ def _drafted(
     if len(log) < FEWEST:
         raise ValueError(f"rows: must be at least {FEWEST} to draft a model from, got {len(log)}")
     require_sizes(log)
+    stamps, (log, clock) = log.time, on_its_clock(log)
     sizes = sizes_of(log)
     unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
     if sizes.reversed:
         log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
         scale = {**scale, "command": -scale.get("command", 1.0)}
         unsure.append("which of command and position has the wrong sign: one of them has; the command is turned here")
-    found = audit(log)
+    found = audit(replace(log, time=stamps))
     source_of_motion = "position" if log.reference is None else "reference"
     quantum = found.encoder_quantum if log.reference is None else 0.0
     motion = motion_of_log(log.time, log.position if log.reference is None else log.reference, quantum)
@@ -111,7 +113,7 @@ def _drafted(
         units=units,
         scale=dict(scale),
         rows=rows,
-        likely=tuple(_guessed(guesses, LIKELY)),
+        likely=(*_guessed(guesses, LIKELY), *([clock] if clock else ())),
         unsure=(),
     )
     unsure += [f"{name}: {units.in_words(size.told)}" for name, size in sizes.sizes.items() if size.uncertainty is None]
