@@ -92,9 +92,8 @@ def _drafted(
         scale = {**scale, "command": -scale.get("command", 1.0)}
         unsure.append("which of command and position has the wrong sign: one of them has; the command is turned here")
     found = audit(replace(log, time=stamps))
-    source_of_motion = "position" if log.reference is None else "reference"
-    quantum = found.encoder_quantum if log.reference is None else 0.0
-    motion = motion_of_log(log.time, log.position if log.reference is None else log.reference, quantum)
+    seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
+    motion = motion_of_log(log.time, seen, quantum)
     labels = {"command": "V", "position": "m"}
     if guesses is not None:
         labels = {name: guesses.used[name].unit.label for name in labels}
@@ -106,7 +105,7 @@ def _drafted(
         columns=guesses,
         audit=replace(found, units=units),
         motion=motion,
-        seen_in=source_of_motion,
+        seen_in="position" if log.reference is None else "reference",
         sizes=sizes,
         wave=next(filter(None, waves), None),
         controller=recover_controller(_beginning(log)),

@@ -155,7 +155,7 @@ def misfit(
         information += columns @ columns.T / max(one.residual**2 * one.slow, 1e-300)
     size = np.sqrt(np.diag(information))
     inverse = np.linalg.pinv(information / np.outer(size, size), rcond=1e-13, hermitian=True)
-    return SIGMAS_95 * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
+    return np.asarray(SIGMAS_95 * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size)
 
 
 def _smooth_forces(balance: ForceBalance, coarse: IntArray) -> list[FloatArray]:

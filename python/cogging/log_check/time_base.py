@@ -52,7 +52,7 @@ def _even(time: FloatArray, row: IntArray, segment: IntArray) -> FloatArray:
 
 
 def _roughness(time: FloatArray, position: FloatArray, whole: FloatArray) -> float:
-    """Mean square of readings less the cubic through their two neighbours on either side, over what noise makes, m^2."""
+    """Mean square of readings less the cubic through their two neighbours on either side, over noise's, m^2."""
     n = len(time) - 4
     others = [0, 1, 3, 4]
     middle = time[2 : n + 2]
