@@ -11,6 +11,7 @@ from cogging.diagnosis.large.nuisances import bounded, nuisances_of, products_of
 from cogging.diagnosis.large.search import search_large
 from cogging.diagnosis.large.spectrum import peaks
 from cogging.diagnosis.naming.large_names import common_pitch, map_note, unsettled
+from cogging.diagnosis.search.large_start import added
 from cogging.effects.effect import VOCABULARY
 
 RATE = 500.0
@@ -119,6 +120,21 @@ def test_the_effect_that_makes_most_of_the_command_is_the_first(name, seed):
         assert path in gone or limits.inside(path, getattr(found.model.axis, level))
     assert found.balances.rms < 0.25 * found.start.rms
     assert found.confirm.rms < 0.4 * found.confirm_start.rms
+
+
+@pytest.mark.parametrize("name", ["cogging_harmonic", "force_constant_ripple", "constant_force"])
+def test_what_is_added_has_all_its_amplitudes(name):
+    """Which the verdict asks of an effect that is refused in the end."""
+    machine = Machine(300 + NAMES.index(name))
+    found = searched(machine, [machine.log(machine.effect(name), seed=1)])
+    place, term = next((k, one) for k, one in enumerate(found.effects) if one.trial.name == name)
+    finding = added(term, place, found).finding
+    candidate = finding.candidate
+    assert len(finding.amplitudes) == max(1, len(candidate.amplitudes))
+    for field, index in candidate.amplitudes:
+        both = finding.effect(), term.trial.effect
+        there, tried = (np.ravel(getattr(effect, field))[index or 0] for effect in both)
+        assert there == tried
 
 
 @pytest.mark.parametrize("seed", range(6))
