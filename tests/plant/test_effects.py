@@ -200,6 +200,12 @@ def test_kinds_name_fields_that_are_what_the_kind_says(name):
             assert isinstance(getattr(one, kind.levels), list)
             assert roles[kind.levels]["role"] == "amplitude"
             assert kind_of.FIELDS[kind.nodes][0] == {"position": "m", "velocity": "m/s", "time": "s"}[kind.coordinate]
+        if isinstance(kind, cogging.effects.Place):
+            assert roles[kind.center]["quantity"] == "position"
+            assert roles[kind.width]["quantity"] == "distance"
+        if isinstance(kind, cogging.effects.Turn):
+            assert roles[kind.angle]["quantity"] == "angle"
+            assert one.force_at(position=2 * math.pi + 0.3) == pytest.approx(one.force_at(position=0.3))
         if isinstance(kind, cogging.effects.Travel):
             assert getattr(one, kind.ends) == [-math.inf, math.inf]
             assert getattr(one.resolved(cogging.AxisParameters(travel=[0.1, 0.4])), kind.ends) == [0.1, 0.4]
@@ -214,6 +220,8 @@ def test_every_effect_whose_fields_belong_together_says_so():
         assert ("Knots" in said[name]) == any(field.endswith("nodes") for field in fields), name
         assert ("SplineKnots" in said[name]) == ({"pitch", "order"} <= fields), name
         assert ("Travel" in said[name]) == ("travel" in fields), name
+        assert ("Place" in said[name]) == ({"center", "width"} <= fields), name
+        assert ("Turn" in said[name]) == ("angle" in fields), name
 
 
 def test_no_program_asks_for_the_fields_of_an_effect_by_name():

@@ -198,7 +198,7 @@ def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
 
 
 def _notes(found: Search, model: Model) -> list[str]:
-    """What is to be said of waves that lie elsewhere on the other motion, and of large effects."""
+    """What is to be said of waves that lie elsewhere on the other motion, and of those of one pitch."""
     note = None if found.large is None else map_note(found.estimate.model.effects[len(model.effects) :], model)
     return [*_turned_note(found), *([] if note is None else [note])]
 

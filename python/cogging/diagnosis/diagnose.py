@@ -13,6 +13,7 @@ from cogging._core import DivergedError
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.assembly import assemble, with_empirical_term
+from cogging.diagnosis.candidates.signatures import vocabulary_of
 from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
 from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
@@ -26,7 +27,7 @@ from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
 from cogging.diagnosis.thresholds import PREPARATION
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
-from cogging.effects.effect import VOCABULARY, Effect
+from cogging.effects.effect import Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
 from cogging.memory import require_rows
@@ -144,7 +145,7 @@ def _with_vocabulary(model: Model | str | os.PathLike[str], also: Sequence[Custo
     if not isinstance(model, Model):
         model = Model.read(model, effects=list(own.values()))
     refuse_two_of_one_name([*own.values(), *model.effects])
-    return model, {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
+    return model, vocabulary_of(model, [effect.neutral() for effect in own.values()])
 
 
 def _require_commands(logs: Prepared, units: Units) -> None:

@@ -141,6 +141,8 @@ class IntervalThresholds:
     shortest: float = 0.2  # s: what is shorter may be a single blow [assumed]
     longest: float = 0.9  # of the log: what is longer is no interval [assumed]
     intervals_exact: int = 8  # 1: that are looked at exactly [cost]
+    widths_tried: int = 12  # 1: of a force at one place [cost]
+    bins_of_width: int = 4  # 1: into which such a force is divided [cost]
 
 
 @dataclass(frozen=True)
@@ -323,6 +325,7 @@ class FormThresholds:
     places: int = 11  # 1: along the travel, of friction and of an amplitude [assumed]
     end_places: tuple[float, ...] = (0.0, 0.03, 0.07, 0.13, 0.22)  # of the travel: from each end [assumed]
     around: float = 0.3  # of its length: how far a push may reach beyond its interval [assumed]
+    widths: float = 2.5  # widths: how far a force at one place may reach to each side [assumed]
     pushes: int = 9  # 1: moments of a push, and of a gain [assumed]
     slow: float = 0.6  # of the largest speed: friction that goes with speed is free below [assumed]
     slow_speeds: int = 6  # 1: of friction, that are free [assumed]

@@ -26,7 +26,7 @@ def shape_limits(model: Model, evidence: Seen) -> tuple[dict[str, float], dict[s
     sizes = quantities(evidence)
     for prefix, effect in effect_paths(model.effects):
         for name, role in effect.ROLES.items():
-            if role["role"] == "shape" and role["quantity"] != "position" and not is_held(effect, role):
+            if role["role"] == "shape" and role["quantity"] not in ("position", "angle") and not is_held(effect, role):
                 size = sizes[role["quantity"]]
                 floors[f"{prefix}.{name}"] = (
                     max(REFIT.floor_of_range * role["low"], REFIT.floor_of_high * role["high"]) * size

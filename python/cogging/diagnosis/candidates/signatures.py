@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from cogging.diagnosis.thresholds import GRID
-from cogging.effects.effect import Effect, SplineKnots, Travel, Wave, Window, kind_of
+from cogging.effects.effect import VOCABULARY, Effect, SplineKnots, Travel, Turn, Wave, Window, kind_of
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
@@ -46,6 +46,23 @@ class Seen(Protocol):
     @property
     def scales(self) -> Scales:
         """Sizes of all logs together."""
+
+
+TURN = 2.0 * np.pi  # rad
+
+
+def vocabulary_of(model: Model, own: Iterable[Effect] = ()) -> dict[str, Effect]:
+    """Effects that are tried, as they are when they do nothing, by name: the list, and a user's own.
+
+    Only a rotary axis has one that goes with the angle of its turn.
+    """
+    tried = [*VOCABULARY.values(), *own]
+    return {law.NAME: law for law in tried if is_rotary(model) or kind_of(law, Turn) is None}
+
+
+def is_rotary(model: Model) -> bool:
+    """Whether the position is an angle."""
+    return model.units.position == "rad"
 
 
 @dataclass(frozen=True)
@@ -107,6 +124,7 @@ def quantities(evidence: Seen) -> dict[str, float]:
         "friction": friction,
         "position": span,
         "distance": span,
+        "angle": TURN,
         "velocity": scales.velocity,
         "time": scales.time,
         "sample_time": scales.sample_time,
@@ -252,3 +270,8 @@ def known_periods(model: Model) -> list[float]:
     if model.cogging is None:
         return []
     return [float(2.0 * np.pi / w) for w in model.cogging.basis.wavenumbers]
+
+
+def turn_periods(model: Model) -> list[float]:
+    """Period (rad) of a force that comes once a turn of a rotary axis: that is no cogging, but an unbalanced mass."""
+    return [TURN] if is_rotary(model) else []

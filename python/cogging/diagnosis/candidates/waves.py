@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import AxisParameters, Plant, Prediction, Predictor, whiten
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
+from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities, turn_periods
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
 from cogging.diagnosis.thresholds import GRID, SPECTRUM
@@ -52,9 +52,12 @@ def peaks(evidence: Evidence, effect: Effect, gain: Gain | None = None) -> tuple
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
     span = evidence.scales.position if spatial else evidence.scales.time
     cogging = evidence.model.cogging
-    if spatial and gain is None and "force" in effect.HOOKS and cogging is not None and cogging.sine.shape[1] == 1:
-        # Its sine and cosine are re-tuned: within a turn of them it is no other wave, but they change along the travel.
-        for period in known_periods(evidence.model):
+    if spatial and gain is None and "force" in effect.HOOKS:
+        owned = turn_periods(evidence.model)
+        if cogging is not None and cogging.sine.shape[1] == 1:
+            # Their sines and cosines are re-tuned: within a turn it is no other wave, but they change along the travel.
+            owned += known_periods(evidence.model)
+        for period in owned:
             statistic[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     even = levelled(statistic)
     trials = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)

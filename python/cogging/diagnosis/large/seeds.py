@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.intervals import acts_in_interval
+from cogging.diagnosis.candidates.intervals import acts_at_place, acts_in_interval, bumps
 from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
 from cogging.diagnosis.candidates.waves import is_wave, plain_wave
 from cogging.diagnosis.large.balance import WEAKENING, Balances, is_load
@@ -55,6 +55,8 @@ def seeds(balances: Balances, nuisances: Nuisances, vocabulary: Mapping[str, Eff
         found += judged(balances, nuisances, list(candidates(balances, law)))
         if acts_in_interval(law):
             found += _intervals(balances, nuisances, law)
+        if acts_at_place(law):
+            found += _places(balances, nuisances, law)
     for law in vocabulary.values():
         if is_load(law) and not any("state" in effect.HOOKS for effect in balances.model.effects):
             found += _resonances(balances, nuisances, law)
@@ -62,6 +64,15 @@ def seeds(balances: Balances, nuisances: Nuisances, vocabulary: Mapping[str, Eff
         first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
         best[name] = min((as_it_is(balances, nuisances, seed) for seed in first), key=lambda seed: seed.left)
     return sorted(best.values(), key=lambda seed: seed.left)
+
+
+def _places(balances: Balances, nuisances: Nuisances, law: Effect) -> list[Seed]:
+    """Forces at the places where they explain most of what re-tuning leaves."""
+    first = next(iter(candidates(balances, law)))
+    residual = nuisances.moved(nuisances.alone()[0])
+    positions = balances.joined([source.balance.dynamics.motion.middle_position for source in balances.sources])
+    found = sorted(bumps(balances, law, positions, residual), key=lambda pair: -float(pair[1].max()))
+    return judged(balances, nuisances, [replace(first, shape={**first.shape, **shape}) for shape, _ in found])
 
 
 def _intervals(balances: Balances, nuisances: Nuisances, law: Effect) -> list[Seed]:

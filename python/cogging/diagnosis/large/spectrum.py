@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.signatures import turn_periods
 from cogging.diagnosis.large.balance import Balances, LogBalance
 from cogging.diagnosis.thresholds import SEED
 
@@ -41,6 +42,8 @@ def peaks(balances: Balances, residual: FloatArray, count: int, *, spatial: bool
         power += _power(source, gain, wave, spatial)
     explained = np.where(wave <= highest, np.abs(score) ** 2 / np.maximum(power, 1e-3 * power.max()), 0.0)
     explained[wave < SEED.turns / span] = 0.0
+    for period in turn_periods(balances.model) if spatial and not gained else ():
+        explained[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     found = []
     for _ in range(count):
         best = int(np.argmax(explained))

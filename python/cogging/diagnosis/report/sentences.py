@@ -55,6 +55,7 @@ MEANINGS = {
 ALONG = {
     "position": "position",
     "distance": "position",
+    "angle": "position",
     "force_per_position": "position",
     "velocity": "velocity",
     "force_per_velocity": "velocity",

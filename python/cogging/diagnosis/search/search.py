@@ -8,6 +8,7 @@ from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
 from cogging.diagnosis.candidates.scan import scan
+from cogging.diagnosis.candidates.signatures import vocabulary_of
 from cogging.diagnosis.discrepancy import discrepancies, follows, source_of
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.evidence import Evidence
@@ -34,7 +35,7 @@ from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
 from cogging.diagnosis.search.tuning import with_nuisances_tuned
 from cogging.diagnosis.thresholds import CHOICE, SEARCH
-from cogging.effects.effect import VOCABULARY, Effect
+from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -60,7 +61,7 @@ def search(
         free_map: whether errors of the cogging map are re-tuned; tried where they explain as much as the best effect.
         vocabulary: effects that are tried, as they are when they do nothing, by name; the list when None.
     """
-    state = begin(Task(logs, model, confirm, progress, replay, free_map, vocabulary or VOCABULARY))
+    state = begin(Task(logs, model, confirm, progress, replay, free_map, vocabulary or vocabulary_of(model)))
     while True:
         progress(f"scanning, effect {len(state.added) + 1}")
         scanned = scan_twice(state)
