@@ -12,6 +12,7 @@ from cogging.diagnosis.large.nuisances import bounded, nuisances_of, products_of
 from cogging.diagnosis.large.search import search_large
 from cogging.diagnosis.large.spectrum import peaks
 from cogging.diagnosis.naming.large_names import common_pitch, map_note, unsettled
+from cogging.diagnosis.search.large_start import added
 from cogging.effects.effect import VOCABULARY
 
 RATE = 500.0
@@ -142,6 +143,22 @@ def test_a_wave_of_one_turn_is_gravity_where_the_axis_turns_and_nowhere_else(tur
     (fitted,) = (one for one in found.model.effects if one.NAME == "gravity")
     assert fitted.moment == pytest.approx(effect.moment, rel=0.1)
     assert np.cos(fitted.angle - effect.angle) > 0.99
+
+
+@pytest.mark.parametrize("name", ["cogging_harmonic", "force_constant_ripple", "constant_force"])
+def test_what_is_added_has_all_its_amplitudes(name):
+    """Which the verdict asks of an effect that is refused in the end."""
+    machine = Machine(300 + NAMES.index(name))
+    found = searched(machine, [machine.log(machine.effect(name), seed=1)])
+    place, term = next((k, one) for k, one in enumerate(found.effects) if one.trial.name == name)
+    finding = added(term, place, found).finding
+    candidate = finding.candidate
+    assert len(finding.amplitudes) == max(1, len(candidate.amplitudes))
+    for field, index in candidate.amplitudes:
+        there, tried = (
+            np.ravel(getattr(effect, field))[index or 0] for effect in (finding.effect(), term.trial.effect)
+        )
+        assert there == tried
 
 
 @pytest.mark.parametrize("seed", range(6))

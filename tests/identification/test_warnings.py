@@ -10,7 +10,7 @@ from cogging import Log
 from cogging.identification.identify import identify
 from cogging.identification.other_answers import OtherAnswer, thinned
 from cogging.identification.result import LogFit, ParameterEstimate, percent
-from cogging.identification.trust import TrustLimits, moved_beyond, warnings_of, widened_interval
+from cogging.identification.trust import TrustLimits, moved_beyond, warnings_of
 from tests.fixtures.identify_coverage import Case, draw, draw_hidden, draw_thinned, outcome_of
 
 # What is said when --------------------------------------------------------------------------------------------------
@@ -34,8 +34,8 @@ def estimate(**changes):
     return ParameterEstimate(**(values | changes))
 
 
-def said(logs=(), parameters=(), refused=()):
-    return warnings_of([log_fit(), *logs], [estimate(), *parameters], refused, LIMITS, "V")
+def said(logs=(), parameters=(), held=()):
+    return warnings_of([log_fit(), *logs], [estimate(), *parameters], held, LIMITS, "V")
 
 
 def test_nothing_is_said_of_a_good_fit():
@@ -84,14 +84,6 @@ def test_other_answers_are_told_beside_the_own():
     assert moved_beyond("axis.viscous", 2.0, 0.1, others, 1.5) == {}
     (warning,) = said((), [estimate(elsewhere={"below 40 Hz": 2.3})])
     assert warning == "below 40 Hz, axis.mass is 2.3 in place of 2 V/(m/s^2)"
-
-
-def test_an_interval_that_holds_both_answers():
-    other = OtherAnswer("", {"a": 3.0}, {"a": 0.5})
-    assert widened_interval(2.0, 0.1, other, "a") == (1.9, 3.5)
-    assert widened_interval(2.0, 4.0, other, "a") == (-2.0, 6.0)
-    assert widened_interval(2.0, 0.1, other, "b") is None
-    assert widened_interval(2.0, 0.1, None, "a") is None
 
 
 @pytest.mark.parametrize("rows", [8, 9])

@@ -21,6 +21,7 @@ from cogging.first_model.units import LIKELY, UNKNOWN
 from cogging.log_check.audit import audit
 from cogging.log_check.hints import hints
 from cogging.log_check.recovery import recover_controller
+from cogging.log_check.time_base import on_its_clock
 from cogging.logs.log import Log, read_log, require_sizes, units_beside
 from cogging.model.units import UNIT_KEYS, Units
 
@@ -86,16 +87,16 @@ def _drafted(
     units = log.units
     if guesses is not None:
         units = Units(**{name: guesses.used[name].unit.label for name in UNIT_KEYS})
+    stamps, (log, clock) = log.time, on_its_clock(log)
     sizes = sizes_of(log, units)
     unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
     if sizes.reversed:
         log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
         scale = {**scale, "command": -scale.get("command", 1.0)}
         unsure.append("which of command and position has the wrong sign: one of them has; the command is turned here")
-    found = audit(log)
-    source_of_motion = "position" if log.reference is None else "reference"
-    quantum = found.encoder_quantum if log.reference is None else 0.0
-    motion = motion_of_log(log.time, log.position if log.reference is None else log.reference, quantum, units)
+    found = audit(replace(log, time=stamps))
+    seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
+    motion = motion_of_log(log.time, seen, quantum, units)
     controller = recover_controller(_beginning(log))
     waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
     draft = ModelDraft(
@@ -104,14 +105,14 @@ def _drafted(
         columns=guesses,
         audit=replace(found, units=units),
         motion=motion,
-        seen_in=source_of_motion,
+        seen_in="position" if log.reference is None else "reference",
         sizes=sizes,
         wave=next(filter(None, waves), None),
         controller=controller and controller._replace(units=units),
         units=units,
         scale=dict(scale),
         rows=rows,
-        likely=tuple(_guessed(guesses, LIKELY)),
+        likely=(*_guessed(guesses, LIKELY), *([clock] if clock else ())),
         unsure=(),
     )
     unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]

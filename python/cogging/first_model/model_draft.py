@@ -238,7 +238,7 @@ class ModelDraft(ByValue):
         return low - margin, high + margin
 
     def _duration(self) -> float:
-        return float(f"{self.audit.duration:.8g}")
+        return float(f"{self.log.time[-1] - self.log.time[0]:.8g}")
 
     def _samples(self) -> dict[str, FloatArray]:
         every = -(-len(self.log) // ROWS_OF_REFERENCE)

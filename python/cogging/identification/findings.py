@@ -16,8 +16,16 @@ from cogging.identification.force_balance import BalanceEstimate, ForceBalance
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.other_answers import OtherAnswer
 from cogging.identification.result import Identification, LogFit, ParameterEstimate
-from cogging.identification.trust import TrustLimits, is_missing, is_strong, moved_beyond, warnings_of, widened_interval
-from cogging.identification.unmodelled import WITH_FORCES, Unmodelled
+from cogging.identification.trust import (
+    TrustLimits,
+    is_missing,
+    is_refuted,
+    is_strong,
+    moved_beyond,
+    warnings_of,
+    widened_interval,
+)
+from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
@@ -58,7 +66,7 @@ class Findings:
         balances: of the logs.
         floors: what quantiser and noise leave of each, V.
         left: what the fit of the force balance leaves of each.
-        others: what it would have answered otherwise; the first with further forces beside the model.
+        others: what it would have answered otherwise; first with further forces beside the model, then bent by them.
     """
 
     told: Determinability
@@ -81,7 +89,7 @@ def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identifi
     missing = whole and any(is_missing(left, limits) for left in found.left)
     asked = _Asked(prior, reported, found, missing, strong, limits)
     entries = [asked.entry(known[path], note) for path, note in zip(told.paths, told.notes, strict=True)]
-    fitted = {entry.path: entry.value for entry in entries if entry.determined}
+    fitted = {entry.path: entry.value for entry in entries if entry.determined and entry.value != entry.prior}
     model = with_values(prior, fitted)
     models = (prior, model, with_values(found.estimate.model, fitted))
     intervals = {**model.intervals, **{entry.path: entry.ci95 for entry in entries}}
@@ -90,13 +98,13 @@ def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identifi
     size[size == 0.0] = 1.0
     of_logs = zip(runs, found.balances, found.floors, found.left, strict=True)
     logs = tuple(_log_fit(*of_log, models, found.estimate.instruments, whole) for of_log in of_logs)
-    refused = [entry.path for entry in entries if told.determined(entry.path) and not entry.determined and strong]
+    held = [e.path for e in entries if strong and told.determined(e.path) and e.value == e.prior]
     return Identification(
         model=model.replace(intervals=intervals),
         parameters=tuple(entries),
         correlation=covariance / np.outer(size, size),
         covariance=covariance,
-        determinability=told.notes,
+        determinability=tuple(entry.note for entry in entries),
         logs=logs,
         audits=tuple(run.audit for run in runs),
         cutoff=found.balances[0].dynamics.cutoff,
@@ -105,7 +113,7 @@ def report(prior: Model, runs: Sequence[LoggedRun], found: Findings) -> Identifi
         explained=_of_all(logs),
         warnings=(
             *(run.sparse for run in runs if run.sparse),
-            *warnings_of(logs, entries, refused, limits, prior.units.command),
+            *warnings_of(logs, entries, held, limits, prior.units.command),
         ),
     )
 
@@ -155,20 +163,22 @@ class _Asked:
         spread, seen = self.found.spread.get(path), self.found.told.determined(path)
         inverse = balance.value(path) if seen and path in balance.paths else None
         by_output = output.value(path) if output is not None and path in output.paths else None
+        difference = _difference(path, balance, output)
+        doubted = self.strong or abs(difference or 0.0) > self.limits.check
         determined = seen and path in self.reported.paths and bool(np.isfinite(self.reported.sigma(path)))
         value, interval, elsewhere = prior.value, (-np.inf, np.inf), dict[str, float]()
         if determined:
-            fitted = self.reported.value(path)
-            wide = self._interval(path)
-            determined = not self._is_lost(prior, wide)
+            settled, wide = self._settled(prior) if doubted else self._as_reported(path)
+            determined = not (doubted and self._is_lost(prior, wide))
             if determined:
-                others = [other for other in self.found.others if self.missing or other.way != WITH_FORCES]
-                half = 0.5 * (wide[1] - wide[0])
-                elsewhere = moved_beyond(path, fitted, half, others, self.limits.moved)
-                value, interval = fitted, (max(wide[0], 0.0) if prior.positive else wide[0], wide[1])
-            else:
+                unasked = (AS_NOISE,) if self.missing else (AS_NOISE, WITH_FORCES)
+                others = [other for other in self.found.others if other.way not in unasked]
+                elsewhere = moved_beyond(path, settled, 0.5 * (wide[1] - wide[0]), others, self.limits.moved)
+                value, interval = settled, (max(wide[0], 0.0) if prior.positive else wide[0], wide[1])
+            if doubted:
+                known = "not determined" if not determined else "as given" if value == prior.value else "moved"
                 range_of_it = f"[{wide[0]:.4g}, {wide[1]:.4g}]"
-                note = f"{note.split(':')[0]}: not determined, what the model lacks leaves it open over {range_of_it}"
+                note = f"{note.split(':')[0]}: {known}, what the model lacks leaves it open over {range_of_it}"
         return ParameterEstimate(
             path=path,
             unit=prior.unit,
@@ -178,25 +188,38 @@ class _Asked:
             determined=determined,
             inverse_dynamics=inverse,
             output_error=by_output,
-            difference=_difference(path, balance, output),
+            difference=difference,
             spread=None if spread is None else spread[0],
             single_sigma=None if spread is None else spread[1],
             note=note,
             elsewhere=elsewhere,
         )
 
-    def _interval(self, path: str) -> tuple[float, float]:
-        """The 95 % interval; where much is missing, that which holds the answer with further forces too."""
+    def _as_reported(self, path: str) -> tuple[float, tuple[float, float]]:
+        """Value and 95 % interval of the estimator that is reported."""
         value, half = self.reported.value(path), self.reported.half_width(path)
-        if not self.strong:
-            return value - half, value + half
-        beside = self.found.others[0] if self.found.others else None
-        return widened_interval(value, half, beside, path) or (-np.inf, np.inf)
+        return value, (value - half, value + half)
+
+    def _settled(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
+        """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
+
+        The interval reaches to either side as far as to the intervals of both, and to what the balance says beside
+        further forces and bent by them. The prior stands, unless these exclude it: then the balance beside forces does.
+        """
+        path, found = prior.path, self.found
+        others = [other for other in found.others[:2] if path in other.values]
+        if not others:
+            return prior.value, (-np.inf, np.inf)
+        both = [one for one in (found.balance, found.output) if one is not None and path in one.paths]
+        answers = [(one.value(path), one.half_width(path)) for one in both]
+        low, high = widened_interval(answers + [(other.values[path], other.half_widths[path]) for other in others])
+        sigma = self.prior.uncertainty.get(path.removeprefix("axis."), 0.0)
+        value = others[0].values[path] if is_refuted(prior, sigma, (low, high)) else prior.value
+        reach = max(value - low, high - value)
+        return value, (value - reach, value + reach)
 
     def _is_lost(self, prior: Parameter, interval: tuple[float, float]) -> bool:
         """Whether what is missing leaves an interval as wide as that of a parameter that no log determines."""
-        if not self.strong:
-            return False
         scales = Scales.largest(balance.scales for balance in self.found.balances)
         sigma = 0.5 * (interval[1] - interval[0]) / SIGMAS_95
         return sigma > UNDETERMINED * size_of(self.found.estimate.model, prior, scales)

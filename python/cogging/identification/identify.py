@@ -54,8 +54,13 @@ def identify(
 
     A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) stays at its
     prior with an infinite interval. The others are fitted with it moving within its own size: their intervals allow
-    for it. Where the model lacks what makes more than a twentieth of the command, the intervals hold the answers with
-    and without forces of place, speed, direction and time beside it; one that is then too wide is refused likewise.
+    for it. Where the model lacks what makes more than a twentieth of the command, or leaves four times the noise, and
+    where the two estimators contradict each other, a parameter stays as given and its interval reaches as far as any
+    answer: of both estimators, with forces of place, speed, direction and time beside the model, and with what is left
+    as noise of its own memory. One that is then too wide is refused likewise. Only a value that all these exclude,
+    with its stated uncertainty, moves, to the answer beside those forces. `cogging diagnose` comes next.
+
+    Time stamps that jitter, where the readings are smoother on an even clock, give way to that clock.
 
     `warnings` says what speaks against the fit: a residual of many times the noise, estimators that contradict each
     other, a fit worse than the model as given, another answer at other cut-offs or with fewer rows.

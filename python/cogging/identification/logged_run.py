@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,8 @@ from cogging.estimation.replay import Replay
 from cogging.identification.force_balance import Simulator
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.log_check.audit import Audit, audit
-from cogging.log_check.controller import MISMATCH, ControllerCheck
+from cogging.log_check.controller import MISMATCH, ControllerCheck, check_controller
+from cogging.log_check.time_base import on_its_clock
 from cogging.log_check.unit_check import check_against_model
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
@@ -75,7 +76,7 @@ class LoggedRun:
         audit: of it.
         replay: the closed loop on its reference, or None where controller or reference are unknown or do not fit.
         line: what is to be said of a stated controller, or "".
-        repairs: what is to be said of single values that leave and return, or "".
+        repairs: what is to be said of stamps that are off an even clock and of single values that leave and return.
         sparse: what is to be said of rows that are too few for the controller, or "".
         hold: s, of each command where the controller gave several a row; None: from row to row.
     """
@@ -109,6 +110,9 @@ class LoggedRun:
         check_against_model(log, model, name)
         own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
         found = audit(own, model)
+        log, clock = on_its_clock(log)
+        if clock:  # the audit tells the stamps, the controller is held against the clock
+            found = replace(found, controller=check_controller(replace(own, time=log.time), model))
         usable, line = _usable(model, found.controller)
         commands = np.zeros(len(log), dtype=bool)
         if usable is not None and found.controller is not None:
@@ -130,7 +134,7 @@ class LoggedRun:
             found,
             replay,
             line and f"{name}: {line}",
-            said and f"{name}: {said}",
+            "; ".join(f"{name}: {one}" for one in (clock, said) if one),
             sparse and f"{name}: {sparse}",
             hold,
         )

@@ -30,7 +30,7 @@ class ParameterEstimate:
         path: where it stands in the model.
         unit: in the labels of the model.
         prior: as the model had it.
-        value: as fitted; the prior where the logs do not determine it.
+        value: as fitted; the prior where the logs do not determine it, or what the model lacks hides it.
         ci95: 95 % interval; infinite where the logs do not determine it.
         determined: whether they do.
         inverse_dynamics, output_error: what each estimator says; None where it cannot see the parameter.
@@ -198,7 +198,7 @@ class Identification(ByValue):
         for log in self.logs:
             after = f"{log.residual_after:.4g} {v} after"
             if log.residual_after > 1.05 * log.residual_free:
-                after += f" ({log.residual_free:.4g} {v} if what is not determined moved too)"
+                after += f" ({log.residual_free:.4g} {v} if what stays as given moved too)"
             lines.append(
                 f"{log.name}: force balance {log.residual_before:.4g} {v} before, {after}, "
                 f"quantiser and encoder noise alone {log.floor:.2g} {v} ({log.rows} rows in motion)"

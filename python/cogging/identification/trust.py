@@ -10,6 +10,8 @@ import numpy as np
 from cogging.identification.other_answers import OtherAnswer
 from cogging.identification.result import LogFit, ParameterEstimate, percent
 from cogging.identification.unmodelled import Unmodelled
+from cogging.model.intervals import SIGMAS_95
+from cogging.model.parameters import Parameter
 
 SHOWN = 3  # parameters that one sentence names
 
@@ -20,11 +22,11 @@ class TrustLimits:
 
     Attributes:
         missing: residual over noise, from which something is missing; good logs leave 1.0 to 1.3 times the noise.
-        strong: rms of what is missing over that of the command, from which the intervals allow for it: of models that
-            lack 10 to 90 % of the command they would hold the truth in 77 % of cases.
+        strong: rms of what is missing over that of the command, from which parameters stay as given and intervals
+            allow for it: of models that lack 10 to 90 % of the command they would hold the truth in 77 % of cases.
         buried: residual over noise, from which they do too: what is missing is then 15 of 16 parts of what is left.
         explained: share of the command's power, below which a model explains too little.
-        check: difference of the two estimators in standard deviations.
+        check: difference of the two estimators in standard deviations, from which they do likewise.
         worse: residual or replay over that of the model as given.
         moved: move of a value in another way of fitting, over the larger of the halves of both intervals.
     """
@@ -65,7 +67,7 @@ def moved_beyond(
 def warnings_of(
     logs: Sequence[LogFit],
     parameters: Sequence[ParameterEstimate],
-    refused: Sequence[str],
+    held: Sequence[str],
     limits: TrustLimits,
     unit: str,
 ) -> tuple[str, ...]:
@@ -74,14 +76,14 @@ def warnings_of(
     Args:
         logs: what each says of it.
         parameters: as fitted.
-        refused: paths of those whose intervals are refused for what is missing.
+        held: paths of those that stay as given for what is missing.
         limits: from where something is said.
         unit: of the command.
     """
     said = [sentence for log in logs for sentence in _of_log(log, limits, unit)]
-    if refused:
-        said.append(f"what is missing is too much of the command to tell {_some(refused)}: not determined")
-    said += _of_estimators(parameters, limits)
+    if held:
+        said.append(f"what is missing is too much of the command to tell {_some(held)}: as given")
+    said += _of_estimators([p for p in parameters if p.path not in held], limits)
     return (*said, *_of_other_answers(parameters))
 
 
@@ -90,9 +92,10 @@ def _of_log(log: LogFit, limits: TrustLimits, unit: str) -> list[str]:
     missing = log.noise is not None and log.residual_free > limits.missing * log.noise
     if missing and log.noise is not None:
         times = log.residual_free / max(log.noise, 1e-300)
+        share = 1.0 - (log.residual_free / max(log.command, 1e-300)) ** 2
         said.append(
             f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} {unit}, {times:.3g} times the "
-            f"noise ({log.noise:.2g} {unit}), and explains {percent(log.explained)} of the command: run diagnose"
+            f"noise ({log.noise:.2g} {unit}), and explains {percent(share)} of the command: run diagnose"
         )
     if log.explained < limits.explained and not missing:
         said.append(f"{log.name}: the model explains only {percent(log.explained)} of the command")
@@ -143,11 +146,13 @@ def _listed(told: Sequence[str], number: int) -> str:
     return ", ".join(told) + more
 
 
-def widened_interval(
-    value: float, half_width: float, beside: OtherAnswer | None, path: str
-) -> tuple[float, float] | None:
-    """The 95 % interval that holds both answers, with and without further forces; None where there is no second."""
-    if beside is None or path not in beside.values:
-        return None
-    other, half = beside.values[path], beside.half_widths[path]
-    return float(np.minimum(value - half_width, other - half)), float(np.maximum(value + half_width, other + half))
+def widened_interval(answers: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """The interval that holds all answers, each a value and half of its 95 % interval."""
+    values, halves = np.array(answers).T
+    return float(np.min(values - halves)), float(np.max(values + halves))
+
+
+def is_refuted(prior: Parameter, sigma: float, interval: tuple[float, float]) -> bool:
+    """Whether a parameter as given, with its stated relative uncertainty, lies outside an interval altogether."""
+    reach = SIGMAS_95 * sigma * abs(prior.value)
+    return not interval[0] - reach <= prior.value <= interval[1] + reach

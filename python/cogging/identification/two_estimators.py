@@ -19,7 +19,7 @@ from cogging.identification.logged_run import LoggedRun
 from cogging.identification.other_answers import OtherAnswer, other_answers
 from cogging.identification.result import Identification
 from cogging.identification.trust import TrustLimits, is_strong
-from cogging.identification.unmodelled import WITH_FORCES, Unmodelled, freed
+from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled, freed, misfit
 from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -86,14 +86,17 @@ class TwoEstimators:
         scales: Scales,
         left: Sequence[Unmodelled],
     ) -> list[OtherAnswer]:
-        """What the force balance would have answered otherwise, first with further forces beside the model."""
+        """What the force balance would have answered otherwise, first beside further forces, then as bent by them."""
         paths = self._moving(told)
         if not paths:
             return []
         known, loose = parameters_of(estimate.model), self._loose(told, paths, scales)
-        moved, half_widths = freed(estimate.model, [known[path] for path in paths], balances, left, scales, loose)
+        parameters = [known[path] for path in paths]
+        moved, half_widths = freed(estimate.model, parameters, balances, left, scales, loose)
         beside = OtherAnswer.of(WITH_FORCES, paths, estimate.values + moved, half_widths)
-        return [beside, *other_answers(estimate, paths, self.runs, balances, scales, loose, self.rest)]
+        bent = misfit(estimate.model, parameters, balances, left, scales, loose)
+        slow = OtherAnswer.of(AS_NOISE, paths, estimate.values, bent)
+        return [beside, slow, *other_answers(estimate, paths, self.runs, balances, scales, loose, self.rest)]
 
     def _require_rows(self, balances: Sequence[ForceBalance]) -> None:
         needed = 4 * len(self.paths) + 50

@@ -11,10 +11,12 @@ from cogging.arrays import FloatArray, IntArray
 from cogging.estimation.statistics import student
 from cogging.identification.force_balance import ForceBalance, Simulator
 from cogging.identification.inverse_dynamics import InverseDynamics
+from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales
 
 WITH_FORCES = "with any force of place, speed, direction and time beside the model"
+AS_NOISE = "with what is left as slow noise"
 ROWS_PER_PERIOD = 8.0  # of the cut-off: rows that are looked at ...
 MOST_ROWS = 20_000  # ... of a log, from its middle
 PLACES, TIMES = 12, 6  # of the forces that change along the travel and in time
@@ -35,6 +37,7 @@ class Unmodelled:
         noise: rms that no force of place, speed, direction, acceleration or time explains, V.
         inflation: density of that noise at low frequencies over what white rows would have.
         freedom: rows that are independent, less the forces that were tried.
+        slow: as `inflation`, of all that is left.
         forces: of place, speed, direction and time, (q, m), of rms 1.
         rows: of the log that are looked at, (m,).
     """
@@ -44,6 +47,7 @@ class Unmodelled:
     noise: float
     inflation: float
     freedom: float
+    slow: float
     forces: FloatArray
     rows: IntArray
 
@@ -92,7 +96,7 @@ class Unmodelled:
         noise = float(np.sqrt(np.mean(quiet**2) * independent / freedom))
         rms = float(np.sqrt(np.mean(residual[balance.mask] ** 2)))
         of_command = float(np.sqrt(np.mean(command[balance.mask] ** 2)))
-        return cls(rms, of_command, min(noise, rms), inflation, freedom, forces, rows)
+        return cls(rms, of_command, min(noise, rms), inflation, freedom, _memory(left)[1], forces, rows)
 
 
 def freed(
@@ -130,6 +134,28 @@ def freed(
     moved += np.linalg.pinv(plain / np.outer(size, size), rcond=1e-13, hermitian=True) @ (right / size) / size
     freedom = sum(one.freedom for one in left)
     return moved, student(freedom) * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
+
+
+def misfit(
+    model: Model,
+    parameters: Sequence[Parameter],
+    balances: Sequence[ForceBalance],
+    left: Sequence[Unmodelled],
+    scales: Scales,
+    loose: FloatArray,
+) -> FloatArray:
+    """Halves of the intervals (p,) that parameters have where all that is left is noise of the memory that it shows.
+
+    What a model lacks bends its parameters as far as a force of that size and slowness would that came by chance: the
+    scatter of blocks does not tell, since each block is bent alike.
+    """
+    information = np.diag(1.0 / loose**2)
+    for balance, one in zip(balances, left, strict=True):
+        columns = balance.columns(model, parameters, scales)[1][:, one.rows]
+        information += columns @ columns.T / max(one.residual**2 * one.slow, 1e-300)
+    size = np.sqrt(np.diag(information))
+    inverse = np.linalg.pinv(information / np.outer(size, size), rcond=1e-13, hermitian=True)
+    return np.asarray(SIGMAS_95 * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size)
 
 
 def _smooth_forces(balance: ForceBalance, coarse: IntArray) -> list[FloatArray]:

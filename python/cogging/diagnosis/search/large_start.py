@@ -115,7 +115,9 @@ def added(term: LargeTerm, place: int, large: Large) -> Added:
     trials = float(np.log(LARGE.trials))
     test = ScoreTest(term.statistic, freedom, -np.ones(1), explained, np.full(1, np.inf))
     chance = min(0.0, log_survival(term.statistic, freedom) + trials)
-    finding = Finding(candidate, test, np.ones(1), LARGE.trials, chance, term.statistic - 2.0 * freedom - 2.0 * trials)
+    effect, fields = term.trial.effect, candidate.amplitudes
+    sizes = np.array([float(np.ravel(getattr(effect, field))[index or 0]) for field, index in fields] or [1.0])
+    finding = Finding(candidate, test, sizes, LARGE.trials, chance, term.statistic - 2.0 * freedom - 2.0 * trials)
     return Added(finding, [finding], [], confirmation_of(term), term.balances.model, large=term)
 
 
