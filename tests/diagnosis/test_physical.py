@@ -15,7 +15,7 @@ from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.null import limits_of, sources_of
 from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.large.seeds import amplitude_ends
-from cogging.diagnosis.physical import at_end, ends, moving_command, obeyed_command
+from cogging.diagnosis.physical import at_end, ends, moving_command, obeyed_command, unphysical
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures import measured
 
@@ -103,6 +103,18 @@ def test_no_friction_is_above_the_command_that_moved_the_axis():
         assert at_end(law.replace(**{field: most}), [log]).startswith(f"its {field} runs to")
 
 
+def test_no_friction_pushes():
+    log = record(4)
+    low, high = float(log.position.min()), float(log.position.max())
+    for levels, pushes in (([0.0, -1.9], False), ([0.0, -3.0], True)):
+        uneven = cogging.EFFECTS["position_dependent_friction"](nodes=[low, high], levels=levels)
+        model = seen(log).model.replace(effects=(uneven,))
+        assert ("it would push the axis" in unphysical(model, 0, [log])) is pushes
+    for difference, pushes in ((3.8, False), (6.0, True)):
+        model = seen(log).model.replace(effects=(cogging.EFFECTS["coulomb_asymmetry"](difference=difference),))
+        assert ("it would push the axis" in unphysical(model, 1, [log])) is pushes
+
+
 def test_what_runs_to_an_end_is_said():
     log = record(4)
     most = moving_command([log])
@@ -145,4 +157,4 @@ def test_no_real_machine_gets_a_term_that_it_cannot_have(machine):
     for given, confirm in itertools.permutations(logs):
         result = cogging.diagnose(given, model, confirm=confirm)
         assert result.model.axis.coulomb <= moving_command([given])
-        assert [at_end(effect, [given]) for effect in result.model.effects if at_end(effect, [given])] == []
+        assert unphysical(result.model, 0, [given]) == ""

@@ -10,8 +10,9 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.preparation import seconds_of_motion
 from cogging.diagnosis.thresholds import PHYSICAL
-from cogging.effects.effect import Effect
+from cogging.effects.effect import Effect, laws_of
 from cogging.logs.log import Log
+from cogging.model.model import Model
 
 
 def ends(logs: Sequence[Log], role: Mapping[str, Any]) -> tuple[float, float]:
@@ -43,6 +44,22 @@ def at_end(effect: Effect, logs: Sequence[Log]) -> str:
         for value, end, room in ((values.min(initial=np.inf), least, 1.0), (values.max(initial=-np.inf), most, -1.0)):
             if np.isfinite(end) and room * (value - end) <= PHYSICAL.at_end * abs(end):
                 return f"its {name} runs to {value:.4g}, the end of what these logs allow"
+    return ""
+
+
+def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
+    """What of a fitted model, `given` with so many effects, no machine that made the logs has; empty: nothing."""
+    said = next((said for effect in model.effects[given:] if (said := at_end(effect, logs))), "")
+    laws = [laws_of(effect) for effect in model.effects if "friction_level" in effect.HOOKS]
+    if said or not laws:
+        return said
+    place = np.concatenate([np.quantile(log.position, np.linspace(0.0, 1.0, PHYSICAL.places)) for log in logs])
+    top = max(float(np.ptp(log.position)) / seconds_of_motion(log) for log in logs)
+    x, v = np.tile(place, 2), np.repeat([-top, top], len(place))
+    levels = np.array([law.friction_level_at(position=x, velocity=v) for law in laws])
+    least = model.axis.coulomb + float(levels.sum(axis=0).min())
+    if least < -PHYSICAL.pushes * moving_command(logs):
+        return f"its friction falls to {least:.4g}: it would push the axis"
     return ""
 
 

@@ -49,6 +49,8 @@ class PhysicalThresholds:
     obeyed: float = 0.5  # 1: of what a V up to a level does, that a V beyond it does if there is no limit [assumed]
     certain: float = 8.0  # deviations: by which what is beyond a level acts [assumed]
     at_end: float = 1e-3  # 1: relative; so near to an end a parameter stands at it [assumed]
+    places: int = 60  # 1: of the travel, at which the level of friction is looked at [cost]
+    pushes: float = 0.02  # of the largest command that moves the axis: friction may come out below nothing [assumed]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.null import limits_of
-from cogging.diagnosis.physical import at_end
+from cogging.diagnosis.physical import unphysical
 from cogging.diagnosis.thresholds import REFIT
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.model.parameters import effect_paths, role_of
@@ -35,9 +35,9 @@ def refit(
     floors, ceilings = (shape | nuisance for shape, nuisance in zip(*limits, strict=True))
     fitted = fit(model, paths, evidence.sources, iterations=REFIT.iterations, floors=floors, ceilings=ceilings)
     sizes = quantities(evidence)
+    if said := unphysical(fitted.model, given, [source.log for source in evidence.sources]):
+        raise ValueError(said)
     for effect in fitted.model.effects[given:]:
-        if said := at_end(effect, [source.log for source in evidence.sources]):
-            raise ValueError(said)
         for name, role in effect.ROLES.items():
             value = getattr(effect, name)
             if (
