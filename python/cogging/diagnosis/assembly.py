@@ -10,6 +10,7 @@ import numpy as np
 
 from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.entries import NamedEffect, ShapeTerm, Step
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.preparation import Prepared
 from cogging.diagnosis.experiment.separating import separating
 from cogging.diagnosis.gaps import Measured, gap_of, growth, measure, series_of
@@ -24,6 +25,7 @@ from cogging.diagnosis.naming.shape_terms import with_shape_terms
 from cogging.diagnosis.naming.sizes import largest_first
 from cogging.diagnosis.naming.verdict import seen_and_refused, unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
+from cogging.diagnosis.physical import physical_ceilings
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
 from cogging.diagnosis.result import Diagnosis
@@ -198,9 +200,22 @@ def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
 
 
 def _notes(found: Search, model: Model) -> list[str]:
-    """What is to be said of waves that lie elsewhere on the other motion, and of those of one pitch."""
+    """What is to be said of waves elsewhere, of those of one pitch, and of parameters that re-tuning ran up."""
     note = None if found.large is None else map_note(found.estimate.model.effects[len(model.effects) :], model)
-    return [*_turned_note(found), *([] if note is None else [note])]
+    return [*_turned_note(found), *([] if note is None else [note]), *at_their_end(found)]
+
+
+def at_their_end(found: Search) -> list[str]:
+    """Which of mass and friction re-tuning took to the end of what is allowed: a symptom, not a value."""
+    logs = [source.log for source in found.evidence.sources]
+    most = physical_ceilings(logs)
+    allowed = Allowance({}, most, (), most) if found.large is None else found.large.allowed
+    return [
+        f"{path}: re-tuning takes it to {value:.4g}, the end of what the model and these logs allow: something else is "
+        "taken for it"
+        for path, value in zip(found.estimate.paths, found.estimate.values, strict=True)
+        if path in allowed.ceilings and path not in allowed.exact and allowed.at_end(path, value)
+    ]
 
 
 def _turned_note(found: Search) -> list[str]:

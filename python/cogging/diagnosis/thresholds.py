@@ -39,6 +39,21 @@ class PreparationThresholds:
 
 
 @dataclass(frozen=True)
+class PhysicalThresholds:
+    """What no machine that made these logs can be."""
+
+    periods: float = 3.0  # 1: of a tone or a resonance, that the time of motion holds: fewer are a drift [assumed]
+    levels: int = 20  # 1: of the command, at which is seen whether what is beyond them acts [cost]
+    averaged: tuple[int, ...] = (1, 2, 4, 8, 16, 32)  # rows: over which commands and readings are averaged [cost]
+    fewest: int = 40  # 1: times the rows averaged, that a log has at least [assumed]
+    obeyed: float = 0.5  # 1: of what a V up to a level does, that a V beyond it does if there is no limit [assumed]
+    certain: float = 8.0  # deviations: by which what is beyond a level acts [assumed]
+    at_end: float = 1e-3  # 1: relative; so near to an end a parameter stands at it [assumed]
+    places: int = 60  # 1: of the travel, at which the level of friction is looked at [cost]
+    pushes: float = 0.02  # of the largest command that moves the axis: friction may come out below nothing [assumed]
+
+
+@dataclass(frozen=True)
 class ObserverThresholds:
     """The observers whose innovations are the residual, and the rows that count."""
 
@@ -694,6 +709,7 @@ class ExperimentThresholds:
 
 DISTRIBUTION = DistributionConstants()
 PREPARATION = PreparationThresholds()
+PHYSICAL = PhysicalThresholds()
 OBSERVER = ObserverThresholds()
 NULL = NullThresholds()
 WHITENING = WhiteningThresholds()

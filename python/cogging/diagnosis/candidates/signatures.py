@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from cogging.diagnosis.physical import ends
 from cogging.diagnosis.thresholds import GRID
 from cogging.effects.effect import VOCABULARY, Effect, SplineKnots, Travel, Turn, Wave, Window, kind_of
 from cogging.logs.log import Log
@@ -154,7 +155,8 @@ def shape_range(evidence: Seen, role: Mapping[str, Any]) -> tuple[float, float]:
     gives way elastically is not, where it has done so before the axis is fast enough for its rows to count.
     """
     size = quantities(evidence)[role["quantity"]]
-    low, high = role["low"] * size, role["high"] * size
+    least, most = ends([source.log for source in evidence.sources], role)
+    low, high = max(role["low"] * size, least), min(role["high"] * size, most)
     if role["quantity"] == "distance":
         low = max(low, evidence.model.encoder.resolution)
     if role["quantity"] == "velocity":
@@ -186,9 +188,11 @@ def shape_values(evidence: Seen, law: Effect, field: str, count: int) -> list[fl
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
     if role["quantity"] == "command" and role["neutral"] == np.inf:  # a limit: felt just below the largest command
-        return [
-            float(v) for v in high / role["high"] * (1.0 - np.geomspace(GRID.limit_nearest, 1.0 - role["low"], count))
-        ]
+        largest = high / role["high"]
+        nearest = GRID.limit_nearest * largest
+        return (
+            [float(v) for v in largest - np.geomspace(nearest, largest - low, count)] if largest - low > nearest else []
+        )
     if role["logarithmic"] or role["neutral"] == 0.0:
         if role["neutral"] != 0.0 or not role["logarithmic"]:
             low = max(low, GRID.smallest_share * high)

@@ -10,7 +10,13 @@ import numpy.typing as npt
 
 from cogging._core import AxisParameters, Plant, Prediction, Predictor, whiten
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities, turn_periods
+from cogging.diagnosis.candidates.signatures import (
+    Candidate,
+    known_periods,
+    quantities,
+    shape_range,
+    turn_periods,
+)
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
 from cogging.diagnosis.thresholds import GRID, SPECTRUM
@@ -78,9 +84,9 @@ def wave_range(evidence: Evidence, effect: Effect) -> tuple[float, float]:
     """Lowest and highest wavenumber (1/m), or frequency (Hz), at which a wave is sought."""
     role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
     sizes = quantities(evidence)
-    low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     if role["quantity"] != "distance":
-        return low, high
+        return shape_range(evidence, role)
+    low, high = role["low"] * sizes["distance"], role["high"] * sizes["distance"]
     wave_low, wave_high = 1.0 / high, 1.0 / low
     if "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
         return wave_low, min(

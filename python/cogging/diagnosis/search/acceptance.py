@@ -1,4 +1,4 @@
-"""Whether an effect pays: with it, the gap on other motion may not grow."""
+"""Whether an effect pays: with it, no gap may grow, neither here nor on other motion."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def that_pays(
     turns: Sequence[float] = (),
     replay: bool = False,
 ) -> tuple[Model | None, str]:
-    """The model with which the gap on the confirm logs does not grow: its nuisances re-tuned, or as they were before.
+    """The model with which no gap grows, here or on the confirm logs: its nuisances re-tuned, or as they were before.
 
     Nuisances that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself
     may then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the
@@ -35,11 +35,12 @@ def that_pays(
     it shows them, turned by `turns` (rad, one an added effect, the last of the one in question).
     """
     there = [as_there(before, turns[:-1]), as_there(tuned, turns), as_there(kept, turns)]
-    other = discrepancies(confirm, there, replay=replay)
-    if other[1].rms <= ACCEPTANCE.gap_growth * other[0].rms:
-        return tuned, ""
-    if other[2].rms < other[0].rms:
-        own = discrepancies(logs, [before, kept], replay=replay)
-        if own[1].rms <= ACCEPTANCE.gap_growth * own[0].rms:
-            return kept, ""
-    return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"
+    own = [seen.rms for seen in discrepancies(logs, [before, tuned, kept], replay=replay)]
+    other = [seen.rms for seen in discrepancies(confirm, there, replay=replay)] if confirm else [0.0, 0.0, 0.0]
+    for model, here, elsewhere, limit in zip(
+        (tuned, kept), own[1:], other[1:], (ACCEPTANCE.gap_growth, 1.0), strict=True
+    ):
+        if here <= ACCEPTANCE.gap_growth * own[0] and elsewhere <= limit * other[0]:
+            return model, ""
+    what, grown = ("gap", own) if other[1] <= ACCEPTANCE.gap_growth * other[0] else ("gap on the other motion", other)
+    return None, f"the {what} grows from {grown[0]:.4g} to {grown[1]:.4g} V with it"

@@ -9,13 +9,14 @@ from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.candidates.signatures import vocabulary_of
-from cogging.diagnosis.discrepancy import discrepancies, follows, source_of
+from cogging.diagnosis.discrepancy import discrepancies, follows, has_balance, source_of
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.null import fit_null
 from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.large.search import Large, search_large
+from cogging.diagnosis.physical import physical_ceilings
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import low_power, shapes
@@ -30,10 +31,10 @@ from cogging.diagnosis.search.choice import (
 )
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
 from cogging.diagnosis.search.form_rivals import law_instead, with_forms
-from cogging.diagnosis.search.large_start import started, tuned_beside_large
+from cogging.diagnosis.search.large_start import started, too_little_beside_large, tuned_beside_large
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
-from cogging.diagnosis.search.tuning import with_nuisances_tuned
+from cogging.diagnosis.search.tuning import amplitude_paths, gap_power, tuned_together, with_nuisances_tuned
 from cogging.diagnosis.thresholds import CHOICE, SEARCH
 from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate
@@ -80,9 +81,9 @@ def search(
             state.refused.append((choice.finding, f"another law of {owner} explains as much"))
             continue
         fitted = refit_with(state, choice.finding)
-        tuned = None if fitted is None else tuned_if_it_pays(state, choice, fitted)
-        if fitted is not None and tuned is not None:
-            accept(state, scanned, choice, fitted, tuned, wrong_map)
+        paying = None if fitted is None else tuned_if_it_pays(state, choice, fitted)
+        if paying is not None:
+            accept(state, scanned, choice, *paying, wrong_map)
 
 
 def begin(task: Task) -> State:
@@ -122,7 +123,7 @@ def large_effects(task: Task, *, any_size: bool = False) -> Large | None:
         confirm = balances_of(task.confirm, task.model) if task.confirm else None
     except ValueError:
         return None
-    allowed = allowance(task.model)
+    allowed = allowance(task.model, physical_ceilings(task.logs))
     return search_large(balances, confirm, allowed, task.vocabulary, task.progress, any_size=any_size)
 
 
@@ -231,27 +232,47 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
         return None
 
 
-def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | None:
-    """The fitted model with its nuisances tuned; None, and the effect refused, where the gap on other motion grows."""
-    task = state.task
+def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> tuple[Estimate, Model] | None:
+    """The fit and its model tuned to the gap; None, and the effect refused, where that grows here or elsewhere."""
+    task, finding = state.task, choice.finding
+    try:
+        fitted, tuned = tuned_with(state, finding, fitted)
+    except (DivergedError, ValueError) as error:
+        refuse(state, finding, f"the model with it cannot be held against the logs: {error}")
+        return None
     if state.large is not None:
-        beside, why = tuned_beside_large(state, fitted.model)
-        if beside is None:
-            refuse(state, choice.finding, why)
-        return beside
-    paths = state.nominal.paths
-    tuned = with_nuisances_tuned(fitted.model, paths, state.tuning_sources, state.allowed)
-    if not task.confirm:
-        return tuned
-    if state.by_loop is None:
-        nominal = state.tuned_nominal
-        state.by_loop = task.replay and follows(discrepancies(task.logs, [nominal], replay=True)[0], task.logs, nominal)
-    kept = with_nuisances_of(state.tuned, fitted.model, paths)
-    turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
-    paying, growth = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, turns, replay=state.by_loop)
+        why = too_little_beside_large(state, tuned)
+        paying = None if why else tuned
+    else:
+        if state.by_loop is None and task.confirm:
+            nominal = state.tuned_nominal
+            seen = discrepancies(task.logs, [nominal], replay=True)[0] if task.replay else None
+            state.by_loop = seen is not None and follows(seen, task.logs, nominal)
+        kept = with_nuisances_of(state.tuned, fitted.model, state.nominal.paths)
+        turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
+        loop = bool(state.by_loop)
+        paying, why = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, turns, replay=loop)
     if paying is None:
-        refuse(state, choice.finding, growth)
-    return paying
+        refuse(state, finding, why)
+        return None
+    return fitted, paying
+
+
+def tuned_with(state: State, finding: Finding, fitted: Estimate) -> tuple[Estimate, Model]:
+    """The fit with an effect in it and its model tuned to the gap: by the balance where that measures the gap."""
+    replay = state.task.replay and state.by_loop is not False
+    if state.large is not None and has_balance(fitted.model) and not replay:
+        return tuned_beside_large(state, fitted, finding)
+    paths, sources = state.nominal.paths, state.tuning_sources
+    return tuned_together(
+        state.tuned,
+        fitted,
+        finding,
+        lambda model: gap_power(model, sources),
+        lambda model: with_nuisances_tuned(model, paths, sources, state.allowed),
+        lambda model: with_nuisances_tuned(model, [*paths, *amplitude_paths(model)], sources, state.allowed),
+        state.evidence.sources,
+    )
 
 
 def refuse(state: State, finding: Finding, reason: str) -> None:
