@@ -173,6 +173,7 @@ EXCEPTIONS = {
     "mapping/request.py": {"pitch", "order", "origin"},  # the same
     "simulation/reference.py": {"sine"},  # of a motion
     "core_values.py": SECTION,  # what classes of the core are made of
+    "cli/parser.py": {"width"},  # of a terminal
     "log_check/": {"start"},  # columns of a fit
     "first_model/": {"sine", "center", "start"},  # of a motion
     "datasets/": COGGING,
@@ -228,7 +229,14 @@ def test_no_program_asks_for_the_fields_of_an_effect_by_name():
     """Quoted names of fields of effects, outside file formats and what is no field there."""
     names = {value for effect in cogging.EFFECTS.values() for kind in effect.KINDS for value in kind.to_dict().values()}
     names |= {"periods", "center"}
-    names -= {"position", "velocity", "time", "travel", "frequency"}  # coordinates, the axis' own, and a quantity
+    names -= {
+        "position",
+        "velocity",
+        "time",
+        "travel",
+        "frequency",
+        "angle",
+    }  # coordinates, the axis' own, and quantities
     quoted = re.compile(r"""["'.](""" + "|".join(sorted(names)) + r""")["'\[]""")
     found = set()
     for path in PACKAGE.rglob("*.py"):

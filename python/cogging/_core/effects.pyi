@@ -691,7 +691,7 @@ class Gravity:
     KINDS: typing.ClassVar[tuple]
     LAW: typing.ClassVar[str] = '-moment sin(x - angle)'
     NAME: typing.ClassVar[str] = 'gravity'
-    ROLES: typing.ClassVar[dict] = {'moment': {'role': 'amplitude', 'quantity': 'force', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'angle': {'role': 'shape', 'quantity': 'angle', 'low': -0.5, 'high': 0.5, 'logarithmic': False, 'neutral': None}}
+    ROLES: typing.ClassVar[dict] = {'moment': {'role': 'amplitude', 'quantity': 'force', 'low': 0.0, 'high': 5.0, 'logarithmic': False, 'neutral': 0.0}, 'angle': {'role': 'shape', 'quantity': 'angle', 'low': -0.5, 'high': 0.5, 'logarithmic': False, 'neutral': None}}
     __hash__: typing.ClassVar[None] = None
     def __eq__(self, other: typing.Any) -> bool:
         ...

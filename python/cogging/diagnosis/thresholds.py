@@ -524,9 +524,9 @@ class AllowanceThresholds:
 class BalanceThresholds:
     """The force balance in which large effects are looked for."""
 
-    cutoffs: tuple[float, ...] = (0.1, 0.03, 0.01, 0.003)  # of the sample rate: of its filter, tried in turn [assumed]
+    cutoffs: tuple[float, ...] = (0.1, 0.03, 0.018, 0.01, 0.006, 0.003)  # of the sample rate: filters tried [assumed]
     lowest_cutoff: float = 2.0  # Hz: no cut-off is lower [assumed]
-    noise: float = 0.1  # of the rms command: what the encoder may make of it, else a lower cut-off [assumed]
+    noise: float = 0.05  # of the rms command: what the encoder may make of it, else a lower cut-off [pendulum]
     rows_max: int = 30_000  # rows: of a log that are looked at; a lower cut-off needs fewer [cost]
     slow_rows: float = 0.02  # of the largest speed: slower rows show what friction does at rest [assumed]
     filter_reach: float = 0.5  # periods of the cut-off: so far the filter brings what friction does at rest [assumed]

@@ -20,7 +20,8 @@ struct Gravity {
   static constexpr auto fields() {
     using E = Gravity;
     return std::tuple{Field<E, Scalar>{"moment", &E::moment, "V", "weight times arm, felt a quarter turn from `angle`",
-                                       positive_amplitude(Quantity::force)},
+                                       // a swing-up in several strokes takes less than the weight
+                                       positive_amplitude(Quantity::force, 5.0)},
                       Field<E, Scalar>{"angle", &E::angle, "rad", "where the mass hangs at rest",
                                        linear_shape(Quantity::angle, -0.5, 0.5)}};
   }
