@@ -1,45 +1,20 @@
-"""Whether an effect pays: with it, the gap on other motion may not grow."""
+"""Whether a fit can tell an effect from none."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from cogging.diagnosis.discrepancy import discrepancies
-from cogging.diagnosis.search.confirmation import as_there
-from cogging.diagnosis.thresholds import ACCEPTANCE
-from cogging.logs.log import Log
-from cogging.model.model import Model
-from cogging.model.parameters import parameters_of, with_values
+from cogging.effects.effect import VOCABULARY
+from cogging.estimation.gauss_newton import Estimate
+from cogging.model.parameters import effect_paths, parameters_of, role_of
 
 
-def with_nuisances_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
-    """A model with the nuisances that it had before something was added."""
-    known = parameters_of(before, together=True)
-    return with_values(model, {path: known[path].value for path in paths if not path.startswith("effects.")})
-
-
-def that_pays(
-    logs: Sequence[Log],
-    confirm: Sequence[Log],
-    before: Model,
-    tuned: Model,
-    kept: Model,
-    turns: Sequence[float] = (),
-    replay: bool = False,
-) -> tuple[Model | None, str]:
-    """The model with which the gap on the confirm logs does not grow: its nuisances re-tuned, or as they were before.
-
-    Nuisances that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself
-    may then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the
-    replayed loop where it is asked for (`replay`) and can be had; waves that were added lie on the other motion where
-    it shows them, turned by `turns` (rad, one an added effect, the last of the one in question).
-    """
-    there = [as_there(before, turns[:-1]), as_there(tuned, turns), as_there(kept, turns)]
-    other = discrepancies(confirm, there, replay=replay)
-    if other[1].rms <= ACCEPTANCE.gap_growth * other[0].rms:
-        return tuned, ""
-    if other[2].rms < other[0].rms:
-        own = discrepancies(logs, [before, kept], replay=replay)
-        if own[1].rms <= ACCEPTANCE.gap_growth * own[0].rms:
-            return kept, ""
-    return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"
+def excludes_none(estimate: Estimate) -> bool:
+    """Whether the 95 % interval of an amplitude of the last effect excludes the value at which the effect vanishes."""
+    model = estimate.model
+    prefix, effect = effect_paths(model.effects)[-1]
+    known, neutral = parameters_of(model), VOCABULARY.get(effect.NAME, effect)
+    seen = []
+    for path, half in zip(estimate.paths, estimate.half_width, strict=True):
+        if path.rpartition(".")[0] == prefix and role_of(model, path) == "amplitude":
+            end = getattr(neutral, path.rpartition(".")[2].partition("[")[0])
+            seen.append(not abs(known[path].value - (0.0 if isinstance(end, list) else end)) <= half)
+    return any(seen) or not seen

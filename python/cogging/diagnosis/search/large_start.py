@@ -10,12 +10,13 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.movable import shape_limits
-from cogging.diagnosis.discrepancy import discrepancies, has_balance, source_of
+from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import sources_of, width_floor
 from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.refit import movable
 from cogging.diagnosis.large.search import Large, LargeTerm, with_own_nuisances, without_term
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
@@ -23,7 +24,6 @@ from cogging.diagnosis.search.state import Added, State, Task
 from cogging.diagnosis.thresholds import LARGE
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
-from cogging.model.model import Model
 
 TIMING = {"command_delay", "lag", "state"}  # hooks of what acts by when, not where
 
@@ -45,6 +45,9 @@ def started(task: Task, large: Large) -> State:
         estimate,
         gather(estimate, sources),
         large.model,
+        Yardstick(
+            task.logs, task.confirm, task.model, nominal.model, nominal.paths, large.allowed, task.replay, balance=True
+        ),
         large=large,
     )
     state.added = [added(term, place, large) for place, term in enumerate(large.effects)]
@@ -127,28 +130,3 @@ def confirmation_of(term: LargeTerm) -> Confirmation | None:
     if term.confirm.rms > (1.0 - LARGE.shown) * term.confirm_before:
         return Confirmation(0.0, 0.0, gain)
     return Confirmation(gain, 1.0, gain)
-
-
-def tuned_beside_large(state: State, model: Model) -> tuple[Model | None, str]:
-    """The model with its nuisances tuned; None, and why, where what was added beside large effects does not pay.
-
-    How far the shape of a large effect is from its law is large too, against noise alone: what is added beside it must
-    take a good part of what is left, here and on other motion.
-    """
-    large, task = state.large, state.task
-    assert large is not None
-    replay = task.replay and state.by_loop is not False
-    try:
-        if has_balance(model) and not replay:
-            model = with_own_nuisances(large.balances.under(model), large.allowed).model
-        pairs = [(task.logs, "gap")] + ([(task.confirm, "gap on the other motion")] if task.confirm else [])
-        for logs, what in pairs:
-            before, after = discrepancies(logs, [state.tuned, model], replay=replay, balance=True, stated=task.model)
-            if after.rms**2 > (1.0 - LARGE.power_taken) * before.rms**2:
-                return (
-                    None,
-                    f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it: too little beside the rest",
-                )
-    except (DivergedError, ValueError) as error:
-        return None, f"the model with it cannot be held against the logs: {error}"
-    return model, ""

@@ -8,17 +8,18 @@ from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
 from cogging.diagnosis.candidates.scan import scan
-from cogging.diagnosis.discrepancy import discrepancies, follows, source_of
+from cogging.diagnosis.discrepancy import has_balance, source_of
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.null import fit_null
+from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.balance import balances_of
-from cogging.diagnosis.large.search import Large, search_large
+from cogging.diagnosis.large.search import Large, search_large, with_own_nuisances
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import low_power, shapes
-from cogging.diagnosis.search.acceptance import that_pays, with_nuisances_of
+from cogging.diagnosis.search.acceptance import excludes_none
 from cogging.diagnosis.search.choice import (
     choose,
     is_rounding,
@@ -29,11 +30,11 @@ from cogging.diagnosis.search.choice import (
 )
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
 from cogging.diagnosis.search.form_rivals import law_instead, with_forms
-from cogging.diagnosis.search.large_start import started, tuned_beside_large
+from cogging.diagnosis.search.large_start import started
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
 from cogging.diagnosis.search.tuning import with_nuisances_tuned
-from cogging.diagnosis.thresholds import CHOICE, SEARCH
+from cogging.diagnosis.thresholds import CHOICE, LARGE, SEARCH
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
@@ -100,7 +101,8 @@ def begin(task: Task) -> State:
     sources = [source_of(log, nominal.model) for log in task.logs]
     tuned = with_nuisances_tuned(nominal.model, nominal.paths, sources)
     quick = all(source.quick_starts for source in evidence.sources)
-    state = State(task, nominal, evidence, tuned, sources, quick, nominal, evidence, tuned)
+    yardstick = Yardstick(task.logs, task.confirm, task.model, nominal.model, nominal.paths, replay=task.replay)
+    state = State(task, nominal, evidence, tuned, sources, quick, nominal, evidence, tuned, yardstick)
     state.confirm_evidence = evidence_elsewhere(state)
     return state
 
@@ -220,37 +222,40 @@ def first_that_stands(
 
 
 def refit_with(state: State, finding: Finding) -> Estimate | None:
-    """The fit with the effect in the model; None, and the effect refused, where it cannot be fitted."""
+    """The fit with the effect in the model; None, and the effect refused, where it cannot be told from none."""
     try:
         state.task.progress(f"adding {finding.name}")
         given = len(state.task.model.effects)
-        return refit(state.estimate, finding, state.evidence, given, state.allowed)
+        fitted = refit(state.estimate, finding, state.evidence, given, state.allowed)
     except (DivergedError, ValueError) as error:
         refuse(state, finding, f"the model with it cannot be fitted: {error}")
         return None
+    if excludes_none(fitted):
+        return fitted
+    refuse(state, finding, "refitted, the interval of its size includes none")
+    return None
 
 
 def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | None:
-    """The fitted model with its nuisances tuned; None, and the effect refused, where the gap on other motion grows."""
-    task = state.task
-    if state.large is not None:
-        beside, why = tuned_beside_large(state, fitted.model)
-        if beside is None:
-            refuse(state, choice.finding, why)
-        return beside
-    paths = state.nominal.paths
-    tuned = with_nuisances_tuned(fitted.model, paths, state.tuning_sources, state.allowed)
-    if not task.confirm:
-        return tuned
-    if state.by_loop is None:
-        nominal = state.tuned_nominal
-        state.by_loop = task.replay and follows(discrepancies(task.logs, [nominal], replay=True)[0], task.logs, nominal)
-    kept = with_nuisances_of(state.tuned, fitted.model, paths)
+    """The fitted model with its nuisances tuned; None, and the effect refused, where a gap does not shrink with it.
+
+    How far the shape of a large effect is from its law is large too, against noise alone: what is added beside one must
+    take a good part of what is left, here and on other motion.
+    """
     turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
-    paying, growth = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, turns, replay=state.by_loop)
-    if paying is None:
-        refuse(state, choice.finding, growth)
-    return paying
+    large, tuned = state.large, fitted.model
+    try:
+        if large is None:
+            tuned = with_nuisances_tuned(tuned, state.nominal.paths, state.tuning_sources)
+        elif has_balance(tuned) and not state.task.replay:
+            tuned = with_own_nuisances(large.balances.under(tuned), large.allowed).model
+        measured = state.yardstick.measure([state.tuned, tuned], turns)
+        why = measured.objection(0.0 if large is None else LARGE.power_taken)
+    except (DivergedError, ValueError) as error:
+        why = f"the model with it cannot be held against the logs: {error}"
+    if why:
+        refuse(state, choice.finding, why)
+    return None if why else tuned
 
 
 def refuse(state: State, finding: Finding, reason: str) -> None:
@@ -294,5 +299,6 @@ def finish(state: State, scanned: Scanned) -> Search:
         scanned.findings,
         state.confirm_evidence,
         state.task.vocabulary,
+        state.yardstick,
         state.large,
     )
