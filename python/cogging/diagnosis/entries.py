@@ -106,6 +106,7 @@ class NamedEffect:
         log_p_value: ln of the probability that noise alone shows as much (`log_chance` in JSON).
         further: parameters of further terms of the same name (harmonics).
         share: of the power of the gap before, what it takes.
+        differs: by how much the alternatives would do something else along these logs, rms over that of the gap.
         apart: standard deviations by which these logs tell it from an alternative, by the alternative's name.
         shape_term: law that it has beside the plainest, where its shape is another; None else.
     """
@@ -121,6 +122,7 @@ class NamedEffect:
     apart: Mapping[str, float] = field(default_factory=dict)
     shape_term: ShapeTerm | None = None
     share: float | None = None
+    differs: Mapping[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """The effect as an entry of the JSON result."""
@@ -136,6 +138,7 @@ class NamedEffect:
             "log_chance": self.log_p_value,
             "further": [{name: value.to_dict() for name, value in term.items()} for term in self.further],
             "apart": dict(self.apart),
+            "differs": dict(self.differs),
         }
         return told | other
 

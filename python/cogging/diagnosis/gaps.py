@@ -49,8 +49,8 @@ class Measured:
     def objection(self, least: float = 0.0) -> str:
         """Why what the last model has beyond the first does not enter it; empty where nothing speaks against that.
 
-        The gap must shrink on the given logs, and on the confirm logs it may not grow by more than chance; nor may the
-        error of the replayed position grow.
+        That it stands out of the noise is seen in whitened residuals. The gap itself, in which noise at all frequencies
+        counts, may then not grow by more than chance, on given and confirm logs; nor the error of the replayed position.
 
         Args:
             least: share of the gap's power that it must take, on both.
@@ -59,7 +59,7 @@ class Measured:
             if not logs:
                 continue
             before, after = logs[0], logs[-1]
-            chance = 0.0 if logs is self.given or least else chance_of(before, after)
+            chance = 0.0 if least else min(chance_of(before, after), ACCEPTANCE.growth * before.rms**2)
             if after.rms**2 >= (1.0 - least) * before.rms**2 + chance:
                 return f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it"
             if before.position and (after.position or 0.0) > ACCEPTANCE.position_growth * before.position:
@@ -144,14 +144,14 @@ class Yardstick:
 
 
 def chance_of(before: Discrepancy, after: Discrepancy) -> float:
-    """By how much chance may make the mean square of a gap grow: one deviation of what blocks of the logs say, V^2."""
+    """By how much chance may make the mean square of a gap grow: two deviations of what blocks of the logs say, V^2."""
     gains = [
         float(np.sum(part))
         for old, new, mask in zip(before.series, after.series, before.masks, strict=True)
         for part in np.array_split((new[mask] ** 2 - old[mask] ** 2), ACCEPTANCE.blocks)
     ]
     rows = sum(int(mask.sum()) for mask in before.masks)
-    return float(np.std(gains) * len(gains) ** 0.5 / max(rows, 1))
+    return float(2.0 * np.std(gains) * len(gains) ** 0.5 / max(rows, 1))
 
 
 def gap_of(measured: Measured, read: Discrepancy | None, rest: Predicted, logs: Sequence[Log], final: Model) -> Gap:
@@ -179,7 +179,7 @@ def gap_of(measured: Measured, read: Discrepancy | None, rest: Predicted, logs: 
         after.position,
         None if read is None else read.rms,
         after.rms / rms if rms > 0.0 else None,
-        rest.share if confirm else None,
+        rest.elsewhere,
     )
 
 

@@ -30,13 +30,19 @@ class Predicted:
     """What a generic force predicts of the power of what is left.
 
     Attributes:
-        share: of the power that is left where the force was not fitted: on the confirm logs, else between blocks of
-            the given ones; 0 to 1.
+        within: of the power that is left on the given logs, what the force predicts of blocks from the others; 0 to 1.
+        elsewhere: of that on the confirm logs, what it predicts fitted to the given logs; None without confirm logs.
         shape: force in the one coordinate that predicts most by itself, with the share that it predicts.
     """
 
-    share: float
+    within: float
+    elsewhere: float | None
     shape: Shape
+
+    @property
+    def share(self) -> float:
+        """What it predicts at best: what repeats itself on the given logs alone is no noise either."""
+        return max(self.within, self.elsewhere or 0.0)
 
 
 def predicted(
@@ -49,7 +55,7 @@ def predicted(
 
     Args:
         logs, given: given logs and what is left of them.
-        others, confirm: the same of the confirm logs; none: blocks of the given logs predict each other.
+        others, confirm: the same of the confirm logs.
     """
     here = [_motion(log, one, given) for log, one in zip(logs, given.series, strict=True)]
     places = {
@@ -69,7 +75,9 @@ def predicted(
     test = ScoreTest(np.nan, count, force[:count], left, deviation[:count])
     force = pushes(given) * force[:count]
     shape = Shape(best, COORDINATE_UNITS[best], test, places[best], force, deviation[:count], 0.0, share)
-    return Predicted(_fit(sums, elsewhere, groups != "")[0], shape)
+    every = np.ones(len(groups), dtype=bool)
+    there = None if elsewhere is None else _fit(sums, elsewhere, every)[0]
+    return Predicted(_fit(sums, None, every)[0], there, shape)
 
 
 def pushes(gap: Discrepancy) -> float:

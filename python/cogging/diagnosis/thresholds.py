@@ -371,6 +371,7 @@ class RefitThresholds:
 class AcceptanceThresholds:
     """Whether an effect pays, and the terms that must not."""
 
+    growth: float = 0.02  # of the gap's power: it may grow by chance, but never by more [assumed]
     blocks: int = 20  # 1: of a log, between which gains differ by chance [assumed]
     position_growth: float = 1.1  # times the error of the replayed position: it may not become more [assumed]
     placebos_max: int = 5  # 1: placebo terms that are told [assumed]

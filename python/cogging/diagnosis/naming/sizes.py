@@ -26,9 +26,13 @@ def with_shares(
     """
     powers = [gap.rms**2 for gap in gaps]
     taken = dict.fromkeys(names, 0.0)
-    for name, before, after in zip(names, powers, powers[1:], strict=True):
+    for name, before, after in zip(names, powers[:-1], powers[1:], strict=True):
         taken[name] += max(0.0, before - after) / powers[0]
-    told = [replace(_largest_term_first(effect, final), share=taken.get(effect.name)) for effect in effects]
+    told = []
+    for effect in effects:
+        share = taken.get(effect.name, 0.0)
+        differs = {name: part * share**0.5 for name, part in effect.differs.items()}
+        told.append(replace(_largest_term_first(effect, final), share=share, differs=differs))
     return sorted(told, key=lambda effect: -(effect.share or 0.0))
 
 

@@ -49,7 +49,7 @@ def not_noise(rest: Predicted, gap: Gap) -> dict[str, Any] | None:
     left = rest.share * gap.after**2
     if (gap.share or 0.0) * rest.share**0.5 < VERDICT.systematic or left < gap.before**2 - gap.after**2:
         return None
-    return _entry(rest.shape, None if gap.predictable is None else True)
+    return _entry(rest.shape, None if rest.elsewhere is None else rest.elsewhere > 0.0)
 
 
 def seen_and_refused(found: Search) -> dict[str, Any]:

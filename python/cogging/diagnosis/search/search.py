@@ -230,7 +230,7 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
     except (DivergedError, ValueError) as error:
         refuse(state, finding, f"the model with it cannot be fitted: {error}")
         return None
-    if excludes_none(fitted):
+    if excludes_none(fitted, finding.candidate.law):
         return fitted
     refuse(state, finding, "refitted, the interval of its size includes none")
     return None
