@@ -49,7 +49,6 @@ def test_what_changed_is_measured_against_the_model_as_stated():
 def test_what_was_seen_is_a_gap_though_adding_it_does_not_pay(effect, confirm, monkeypatch):
     """Refused all together, it is told as what no effect explains: the logs do differ from the model."""
 
-
     def refused_at_the_end(*arguments, **named):
         found = search(*arguments, **named)
         monkeypatch.setattr("cogging.diagnosis.gaps.Measured.objection", lambda measured: "it grows")

@@ -49,8 +49,8 @@ class Measured:
     def objection(self, least: float = 0.0) -> str:
         """Why what the last model has beyond the first does not enter it; empty where nothing speaks against that.
 
-        That it stands out of the noise is seen in whitened residuals. The gap itself, in which noise at all frequencies
-        counts, may then not grow by more than chance, on given and confirm logs; nor the error of the replayed position.
+        Whitened residuals show whether it stands out of the noise. The gap, in which all noise counts, may not grow by
+        more than chance, on given and on confirm logs; nor may the error of the replayed position.
 
         Args:
             least: share of the gap's power that it must take, on both.

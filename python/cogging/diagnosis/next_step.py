@@ -100,7 +100,7 @@ def _take_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
 
 def _look_where_it_sits(result: Diagnosis, files: GivenFiles) -> NextStep:
     words = "What is left has no name: look at where it sits, and repeat the motion with that alone changed"
-    if empirical_law(str((result.unlisted or {}).get("coordinate")))[0] is None:  # a force of any shape is none of it
+    if result.unlisted is not None and empirical_law(str(result.unlisted["coordinate"]))[0] is None:
         if not result.effects:
             return _move_more(result, files, words + ". ")
         return _adopt(files, _is_confirmed(result, files), words + ". To work with what was found, write the model")

@@ -37,16 +37,13 @@ def short_text(result: Diagnosis) -> str:
     if result.near_rest is not None:
         tail.append(result.near_rest.text())
     tail += [f"planned: {outcome.text()}" for outcome in result.planned[:1]]
-    notes = f", {len(result.notes)} notes" if result.notes else ""
+    notes = f", notes ({len(result.notes)})" if result.notes else ""
     tail.append(f"more with --verbose: where the gap sits, what was tried, detection limits{notes}")
     rows = [*result.axis_lines(), *(_effect_line(result, effect) for effect in result.effects)]
     room = LINES - len(head) - len(tail)
     if len(rows) > room:
         rows = [*rows[: room - 1], f"  and {len(rows) - room + 1} more"]
-    return "\n".join(
-        textwrap.shorten(line, WIDTH, placeholder=" ...") if len(line) > WIDTH else line
-        for line in [*head, *rows, *tail]
-    )
+    return "\n".join(map(_cut, [*head, *rows, *tail]))
 
 
 def apart_text(effect: NamedEffect) -> str:
@@ -87,6 +84,10 @@ def _effect_line(result: Diagnosis, effect: NamedEffect) -> str:
 
 def _interval(low: Any, high: Any) -> str:
     return "" if low is None or high is None or not np.isfinite(high - low) else f" [{low:.4g}, {high:.4g}]"
+
+
+def _cut(line: str) -> str:
+    return line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rpartition(' ')[0]} ..."
 
 
 def _wrapped(text: str) -> list[str]:
