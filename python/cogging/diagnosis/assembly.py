@@ -55,7 +55,7 @@ def assemble(found: Search, logs: Prepared, model: Model) -> Diagnosis:
     models = [_as_stated(found, retuned, model, held[count:]) for count in range(len(held) + 1)]
     models += [file_form(added.model, model) for added in found.added]
     nominal, models[-1] = models[0], final
-    yardstick = replace(found.yardstick, paths=[path for path in found.yardstick.paths if path not in held])
+    yardstick = found.yardstick.holding(held)
     measured = yardstick.measure(models, turns_of(found.added))
     read = yardstick.as_read(measured.given[0])
     if read is not None and read.rms < measured.given[0].rms:  # re-tuning that makes the gap larger is none
@@ -107,8 +107,10 @@ def told_all_the_same(result: Diagnosis, found: Search) -> dict[str, Any]:
 
 
 def last_model(found: Search) -> Model:
-    """The model with all that was added."""
-    return found.added[-1].model if found.added else found.tuned
+    """The model with all that was added, and mass and friction as a search for large effects left them."""
+    if found.added:
+        return found.added[-1].model
+    return found.tuned if found.large is None else found.large.model
 
 
 def file_form(fitted: Model, model: Model) -> Model:

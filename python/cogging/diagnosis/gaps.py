@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -128,8 +128,13 @@ class Yardstick:
     def elsewhere(self, model: Model) -> Model:
         """The model with its nuisances tuned to the confirm logs, as far as they are allowed to move."""
         if self.balance and self.allowed is not None and has_balance(model):
-            return with_own_nuisances(balances_of(self.confirm, model), self.allowed).model
+            return with_own_nuisances(balances_of(self.confirm, self.stated).under(model), self.allowed).model
         return with_nuisances_tuned(model, self.paths, self._sources, self.allowed)
+
+    def holding(self, paths: Sequence[str]) -> Yardstick:
+        """The same, with these parameters no nuisances: what was found of them is an effect."""
+        allowed = self.allowed and replace(self.allowed, exact=(*self.allowed.exact, *paths))
+        return replace(self, paths=[path for path in self.paths if path not in paths], allowed=allowed)
 
     def _of(self, logs: Sequence[Log], models: Sequence[Model], replay: bool) -> list[Discrepancy]:
         return discrepancies(logs, models, replay=replay, balance=self.balance, stated=self.stated)

@@ -38,6 +38,7 @@ from cogging.diagnosis.thresholds import CHOICE, LARGE, SEARCH
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
+from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 
 
@@ -79,7 +80,7 @@ def search(
         if owner is not None:
             state.refused.append((choice.finding, f"another law of {owner} explains as much"))
             continue
-        fitted = refit_with(state, choice.finding)
+        fitted = refit_with(state, choice)
         tuned = None if fitted is None else tuned_if_it_pays(state, choice, fitted)
         if fitted is not None and tuned is not None:
             accept(state, scanned, choice, fitted, tuned, wrong_map)
@@ -221,8 +222,9 @@ def first_that_stands(
 # Refit ----------------------------------------------------------------------------------------------------------------
 
 
-def refit_with(state: State, finding: Finding) -> Estimate | None:
-    """The fit with the effect in the model; None, and the effect refused, where it cannot be told from none."""
+def refit_with(state: State, choice: Choice) -> Estimate | None:
+    """The fit with the effect in the model; None, and the effect refused, where nothing tells it from none."""
+    finding, check = choice.finding, choice.check
     try:
         state.task.progress(f"adding {finding.name}")
         given = len(state.task.model.effects)
@@ -230,7 +232,8 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
     except (DivergedError, ValueError) as error:
         refuse(state, finding, f"the model with it cannot be fitted: {error}")
         return None
-    if excludes_none(fitted, finding.candidate.law):
+    elsewhere = check is not None and check.confirmed and check.ratio > SIGMAS_95 * check.deviation
+    if elsewhere or excludes_none(fitted, finding.candidate.law):
         return fitted
     refuse(state, finding, "refitted, the interval of its size includes none")
     return None
