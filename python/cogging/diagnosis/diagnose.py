@@ -129,7 +129,7 @@ def _diagnosed(
         except DivergedError as error:
             raise DivergedError("; ".join((str(error), *ready.notes))) from None
         begin("measuring the gap")
-        result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
+        result = with_outcomes(assemble(found, ready, model), expected, found)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
 

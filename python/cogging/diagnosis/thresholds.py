@@ -389,7 +389,8 @@ class RefitThresholds:
 class AcceptanceThresholds:
     """Whether an effect pays, and the terms that must not."""
 
-    gap_growth: float = 1.01  # times the gap on the confirm logs: an effect may not make it larger [assumed]
+    growth: float = 0.02  # of the gap's power: it may grow by chance, but never by more [assumed]
+    blocks: int = 20  # 1: of a log, between which gains differ by chance [assumed]
     position_growth: float = 1.1  # times the error of the replayed position: it may not become more [assumed]
     placebos_max: int = 5  # 1: placebo terms that are told [assumed]
     placebo_suspected: float = -6.0  # ln p: what is below and was refused is no placebo [assumed]
@@ -460,6 +461,7 @@ class VerdictThresholds:
     burst: float = -12.0  # ln p: of bursts of force: noise has its own [assumed]
     bursts_together: float = -60.0  # ln p: the same of both logs [assumed]
     rounding: float = 0.07  # of the residual's power: from there the encoder's rounding is no white noise [assumed]
+    systematic: float = 0.1  # of the rms command: less of what a generic force predicts is small [assumed]
     weakened: float = 2.0  # 1: what is left must then have as many times the ln p [assumed]
 
 

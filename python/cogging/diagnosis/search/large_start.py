@@ -10,12 +10,13 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.movable import shape_limits
-from cogging.diagnosis.discrepancy import discrepancies, source_of
+from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import limits_of, sources_of
 from cogging.diagnosis.evidence.score_test import ScoreTest
+from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.refit import movable, refitted
 from cogging.diagnosis.large.search import Large, LargeTerm, with_own_nuisances, without_term
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
@@ -46,6 +47,9 @@ def started(task: Task, large: Large) -> State:
         estimate,
         gather(estimate, sources),
         large.model,
+        Yardstick(
+            task.logs, task.confirm, task.model, nominal.model, nominal.paths, large.allowed, task.replay, balance=True
+        ),
         large=large,
     )
     state.added = [added(term, place, large) for place, term in enumerate(large.effects)]
@@ -145,21 +149,3 @@ def tuned_beside_large(state: State, fitted: Estimate, finding: Finding) -> tupl
     return tuned_together(
         state.tuned, fitted, finding, lambda m: balances.under(m).rms, nuisances, everything, state.evidence.sources
     )
-
-
-def too_little_beside_large(state: State, model: Model) -> str:
-    """Why what was added beside large effects does not pay; empty where it does.
-
-    How far the shape of a large effect is from its law is large too, against noise alone: what is added beside it must
-    take a good part of what is left, here and on other motion.
-    """
-    task, replay = state.task, state.task.replay and state.by_loop is not False
-    try:
-        pairs = [(task.logs, "gap")] + ([(task.confirm, "gap on the other motion")] if task.confirm else [])
-        for logs, what in pairs:
-            before, after = discrepancies(logs, [state.tuned, model], replay=replay, balance=True, stated=task.model)
-            if after.rms**2 > (1.0 - LARGE.power_taken) * before.rms**2:
-                return f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it: too little beside the rest"
-    except (DivergedError, ValueError) as error:
-        return f"the model with it cannot be held against the logs: {error}"
-    return ""
