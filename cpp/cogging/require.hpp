@@ -30,6 +30,7 @@ class ControllerError : public std::runtime_error {
 
 /// The shortest of %g and %.17g that reads back as the same number.
 inline std::string format(double value) {
+  if (std::isnan(value)) return "nan";  // whose sign says nothing
   char text[40];
   std::snprintf(text, sizeof text, "%g", value);
   if (std::isfinite(value) && std::strtod(text, nullptr) != value) std::snprintf(text, sizeof text, "%.17g", value);

@@ -47,6 +47,18 @@ def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPat
         target_of(path)
 
 
+def require_folder() -> None:
+    """Refuse to work in a current folder that is gone: no name of a file means anything there.
+
+    Raises:
+        InputError: it was deleted, or may not be entered.
+    """
+    try:
+        os.getcwd()
+    except OSError as error:
+        raise InputError(f"the current folder: must be there, got one that was deleted ({error.strerror})") from None
+
+
 def check_folder(path: AnyPath) -> None:
     """Refuse a folder for results that is none and cannot be made, before anything is computed.
 
@@ -248,8 +260,16 @@ def _place(path: AnyPath) -> str:
 
 
 def to_toml(document: Mapping[str, Any]) -> str:
-    """Format a document as TOML text, numbers to their last bit."""
-    return tomli_w.dumps(document)
+    """Format a document as TOML text, numbers to their last bit.
+
+    Raises:
+        ValueError: a key or a text in it that UTF-8 cannot hold; names its line.
+    """
+    text = tomli_w.dumps(document)
+    for line in text.splitlines() if any("\ud800" <= letter <= "\udfff" for letter in text) else ():
+        if any("\ud800" <= letter <= "\udfff" for letter in line):
+            raise ValueError(f"{printable(line)}: must be text that UTF-8 holds, got half of a pair of surrogates")
+    return text
 
 
 def to_json(document: Any, *, indent: int = 1) -> str:

@@ -155,9 +155,8 @@ def test_what_is_added_has_all_its_amplitudes(name):
     candidate = finding.candidate
     assert len(finding.amplitudes) == max(1, len(candidate.amplitudes))
     for field, index in candidate.amplitudes:
-        there, tried = (
-            np.ravel(getattr(effect, field))[index or 0] for effect in (finding.effect(), term.trial.effect)
-        )
+        both = finding.effect(), term.trial.effect
+        there, tried = (np.ravel(getattr(effect, field))[index or 0] for effect in both)
         assert there == tried
 
 

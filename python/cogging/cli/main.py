@@ -7,11 +7,14 @@ import importlib.metadata
 import sys
 from collections.abc import Sequence
 
+from numpy.linalg import LinAlgError
+
 from cogging import _core
 from cogging.cli.parser import Formatter, Parser, Tell
 from cogging.cli.screen import complain, stand_in_for_closed_streams
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
+from cogging.outputs import require_folder
 from cogging_command import run_command
 
 #: The commands in the order of the help: each a module of `cogging.cli` with `add_parser(commands)`, `run(arguments)`.
@@ -49,9 +52,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not hasattr(parsed, "run"):
             parser.print_help()
             parser.error(NO_COMMAND)
+        require_folder()
         parsed.run(parsed)
     except InputError as error:
         complain(f"cogging: {error}")
+        return 2
+    except (ArithmeticError, RecursionError, LinAlgError) as error:  # the last resort: what no rule has foreseen
+        complain(f"cogging: these files lead to numbers that cannot be computed with: {error}")
         return 2
     except (ValueError, OSError, _core.DivergedError) as error:
         complain(f"cogging: {' '.join(str(error).split())}")
@@ -62,9 +69,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except ImportError as error:  # a library that is not there, or for whose code no memory is left
         complain(f"cogging: {' '.join(str(error).split())}")
-        return 2
-    except (ArithmeticError, RecursionError) as error:  # the last resort: what no rule of a field has foreseen
-        complain(f"cogging: these files lead to numbers that cannot be computed with: {error}")
         return 2
     return 0
 

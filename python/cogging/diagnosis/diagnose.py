@@ -41,6 +41,7 @@ IN_THEIR_OWN_UNITS = ("location", "series", "vocabulary", "planned")
 
 
 @takes(logs=LOGS, model=MODEL, confirm=LOGS, planned=PLANNED)
+@np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
 @on_one_blas_thread(scipy=True)
 def diagnose(
     logs: Logs,

@@ -52,7 +52,7 @@ def limits(found: Search, model: Model, confirmed: bool) -> dict[str, Limit]:
         return limit(View(evidence, _basis_without(found, law), other, confirmed, worth), law)
 
     laws = [law for law in found.vocabulary.values() if is_sought(law)]
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
+    with ThreadPoolExecutor(os.cpu_count(), initializer=lambda: np.seterr(all="ignore")) as threads:
         told = dict(zip((law.NAME for law in laws), threads.map(one, laws), strict=True))
     return told | change_limits(found, model)
 

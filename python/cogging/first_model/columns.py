@@ -24,7 +24,7 @@ from cogging.first_model.units import (
     unit_of_position,
     unit_of_time,
 )
-from cogging.logs.columns import survey_columns
+from cogging.logs.columns import read_columns, survey_columns
 from cogging.logs.readers.request import listed
 from cogging.model.units import UNIT_KEYS, Units
 from cogging.shown import nearest, printable
@@ -59,6 +59,10 @@ def guess_columns(
     labels = [label for label, _ in surveyed]
     table = numbers(path, [label for label in headers if labels.count(label) == 1 and label], rows)
     own = {name: _meant(path, label, headers) for name, label in columns.items()}
+    for label in own.values():
+        if label not in table:
+            read_columns(path, [label], columns={label: label}, scale={label: 1.0}, rows=rows)  # says why
+            raise InputError(f"{path}: column {label}: must be named once, and as long as the columns of numbers are")
     found = {name: (label, "as stated", STATED) for name, label in own.items()}
     _required(path, found, headers, table)
     notes: list[str] = []

@@ -16,7 +16,7 @@ from cogging.identification.misreading.misreading import misreading
 from cogging.identification.result import Identification
 from cogging.identification.two_estimators import TwoEstimators
 from cogging.log_check.hints import hints
-from cogging.logs.log import Log, read_log
+from cogging.logs.log import Log, read_log, require_sizes
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
 from cogging.memory import require_rows
@@ -32,6 +32,7 @@ CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the f
 
 
 @takes(logs=LOGS, model=MODEL)
+@np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
 @on_one_blas_thread(scipy=True)
 def identify(
     logs: Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]],
@@ -163,7 +164,10 @@ def _require_motion(name: str, log: Log, units: Units) -> None:
         raise ValueError(f"{name}: rows: must be at least {FEWEST_ROWS} to fit a model, got {len(log)}")
     if log.position.max() == log.position.min():
         raise ValueError(f"{name}: position: must move, got {log.position[0]:g} {units.position} in every row")
+    if not np.any(log.command):
+        raise ValueError(f"{name}: command: must act on an axis that moves, got 0 {units.command} in every row")
     try:
+        require_sizes(log)
         running_time(log.time)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None

@@ -180,7 +180,7 @@ def profiled(evidence: Evidence, findings: Sequence[Finding]) -> list[Finding]:
         again = [bounded(quiet, f) for f in judged(quiet, [finding.candidate], finding.trials, exact=True)]
         return max([finding, *again], key=lambda f: f.score)
 
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
+    with ThreadPoolExecutor(os.cpu_count(), initializer=lambda: np.seterr(all="ignore")) as threads:
         first = list(threads.map(sharper, ranked[: FINDING.findings_profiled]))
     return sorted([*first, *ranked[FINDING.findings_profiled :]], key=lambda f: -f.score)
 

@@ -30,7 +30,7 @@ def scan(evidence: Evidence, laws: Iterable[Effect]) -> list[Finding]:
     wanted = list(laws)
     periods: dict[float, float] = {}  # of the waves along the travel that stand out, and among how many they do
     _ = evidence.scales, evidence.overdispersion  # made here once, not by every thread
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
+    with ThreadPoolExecutor(os.cpu_count(), initializer=lambda: np.seterr(all="ignore")) as threads:
         for waves in (True, False):  # the waves first: the others look at their periods too
             tried = [law for law in wanted if is_wave(law) == waves]
             # What takes long begins first, so that it is not what the others wait for.

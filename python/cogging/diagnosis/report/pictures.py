@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -109,7 +110,9 @@ def picture(draw: Callable[[Any], object], finding: str = "") -> Picture:
     axes.set_facecolor("none")  # the card behind it is light or a little darker, as the page is
     returned = draw(axes)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=140, facecolor="none")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is a box: the page's text has it
+        figure.savefig(buffer, format="png", dpi=140, facecolor="none")
     source = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
     return Picture(source, finding or str(returned))
 

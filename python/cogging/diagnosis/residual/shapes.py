@@ -130,7 +130,7 @@ def shapes(evidence: Evidence, *, plain: bool = False, known: Sequence[Shape] = 
         test, share = best_test(evidence, tables, [start] if explained > SHAPE.plain_share else [], power)
         return None if test is None else shape_of(name, unit, places, test, share, len(seen[-1]))
 
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
+    with ThreadPoolExecutor(os.cpu_count(), initializer=lambda: np.seterr(all="ignore")) as threads:
         found = [one for one in threads.map(shape, wanted) if one is not None]
     found += [one for one in known if one.coordinate not in wanted]
     return sorted(found, key=lambda one: one.log_p_value)
