@@ -1,0 +1,1 @@
+"""What was run once to choose something that is shipped, or will be."""

@@ -1,0 +1,1 @@
+"""A prototype of one engine for `diagnose`; see README.md."""

@@ -1,0 +1,86 @@
+"""Candidates: what may be missing, as columns along the measured motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+
+@dataclass
+class Shape:
+    """One candidate at one shape: columns per log at the middle rate."""
+
+    name: str
+    label: str
+    columns: list  # per log (k, n)
+    finite: bool = False  # the column is the whole effect: amplitude 1
+    effect: Any = None  # function amplitudes -> Effect, or None
+    cell: str = ""  # coordinate
+    bounds: Any = None
+    single: Any = None  # the same cause, one shape: its amplitudes' signs
+
+
+def hats(values, places):
+    """Linear interpolation between places as columns."""
+    table = np.zeros((len(places), len(values)))
+    left = np.clip(np.searchsorted(places, values, side="right") - 1, 0, len(places) - 2)
+    share = np.clip((values - places[left]) / np.diff(places)[left], 0.0, 1.0)
+    rows = np.arange(len(values))
+    table[left, rows], table[left + 1, rows] = 1.0 - share, share
+    return table
+
+
+def splines(values, low, high, count):
+    """Cubic B-splines over [low, high], (count, n)."""
+    from scipy.interpolate import BSpline
+
+    inner = np.linspace(low, high, count - 2)
+    knots = np.concatenate([[low] * 3, inner, [high] * 3])
+    x = np.clip(values, low, high - 1e-9 * (high - low))
+    return BSpline.design_matrix(x, knots, 3).toarray().T
+
+
+def dahl(x, length):
+    """Bristle deflection over its largest, of a Dahl contact along x (n,): closed form from reversal to reversal."""
+    sign = np.sign(np.diff(x))
+    turns = np.flatnonzero(np.diff(sign)) + 1
+    z = np.zeros(len(x))
+    now = 0.0
+    for a, b in zip([0, *turns], [*turns, len(x) - 1]):
+        s = sign[a] if a < len(sign) else 0.0
+        if s:
+            z[a : b + 1] = s + (now - s) * np.exp(-np.abs(x[a : b + 1] - x[a]) / length)
+        else:
+            z[a : b + 1] = now
+        now = z[b]
+    return z
+
+
+def load_answer(a, step, antiresonance, damping):
+    """Acceleration of a load behind a spring, given the motor's (n,)."""
+    w = np.tan(min(np.pi * antiresonance * step, 1.5))
+    d, s = 2.0 * damping * w, w * w
+    return lfilter([d + s, 2 * s, s - d], [1 + d + s, 2 * s - 2, 1 - d + s], a)
+
+
+def loose_load(x, step, gap):
+    """Acceleration of a load with play driven by the motor's motion x: it follows at the gap's edge, inelastic."""
+    half = 0.5 * gap
+    y = x[0]
+    vy = 0.0
+    out = np.zeros(len(x))
+    xs = x.tolist()
+    for k in range(1, len(xs)):
+        vx = (xs[k] - xs[k - 1]) / step
+        free = y + vy * step
+        before = vy
+        if free > xs[k] + half:
+            free, vy = xs[k] + half, min(vy, vx)
+        elif free < xs[k] - half:
+            free, vy = xs[k] - half, max(vy, vx)
+        y = free
+        out[k] = (vy - before) / step
+    return out

@@ -1,0 +1,416 @@
+"""The search: what is missing in a force balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import lfilter, oaconvolve
+
+from cogging.estimation.residuals import quiet_plant
+from cogging.model.parameters import effect_paths, parameters_of, with_values
+
+ORDER = 24
+MEMORY = 0.4  # s
+
+
+def noise_filter(segments, masks, rate):
+    """Causal whitening filter: each row less what those before it tell, near ones one by one, far ones by their mean."""
+    edges = [*range(ORDER + 1)]
+    while edges[-1] < MEMORY * rate:
+        edges.append(int(np.ceil(1.4 * edges[-1])))
+    bins = list(zip(edges[:-1], edges[1:]))
+    gram, right = 0.0, 0.0
+    for e, m in zip(segments, masks):
+        e = np.where(m, e, 0.0)
+        total = np.concatenate([[0.0], np.cumsum(e)])
+        n = len(e)
+        at = np.arange(n)
+        past = np.array([total[np.maximum(at - low, 0)] - total[np.maximum(at - high, 0)] for low, high in bins])
+        past, now = past[:, m], e[m]
+        gram, right = gram + past @ past.T, right + past @ now
+    size = np.sqrt(np.diag(gram)) + 1e-300
+    w = np.linalg.solve(gram / np.outer(size, size) + 1e-6 * np.eye(len(size)), right / size) / size
+    taps = np.zeros(edges[-1] + 1)
+    taps[0] = 1.0
+    for (low, high), one in zip(bins, w):
+        taps[low + 1 : high + 1] = -one
+    return taps
+
+
+def without_lines(x, rate, most=3, ratio=40.0):
+    """A residual without lines of its spectrum: a tone is a signal, which a filter with a memory would take away."""
+    n = len(x)
+    for _ in range(most):
+        spectrum = np.fft.rfft(x * np.hanning(n))
+        power = np.abs(spectrum) ** 2
+        level = median_filter(power, 81) + 1e-300
+        j = int(np.argmax(power / level * (np.arange(len(power)) > 4)))
+        if power[j] < ratio * level[j]:
+            break
+        t = 2 * np.pi * np.arange(n) / n
+        table = np.vstack([f((j + d) * t) for d in (-1.0, -0.5, 0.0, 0.5, 1.0) for f in (np.sin, np.cos)])
+        w = np.linalg.lstsq(table.T, x, rcond=1e-6)[0]
+        x = x - w @ table
+    return x
+
+
+@dataclass
+class Context:
+    """Logs under a model with what was accepted; everything whitened."""
+
+    balances: list
+    model: Any
+    extra: list = field(default_factory=list)  # accepted Shapes without a law: (Shape, free)
+    taps: Any = None
+    generic: bool = True
+    nuisance_free: tuple = ()
+    start_model: Any = None
+    taps_given: Any = None
+    suspects: tuple = ()  # candidates that the noise filter leaves out
+    frozen: bool = False  # effects and extras as they are
+
+    def prepare(self, rounds=2):
+        if self.start_model is None:
+            self.start_model = self.model
+        self.taps_given = self.taps
+        for k in range(rounds):
+            self.prepare_once()
+            if k == 0 and self.taps_given is None:
+                for b, r in zip(self.balances, self.raw):
+                    b.hear(r, self.model.axis.mass)
+                self.taps = None
+            self.model = self.retuned()
+        self.prepare_once()
+        return self
+
+    def suspecting(self, *suspects):
+        """The same with a noise filter that leaves the suspects out."""
+        other = replace(self, suspects=tuple(f for f in suspects if f.columns is not None), taps=None)
+        other.prepare_once()
+        return other
+
+    def retuned(self):
+        """The model with nuisances as fitted."""
+        known = parameters_of(self.model, together=True)
+        values = {}
+        for path, step in zip(self.paths, self.theta):
+            if path in known:
+                value = known[path].value + float(step)
+                if path.startswith("axis."):
+                    low = 0.05 * known[path].value if path == "axis.mass" else 0.0
+                    value = max(value, low)
+                if path in self.limits:
+                    low, high = self.limits[path]
+                    value = min(max(value, low), high)
+                values[path] = value
+        try:
+            return with_values(self.model, values)
+        except ValueError:
+            return with_values(self.model, {k: v for k, v in values.items() if not k.startswith("effects.")})
+
+    def prepare_once(self):
+        m = self.model
+        self.masks = [b.mask for b in self.balances]
+        both = [drive(b, m) for b in self.balances]
+        self.drives = [u for u, _ in both]
+        self.accelerations = [a for _, a in both]
+        self.paths, nuis = nuisance_columns(self)
+        self.raw = [b.residual(m) for b in self.balances]
+        self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw)]
+        self.nuisances = [b.rows(t) for b, t in zip(self.balances, nuis)]
+        made = [s.columns(self) for s in self.extra]
+        if self.frozen and made:
+            for i, b in enumerate(self.balances):
+                self.residuals[i] = (
+                    self.residuals[i] - b.rows(sum(s.amplitudes @ t[i] for s, t in zip(self.extra, made)))[0]
+                )
+            made = []
+        extra = [
+            b.rows(np.vstack([t[i] for t in made])) if made else np.zeros((0, len(r)))
+            for i, (b, r) in enumerate(zip(self.balances, self.residuals))
+        ]
+        self.nuisances = [np.vstack([a, e]) for a, e in zip(self.nuisances, extra)]
+        if self.taps is None:
+            self.taps = self.noise_filter()
+        self.whiten_all()
+        return self
+
+    def noise_filter(self):
+        """Whitening filter from what a generic basis leaves."""
+        cols = []
+        more = [f.columns(self) for f in self.suspects]
+        for i, b in enumerate(self.balances):
+            cols.append(np.vstack([self.nuisances[i], *(b.rows(t[i]) for t in more)]))
+        r = np.concatenate([x[m] for x, m in zip(self.residuals, self.masks)])
+        c = np.hstack([x[:, m] for x, m in zip(cols, self.masks)])
+        norm = np.linalg.norm(c, axis=1)
+        norm[norm == 0] = 1
+        w = np.linalg.lstsq((c / norm[:, None]).T, r, rcond=1e-7)[0] / norm
+        left = [x - w @ t for x, t in zip(self.residuals, cols)]
+        left = [without_lines(x * m, b.rate) for x, m, b in zip(left, self.masks, self.balances)]
+        # outliers do not decide the filter
+        scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
+        left = [np.clip(x, -8 * scale, 8 * scale) for x in left]
+        return noise_filter(left, self.masks, self.balances[0].rate)
+
+    def whiten(self, tables):
+        """Rows that count, whitened, logs after each other: (p, n)."""
+        out = []
+        for t, m in zip(tables, self.masks):
+            t = np.atleast_2d(t)
+            w = oaconvolve(t, self.taps[None, :], axes=1)[:, : t.shape[1]]
+            out.append(w[:, self.counted(m)])
+        return np.hstack(out) / self.sigma
+
+    @staticmethod
+    def counted(mask):
+        """Rows whose filter saw masked rows do not count."""
+        bad = lfilter(np.ones(ORDER), 1.0, (~mask).astype(float)) > 0.5
+        return ~bad
+
+    def whiten_all(self):
+        self.sigma = 1.0
+        r = self.whiten([x[None, :] for x in self.residuals])[0]
+        n = self.whiten(self.nuisances)
+        self.keep_positive(n, r)
+        n = n[self.kept]
+        self.rows = len(r)
+        sigma = max(1.4826 * float(np.median(np.abs(r))), 1e-300)
+        for _ in range(3):
+            self.priors(n / sigma)
+            norm = np.maximum(np.linalg.norm(self.N, axis=0), 1e-300)
+            y = np.concatenate([r / sigma, self.prior_target])
+            theta = np.linalg.lstsq(self.N / norm, y, rcond=1e-9)[0]
+            e = (y - (self.N / norm) @ theta)[: self.rows] * sigma
+            sigma = max(1.4826 * float(np.median(np.abs(e))), 0.7 * float(np.std(e)), 1e-300)
+        self.sigma = sigma
+        self.r = r / self.sigma
+        n = n / self.sigma
+        self.priors(n)
+        norm = np.maximum(np.linalg.norm(self.N, axis=0), 1e-300)
+        self.Q, self.R = np.linalg.qr(self.N / norm)
+        good = np.abs(np.diag(self.R)) > 1e-7
+        self.Q = self.Q[:, good]
+        y = np.concatenate([self.r, self.prior_target])
+        self.theta = np.linalg.lstsq(self.N / norm, y, rcond=1e-9)[0] / norm
+        self.e_full = y - self.Q @ (self.Q.T @ y)
+        self.e = self.e_full[: self.rows]
+
+    def keep_positive(self, n, r):
+        """Friction falls nowhere from rest on: widths that would need a negative share of it are left out."""
+        sig = np.array([*self.prior_sigma, *[np.inf] * (len(n) - len(self.prior_sigma))])
+        off = np.array([*self.prior_offset, *[0.0] * (len(n) - len(self.prior_offset))])
+        sigma = max(1.4826 * float(np.median(np.abs(r))), 1e-300)
+        size = np.maximum(np.linalg.norm(n, axis=1), 1e-300)
+        d = n / size[:, None]
+        gram, right = d @ d.T, d @ r
+        weight = np.where(np.isfinite(sig), (sigma / (sig * size)) ** 2, 0.0)
+        right = right + weight * np.where(np.isfinite(sig), off, 0.0) * size
+        gram = gram + np.diag(weight + 1e-10)
+        kept = list(range(len(n)))
+        while True:
+            w = np.linalg.solve(gram[np.ix_(kept, kept)], right[kept])
+            widths = [
+                (w[i], j) for i, j in enumerate(kept) if j < len(self.paths) and self.paths[j].startswith("width.")
+            ]
+            if not widths or min(widths)[0] >= 0.0:
+                break
+            kept.remove(min(widths)[1])
+        self.kept = kept
+        self.extra_at = sum(1 for j in kept if j < len(self.paths))
+        self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
+        self.prior_sigma = [float(sig[j]) for j in kept]
+        self.prior_offset = [float(off[j]) for j in kept]
+        self.nuisances = [t[kept] for t in self.nuisances]
+
+    def priors(self, n):
+        """Nuisance columns with their pseudo-observations."""
+        sig = self.prior_sigma
+        p = n.shape[0]
+        rows = []
+        target = []
+        for j in range(p):
+            s = sig[j] if j < len(sig) else np.inf
+            if np.isfinite(s):
+                row = np.zeros(p)
+                row[j] = 1.0 / s
+                rows.append(row)
+                target.append(self.prior_offset[j] / s)
+        self.N = np.vstack([n.T, np.array(rows).reshape(len(rows), p)])
+        self.prior_target = np.array(target)
+
+    def project(self, tables):
+        """Whitened candidate columns freed of the nuisances, (k, n + priors)."""
+        c = self.whiten(tables)
+        self.before = np.linalg.norm(c, axis=1)
+        c = np.hstack([c, np.zeros((c.shape[0], len(self.prior_target)))])
+        return c - (c @ self.Q) @ self.Q.T
+
+    def score_columns(self, columns_mid):
+        """T and amplitudes of a group of columns (per log at the middle rate)."""
+        tables = [b.rows(c) for b, c in zip(self.balances, columns_mid)]
+        return self.score_tables(tables)
+
+    def score_tables(self, tables):
+        c = self.project(tables)
+        return self.score_projected(c)
+
+    def score_projected(self, c):
+        size = np.linalg.norm(c, axis=1)
+        ok = size > np.maximum(0.02 * self.before, 1e-9)
+        if not ok.any():
+            return 0.0, np.zeros(len(c)), np.zeros((len(c), len(c))), 0
+        d = c[ok] / size[ok, None]
+        gram = d @ d.T
+        val, vec = np.linalg.eigh(gram)
+        keep = val > 1e-6 * val[-1]
+        s = vec[:, keep].T @ (d @ self.e_full)
+        amp = vec[:, keep] @ (s / val[keep])
+        # robust: the score's variance from the rows themselves
+        ortho = (vec[:, keep].T @ d) / np.sqrt(val[keep])[:, None]
+        rest = self.e_full - (amp @ d)
+        t_rows = (ortho * rest)[:, : self.rows]
+        v = np.maximum(np.sum(t_rows**2, axis=1), 1.0)
+        for seconds in (0.1, 0.5):
+            edges = np.arange(0, self.rows, max(1, round(seconds * self.balances[0].rate)))
+            v = np.maximum(v, np.sum(np.add.reduceat(t_rows, edges, axis=1) ** 2, axis=1))
+        T = float(np.sum((s / np.sqrt(val[keep])) ** 2 / v))
+        full = np.zeros(len(c))
+        full[ok] = amp / size[ok]
+        cov = np.zeros((len(c), len(c)))
+        cov[np.ix_(ok, ok)] = (vec[:, keep] / val[keep]) @ vec[:, keep].T / np.outer(size[ok], size[ok])
+        return T, full, cov, int(keep.sum())
+
+
+def drive(b, model):
+    """The command that acts by the model, and what it accelerates the axis with, V and m/s^2 (n,)."""
+    forces = b.forces(
+        [
+            quiet_plant(
+                model.replace(
+                    effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS)
+                )
+            )
+        ]
+    )[0]
+    return b.command, (b.command + forces) / model.axis.mass
+
+
+AXIS = ("mass", "viscous", "coulomb")
+
+
+def nuisance_columns(ctx):
+    """Columns of mass, friction, its width, the known cogging; with priors."""
+    m, balances = ctx.model, ctx.balances
+    first = ctx.start_model
+    known = parameters_of(m, together=True)
+    paths, sig, off = [], [], []
+    tables = [[] for _ in balances]
+    for name in AXIS:
+        u = first.uncertainty.get(name)
+        if u == 0.0:
+            continue
+        value = getattr(m.axis, name)
+        stated = getattr(first.axis, name)
+        paths.append(f"axis.{name}")
+        s = np.inf if u is None or f"axis.{name}" in ctx.nuisance_free else u * max(abs(stated), 1e-12)
+        sig.append(s)
+        off.append(stated - value)
+    # residual falls with -column: r = M a - f; more mass: + a
+    w0 = max(m.axis.coulomb_width, 1e-6)
+    widths = []
+    if first.uncertainty.get("coulomb_width") != 0.0:
+        slow = 2.0 * min(b.speed_noise for b in balances)
+        widths = list(np.geomspace(slow, max(12.0 * w0, 4.0 * slow), 14))
+    for i, b in enumerate(balances):
+        v = b.fine[3]
+        own = m.axis.coulomb_width
+        laws = [np.arctan(v / own) * 2 / np.pi if own > 0 else np.sign(v)]
+        laws += [np.arctan(v / w) * 2 / np.pi for w in widths] + [np.clip(v / w, -1.0, 1.0) for w in widths]
+        smooth = b.averaged(np.array(laws))
+        col = {"axis.mass": -ctx.accelerations[i], "axis.viscous": -b.velocity, "axis.coulomb": -smooth[0]}
+        for p in paths:
+            tables[i].append(col[p])
+        for s in smooth[1:]:
+            tables[i].append(-(s - smooth[0]))
+    for w in [*widths, *widths]:
+        paths.append(f"width.{w:g}")
+        sig.append(max(m.axis.coulomb, 1e-12))
+        off.append(0.0)
+    if m.cogging is not None:
+        changed, steps = [], []
+        for row in range(len(m.cogging.sine)):
+            amp = np.hypot(np.max(np.abs(m.cogging.sine[row])), np.max(np.abs(m.cogging.cosine[row])))
+            if amp > 0.0 and m.cogging.sine.shape[1] > 1:
+                for kind, step in (("gain", 0.05), ("phase", 0.05)):
+                    path = f"cogging.{kind}[{row}]"
+                    changed.append(with_values(m, {path: known[path].value + step}))
+                    steps.append(step)
+                    paths.append(path)
+            else:
+                scale = float(np.max(np.abs(b.command)))
+                for kind in ("sine", "cosine"):
+                    path = f"cogging.{kind}[{row}][*]"
+                    changed.append(with_values(m, {path: known[path].value + 1e-2 * scale}))
+                    steps.append(1e-2 * scale)
+                    paths.append(path)
+            sig += [np.inf, np.inf]
+            off += [0.0, 0.0]
+        for i, b in enumerate(balances):
+            f = b.forces([quiet_plant(x.replace(effects=())) for x in (m, *changed)])
+            for row, s in zip(f[1:], steps):
+                tables[i].append((row - f[0]) / s)
+    ctx.limits = {}
+    if not ctx.frozen:
+        new = range(len(first.effects), len(m.effects))
+        prefixes = [q for q, _ in effect_paths(m.effects)]
+        for j in new:
+            roles = m.effects[j].ROLES
+            for path in [q for q in known if q.startswith(prefixes[j] + ".")]:
+                name = path[len(prefixes[j]) + 1 :].split("[")[0]
+                role = roles[name]["role"]
+                if role == "setting" or isinstance(getattr(m.effects[j], name), list) and role == "shape":
+                    continue
+                value = known[path].value
+                size = (
+                    max(abs(value), 1e-3 * max(float(np.max(np.abs(b.command))) for b in balances))
+                    if role == "amplitude"
+                    else abs(value)
+                )
+                step = 1e-3 * size
+                if name == "period":
+                    span = max(b.position.max() for b in balances) - min(b.position.min() for b in balances)
+                    step = 1e-2 * value**2 / span
+                if step <= 0:
+                    continue
+                try:
+                    pair = [with_values(m, {path: value + q}) for q in (step, -step)]
+                    for i, b in enumerate(balances):
+                        tables[i].append(-(b.residual(pair[0]) - b.residual(pair[1])) / (2 * step))
+                except ValueError:
+                    for i in range(len(balances)):
+                        del tables[i][len(paths) :]
+                    continue
+                paths.append(path)
+                if role == "amplitude":
+                    sig.append(np.inf)
+                else:
+                    sig.append(50 * step if name == "period" else 0.3 * size)
+                    if roles[name]["quantity"] == "time" and name in ("start", "stop"):
+                        sig[-1] = 0.02
+                    if roles[name]["quantity"] == "frequency":
+                        sig[-1] = 0.3 / balances[0].time[-1]
+                    if roles[name]["quantity"] == "position":
+                        sig[-1] = 0.1 * (
+                            max(b.position.max() for b in balances) - min(b.position.min() for b in balances)
+                        )
+                    ctx.limits[path] = (value - sig[-1], value + sig[-1])
+                    if value > 0 and roles[name]["quantity"] not in ("position",):
+                        ctx.limits[path] = (max(0.3 * value, ctx.limits[path][0]), ctx.limits[path][1])
+                off.append(0.0)
+    # offset in the stated value: pseudo-observation of delta = stated - value
+    ctx.prior_sigma, ctx.prior_offset = sig, off
+    return paths, [np.array(t) if t else np.zeros((0, len(b.time))) for t, b in zip(tables, balances)]
