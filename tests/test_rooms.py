@@ -22,7 +22,7 @@ BASE |= {"values"}
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
+DIAGNOSIS = ["thresholds", "physical", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
 DIAGNOSIS += [
     "next_step",
     "report",

@@ -33,7 +33,7 @@ from cogging.diagnosis.search.form_rivals import law_instead, with_forms
 from cogging.diagnosis.search.large_start import started, too_little_beside_large, tuned_beside_large
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
-from cogging.diagnosis.search.tuning import amplitude_paths, gap_power, tuned_together, with_nuisances_tuned
+from cogging.diagnosis.search.tuning import amplitude_paths, gap_size, tuned_together, with_nuisances_tuned
 from cogging.diagnosis.thresholds import CHOICE, SEARCH
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.gauss_newton import Estimate
@@ -234,6 +234,10 @@ def refit_with(state: State, finding: Finding) -> Estimate | None:
 def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> tuple[Estimate, Model] | None:
     """The fit and its model tuned to the gap; None, and the effect refused, where that grows here or elsewhere."""
     task, finding = state.task, choice.finding
+    if state.large is None and state.by_loop is None and task.confirm:
+        nominal = state.tuned_nominal
+        seen = discrepancies(task.logs, [nominal], replay=True)[0] if task.replay else None
+        state.by_loop = seen is not None and follows(seen, task.logs, nominal)
     try:
         fitted, tuned = tuned_with(state, finding, fitted)
     except (DivergedError, ValueError) as error:
@@ -243,10 +247,6 @@ def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> tuple[Es
         why = too_little_beside_large(state, tuned)
         paying = None if why else tuned
     else:
-        if state.by_loop is None and task.confirm:
-            nominal = state.tuned_nominal
-            seen = discrepancies(task.logs, [nominal], replay=True)[0] if task.replay else None
-            state.by_loop = seen is not None and follows(seen, task.logs, nominal)
         kept = with_nuisances_of(state.tuned, fitted.model, state.nominal.paths)
         turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
         loop = bool(state.by_loop)
@@ -262,12 +262,12 @@ def tuned_with(state: State, finding: Finding, fitted: Estimate) -> tuple[Estima
     replay = state.task.replay and state.by_loop is not False
     if state.large is not None and has_balance(fitted.model) and not replay:
         return tuned_beside_large(state, fitted, finding)
-    paths, sources = state.nominal.paths, state.tuning_sources
+    paths, sources, logs = state.nominal.paths, state.tuning_sources, state.task.logs
     return tuned_together(
         state.tuned,
         fitted,
         finding,
-        lambda model: gap_power(model, sources),
+        lambda model: discrepancies(logs, [model], replay=True)[0].rms if state.by_loop else gap_size(model, sources),
         lambda model: with_nuisances_tuned(model, paths, sources, state.allowed),
         lambda model: with_nuisances_tuned(model, [*paths, *amplitude_paths(model)], sources, state.allowed),
         state.evidence.sources,
