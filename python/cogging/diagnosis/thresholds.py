@@ -50,9 +50,7 @@ class PhysicalThresholds:
     certain: float = 8.0  # deviations: by which what is beyond a level acts [assumed]
     stands_at: float = 1e-3  # 1: relative; so near to an end a parameter stands at it [assumed]
     friction_places: int = 60  # 1: of the travel, at which the level of friction is looked at [cost]
-    friction_pushes: float = (
-        0.02  # of the largest command that moves the axis: friction may come out below nothing [assumed]
-    )
+    friction_pushes: float = 0.02  # of the largest command: so far below nothing friction may come out [assumed]
 
 
 @dataclass(frozen=True)
