@@ -18,7 +18,7 @@ def test_no_effect_makes_the_gap_larger_by_its_refit(known_map):
     added = [step for step in result.ledger if step.accepted]
     assert added
     for step in added:
-        assert step.gap_after <= 1.001 * step.gap_before, (step.name, step.gap_before, step.gap_after)
+        assert step.gap_after <= 1.01 * step.gap_before, (step.name, step.gap_before, step.gap_after)
     for step in result.ledger:
         if grown := re.match(r"the gap goes from (\S+) to (\S+)", step.reason):
-            assert float(grown[2]) <= 1.001 * float(grown[1]), (step.name, step.reason)
+            assert float(grown[2]) <= 1.01 * float(grown[1]), (step.name, step.reason)

@@ -142,6 +142,7 @@ def two_mass(kind):
 
 
 @pytest.mark.data
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # the confirm log of two_mass, predicted with its mode, diverges
 @pytest.mark.parametrize("machine", ["pendulum", "two_mass"])
 def test_no_real_machine_gets_a_term_that_it_cannot_have(machine):
     measured.needs(machine)

@@ -16,13 +16,14 @@ from cogging.diagnosis.assembly import assemble, with_empirical_term
 from cogging.diagnosis.candidates.signatures import vocabulary_of
 from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
-from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
+from cogging.diagnosis.evidence.preparation import Prepared, prepared, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
 from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
 from cogging.diagnosis.labelled import labelled
 from cogging.diagnosis.limits import unmeasured
+from cogging.diagnosis.physical import seconds_of_motion
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
 from cogging.diagnosis.thresholds import PREPARATION

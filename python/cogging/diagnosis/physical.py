@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.evidence.preparation import seconds_of_motion
-from cogging.diagnosis.thresholds import PHYSICAL
+from cogging.diagnosis.thresholds import PHYSICAL, PREPARATION
 from cogging.effects.effect import Effect, laws_of
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -42,7 +41,7 @@ def at_end(effect: Effect, logs: Sequence[Log]) -> str:
         least, most = ends(logs, role)
         values = np.ravel(np.asarray(getattr(effect, name), dtype=float))
         for value, end, room in ((values.min(initial=np.inf), least, 1.0), (values.max(initial=-np.inf), most, -1.0)):
-            if np.isfinite(end) and room * (value - end) <= PHYSICAL.at_end * abs(end):
+            if np.isfinite(end) and room * (value - end) <= PHYSICAL.stands_at * abs(end):
                 return f"its {name} runs to {value:.4g}, the end of what these logs allow"
     return ""
 
@@ -53,14 +52,21 @@ def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
     laws = [laws_of(effect) for effect in model.effects if "friction_level" in effect.HOOKS]
     if said or not laws:
         return said
-    place = np.concatenate([np.quantile(log.position, np.linspace(0.0, 1.0, PHYSICAL.places)) for log in logs])
+    place = np.concatenate([np.quantile(log.position, np.linspace(0.0, 1.0, PHYSICAL.friction_places)) for log in logs])
     top = max(float(np.ptp(log.position)) / seconds_of_motion(log) for log in logs)
     x, v = np.tile(place, 2), np.repeat([-top, top], len(place))
     levels = np.array([law.friction_level_at(position=x, velocity=v) for law in laws])
     least = model.axis.coulomb + float(levels.sum(axis=0).min())
-    if least < -PHYSICAL.pushes * moving_command(logs):
+    if least < -PHYSICAL.friction_pushes * moving_command(logs):
         return f"its friction falls to {least:.4g}: it would push the axis"
     return ""
+
+
+def seconds_of_motion(log: Log) -> float:
+    """Time in which the mean speed over some rows is above a hundredth of the largest."""
+    step = max(1, len(log) // PREPARATION.motion_steps)
+    steps, moved = np.diff(log.time[::step]), np.abs(np.diff(log.position[::step]))
+    return float(steps[moved / steps > PREPARATION.motion_speed * float((moved / steps).max())].sum())
 
 
 def physical_ceilings(logs: Sequence[Log]) -> dict[str, float]:

@@ -48,9 +48,9 @@ class PhysicalThresholds:
     fewest: int = 40  # 1: times the rows averaged, that a log has at least [assumed]
     obeyed: float = 0.5  # 1: of what a V up to a level does, that a V beyond it does if there is no limit [assumed]
     certain: float = 8.0  # deviations: by which what is beyond a level acts [assumed]
-    at_end: float = 1e-3  # 1: relative; so near to an end a parameter stands at it [assumed]
-    places: int = 60  # 1: of the travel, at which the level of friction is looked at [cost]
-    pushes: float = 0.02  # of the largest command that moves the axis: friction may come out below nothing [assumed]
+    stands_at: float = 1e-3  # 1: relative; so near to an end a parameter stands at it [assumed]
+    friction_places: int = 60  # 1: of the travel, at which the level of friction is looked at [cost]
+    friction_pushes: float = 0.02  # of the largest command: so far below nothing friction may come out [assumed]
 
 
 @dataclass(frozen=True)
@@ -382,7 +382,7 @@ class RefitThresholds:
     ceiling_of_range: float = 2.0  # of the highest value that is looked for: shapes stay below [assumed]
     tuning_iterations: int = 3  # 1: of tuning nuisances to the gap [cost]
     tuning_halvings: int = 4  # 1: of a step that makes the gap larger [cost]
-    tuning_gain: float = 1e-3  # of the squared gap: a smaller gain ends the tuning [cost]
+    tuning_gain: float = 5e-4  # of the gap: a smaller gain ends the tuning [cost]
 
 
 @dataclass(frozen=True)

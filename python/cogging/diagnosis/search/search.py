@@ -35,7 +35,7 @@ from cogging.diagnosis.search.form_rivals import law_instead, with_forms
 from cogging.diagnosis.search.large_start import started, tuned_beside_large
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
-from cogging.diagnosis.search.tuning import amplitude_paths, gap_power, tuned_together, with_nuisances_tuned
+from cogging.diagnosis.search.tuning import amplitude_paths, gap_size, tuned_together, with_nuisances_tuned
 from cogging.diagnosis.thresholds import CHOICE, LARGE, SEARCH
 from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate
@@ -269,7 +269,7 @@ def tuned_with(state: State, finding: Finding, fitted: Estimate) -> tuple[Estima
         state.tuned,
         fitted,
         finding,
-        lambda model: gap_power(model, sources),
+        lambda model: gap_size(model, sources),
         lambda model: with_nuisances_tuned(model, paths, sources, state.allowed),
         lambda model: with_nuisances_tuned(model, [*paths, *amplitude_paths(model)], sources, state.allowed),
         state.evidence.sources,

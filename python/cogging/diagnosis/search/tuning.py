@@ -11,7 +11,7 @@ from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.movable import effect_parameters
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import limits_of
-from cogging.diagnosis.thresholds import REFIT
+from cogging.diagnosis.thresholds import ACCEPTANCE, REFIT
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit
 from cogging.estimation.innovations import Innovations
 from cogging.linear import least_squares_of_long_rows
@@ -41,12 +41,12 @@ def tuned_together(
         before: tuned model without the effect.
         fitted: fit with it.
         finding: the effect.
-        gap: size of a model's gap.
+        gap: size of a model's gap; a growth of its power within ACCEPTANCE.growth is none.
         nuisances, everything: tunes to that gap what is no missing effect, or amplitudes too; never to a larger one.
         logs: that the fit was of.
     """
     tuned = nuisances(fitted.model)
-    if gap(tuned) <= gap(before):
+    if gap(tuned) ** 2 <= (1.0 + ACCEPTANCE.growth) * gap(before) ** 2:
         return fitted, tuned
     candidate = finding.candidate
     tuned = everything(before.replace(effects=(*before.effects, candidate.effect([0.0] * len(candidate.amplitudes)))))
@@ -58,9 +58,9 @@ def amplitude_paths(model: Model) -> list[str]:
     return [path for path in effect_parameters(model) if role_of(model, path) == "amplitude"]
 
 
-def gap_power(model: Model, sources: Sequence[Innovations]) -> float:
-    """Sum of the squared innovations in rows that count, V^2."""
-    return sum(float(np.sum(s.of([model])[0, s.mask > 0] ** 2)) for s in sources)
+def gap_size(model: Model, sources: Sequence[Innovations]) -> float:
+    """Root of the sum of the squared innovations in rows that count, V."""
+    return float(np.sqrt(sum(float(np.sum(s.of([model])[0, s.mask > 0] ** 2)) for s in sources)))
 
 
 def with_nuisances_tuned(
@@ -80,7 +80,7 @@ def with_nuisances_tuned(
     if not paths or not any(rows.any() for rows in masks):
         return model
 
-    best = gap_power(model, sources)
+    best = gap_size(model, sources)
     for _ in range(REFIT.tuning_iterations):
         known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
@@ -98,7 +98,7 @@ def with_nuisances_tuned(
             }
             try:
                 moved = with_values(model, values)
-                after = gap_power(moved, sources)
+                after = gap_size(moved, sources)
             except (DivergedError, ValueError):
                 continue
             if after < best:
