@@ -76,7 +76,7 @@ def test_the_printed_answer_is_short_and_all_of_it_is_asked_for(results):
         assert (len(result.text(verbose=True)) > len(result.text())) or not result.series
         for effect in result.effects[:1]:
             if effect.alternatives:
-                assert f"{effect.name} or {effect.alternatives[0]}"[:40] in result.text()
+                assert f"{effect.name} or " in result.text()
 
 
 def test_what_cannot_be_told_apart_says_whether_it_matters(found):

@@ -74,6 +74,7 @@ def assemble(found: Search, logs: Prepared, model: Model) -> Diagnosis:
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm) and found.confirm_evidence is not None)
     systematic = not_noise(rest, gap)
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
+    found = replace(found, yardstick=found.yardstick.as_measured(gap))
     final, effects = with_curves(final, effects, found, logs)
     explained = found.large is not None and measured.mostly_explained
     return Diagnosis(
@@ -133,6 +134,7 @@ def _as_stated(found: Search, nominal: Model, model: Model, held: Sequence[str])
 def with_empirical_term(result: Diagnosis, found: Search, model: Model, logs: Prepared) -> Diagnosis:
     """The result with an empirical term in its model, or with a note why there is none."""
     residual_shape = dict(result.unlisted or {})
+    found = replace(found, yardstick=found.yardstick.as_measured(result.gap))
     try:
         larger, told = with_term(found, residual_shape, last_model(found), logs.given)
     except NoTerm as why:

@@ -136,6 +136,10 @@ class Yardstick:
         allowed = self.allowed and replace(self.allowed, exact=(*self.allowed.exact, *paths))
         return replace(self, paths=[path for path in self.paths if path not in paths], allowed=allowed)
 
+    def as_measured(self, gap: Gap) -> Yardstick:
+        """The same, by the replayed loop only where a gap was measured by it."""
+        return replace(self, replay=gap.position_before is not None)
+
     def _of(self, logs: Sequence[Log], models: Sequence[Model], replay: bool) -> list[Discrepancy]:
         return discrepancies(logs, models, replay=replay, balance=self.balance, stated=self.stated)
 

@@ -71,10 +71,8 @@ def predicted(
     alone = {name: _fit(sums, elsewhere, groups == name) for name in PLACES}
     best = max(alone, key=lambda name: alone[name][0])
     share, force, deviation = alone[best]
-    count = len(places[best]) * (2 if best == "position" else 1)  # beyond it, the drive at other moments
-    test = ScoreTest(np.nan, count, force[:count], left, deviation[:count])
-    force = pushes(given) * force[:count]
-    shape = Shape(best, COORDINATE_UNITS[best], test, places[best], force, deviation[:count], 0.0, share)
+    test = ScoreTest(np.nan, len(force), force, left, deviation)
+    shape = Shape(best, COORDINATE_UNITS[best], test, places[best], pushes(given) * force, deviation, 0.0, share)
     every = np.ones(len(groups), dtype=bool)
     there = None if elsewhere is None else _fit(sums, elsewhere, every)[0]
     return Predicted(_fit(sums, None, every)[0], there, shape)
@@ -126,7 +124,7 @@ def _rows(
         parts = {name: hats(motion[name][mask], at) for name, at in places.items()}
         forward = motion["velocity"][mask] > 0.0
         parts["position"] = np.vstack([parts["position"] * forward, parts["position"] * ~forward])
-        parts["command"] = np.vstack([parts["command"], motion["drive"][:, mask]])
+        parts["drive"] = motion["drive"][:, mask]
         tables.append(np.vstack(list(parts.values())))
     names = np.repeat(list(parts), [len(part) for part in parts.values()])
     left = np.concatenate([row[mask] for row, mask in zip(gap.series, gap.masks, strict=True)])

@@ -34,6 +34,8 @@ def short_text(result: Diagnosis) -> str:
     tail = [line for effect in result.effects if (line := apart_text(effect))][:2]
     if result.unlisted is not None:
         tail.append(f"unlisted: {result.unlisted['shape']}")
+        if "added" in result.unlisted:
+            tail.append(f"  {term_text(result.unlisted['added'], result.gap.unit)}")
     if result.near_rest is not None:
         tail.append(result.near_rest.text())
     tail += [f"planned: {outcome.text()}" for outcome in result.planned[:1]]
