@@ -205,7 +205,7 @@ def _new_file(part: Path, target: Path) -> IO[bytes]:
     return os.fdopen(descriptor, "wb")
 
 
-def target_of(path: AnyPath) -> Path:
+def target_of(path: AnyPath, *, looks: int = 10) -> Path:
     """The file that an output is written to, behind links.
 
     Raises:
@@ -228,6 +228,8 @@ def target_of(path: AnyPath) -> Path:
         if target.exists() and not _may_replace(target):
             raise InputError(f"{called}: cannot be written: {os.strerror(errno.EPERM)}")
     except OSError as error:
+        if isinstance(error, FileNotFoundError) and looks > 1:  # another writer replaced it between two looks
+            return target_of(path, looks=looks - 1)
         raise InputError(f"{called}: cannot be written: {error.strerror}") from None
     except InputError:
         raise
