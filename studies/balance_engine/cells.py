@@ -64,23 +64,3 @@ def load_answer(a, step, antiresonance, damping):
     w = np.tan(min(np.pi * antiresonance * step, 1.5))
     d, s = 2.0 * damping * w, w * w
     return lfilter([d + s, 2 * s, s - d], [1 + d + s, 2 * s - 2, 1 - d + s], a)
-
-
-def loose_load(x, step, gap):
-    """Acceleration of a load with play driven by the motor's motion x: it follows at the gap's edge, inelastic."""
-    half = 0.5 * gap
-    y = x[0]
-    vy = 0.0
-    out = np.zeros(len(x))
-    xs = x.tolist()
-    for k in range(1, len(xs)):
-        vx = (xs[k] - xs[k - 1]) / step
-        free = y + vy * step
-        before = vy
-        if free > xs[k] + half:
-            free, vy = xs[k] + half, min(vy, vx)
-        elif free < xs[k] - half:
-            free, vy = xs[k] - half, max(vy, vx)
-        y = free
-        out[k] = (vy - before) / step
-    return out

@@ -234,7 +234,7 @@ def closed_loop_batch(
         columns: of the log, by name, to keep as well.
         every: keep each so many rows of them, from the first on.
         logs: keep all columns and rows, so that the batch is a sequence of logs.
-        units: labels of the plants' units that the result is told in.
+        units: unit labels of command and position in the result; V and m by default.
         progress: see cogging.progress.
 
     Returns:

@@ -172,8 +172,8 @@ def sweep(
     executor.
 
     With `out`, finished pieces stand in a folder beside it (`OUT.pieces`) until the whole is written: after an
-    interruption, a crash or a full disk the same call goes on where it was. An effect of one's own is the same where
-    its law is, with all that it names and holds; where that cannot be said, no pieces are kept (docs/sweep.md).
+    interruption, a crash or a full disk the same call goes on where it was. A custom effect counts as the same if its
+    law and everything that it refers to are unchanged; a law that cannot be compared keeps no pieces (docs/sweep.md).
 
     Args:
         model: a Model, or the path of a model file.
