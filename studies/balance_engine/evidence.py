@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.signal import lfilter, oaconvolve
+from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
 
+from cogging._core import Predictor
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.parameters import effect_paths, parameters_of, with_values
 
@@ -55,6 +57,23 @@ def without_lines(x, rate, most=3, ratio=40.0):
         w = np.linalg.lstsq(table.T, x, rcond=1e-6)[0]
         x = x - w @ table
     return x
+
+
+@dataclass
+class Maximum:
+    """A hypothesis at its likeliest: `cost` is minus twice the logarithm of the likelihood."""
+
+    cost: float
+    theta: Any
+    nuisances: int
+    inflation: float
+    taps: Any
+    white: Any
+    rest: Any
+    variance: float
+
+    def by_row(self):
+        return self.rest**2 / self.variance + np.log(self.variance)
 
 
 @dataclass
@@ -155,6 +174,77 @@ class Context:
         scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
         left = [np.clip(x, -8 * scale, 8 * scale) for x in left]
         return noise_filter(left, self.masks, self.balances[0].rate)
+
+    def maximised(self, tables=None, rounds=3):
+        """Nuisances and columns at their likeliest, with the noise filter that suits them best.
+
+        The filter is part of each hypothesis: with that of the null, a slow force is half taken for noise; with that of
+        the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither.
+        """
+        known = len(self.prior_sigma)
+        parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
+        size = np.sqrt(sum(np.sum(x**2, axis=1) for x in parts)) + 1e-300
+        free = np.full(len(size) - known, np.inf)
+        sigma, target = np.concatenate([self.prior_sigma, free]), np.concatenate([self.prior_offset, np.zeros(len(free))])
+        target[known:] = 0.0
+        if tables is None:
+            taps, white, variance = self.taps, None, self.sigma**2
+        else:
+            base = self.null
+            taps, variance = base.taps, base.variance
+            white = np.vstack([base.white, self.whitened(tables, taps)])
+            rounds = 2
+        for k in range(rounds):
+            if k:
+                left = [r - theta @ x for r, x in zip(self.residuals, parts)]
+                scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
+                left = [np.clip(x, -8 * scale, 8 * scale) for x in left]
+                taps = noise_filter(left, self.masks, self.balances[0].rate)
+                white = None
+            if white is None:
+                white = self.whitened([np.vstack([r, x]) for r, x in zip(self.residuals, parts)], taps)
+            r, x = white[0], white[1:] / size[:, None]
+            weight = variance / (sigma * size) ** 2
+            gram = x @ x.T + np.diag(weight + 1e-12 * len(r))
+            w = np.linalg.solve(gram, x @ r + weight * target * size)
+            rest = r - w @ x
+            theta = w / size
+            variance = float(rest @ rest) / len(rest)
+        prior = float(np.sum(((theta - target) / sigma) ** 2))
+        n = len(self.nuisances[0])
+        inflation = 1.0
+        if tables is not None:
+            near = x[:n] @ x[n:].T
+            more = x[n:] - np.linalg.solve(gram[:n, :n], near).T @ x[:n]
+            val, vec = np.linalg.eigh(more @ more.T)
+            good = val > 1e-6 * val[-1]
+            ortho = (vec[:, good] / np.sqrt(val[good])).T @ more
+            inflation = float(np.max(self.inflation(ortho * rest / np.sqrt(variance))))
+        return Maximum(len(r) * np.log(variance) + prior, theta, n, inflation, taps, white, rest, variance)
+
+    @cached_property
+    def null(self):
+        return self.maximised()
+
+    def settle(self):
+        """The noise filter at its likeliest, for the search."""
+        self.taps, self.sigma = self.null.taps, 1.0
+        self.whiten_all()
+        del self.null
+        return self
+
+    def inflation(self, products):
+        """Largest ratio of the variance of a score to what independent rows would have."""
+        v = np.maximum(np.sum(products**2, axis=1), 1.0)
+        for seconds in (0.1, 0.5):
+            edges = np.arange(0, products.shape[1], max(1, round(seconds * self.balances[0].rate)))
+            v = np.maximum(v, np.sum(np.add.reduceat(products, edges, axis=1) ** 2, axis=1))
+        return v
+
+    def whitened(self, tables, taps):
+        """Rows that count behind a filter, logs after each other, (p, n)."""
+        out = [oaconvolve(t, taps[None, :], axes=1)[:, : t.shape[1]][:, self.counted(m)] for t, m in zip(tables, self.masks)]
+        return np.hstack(out)
 
     def whiten(self, tables):
         """Rows that count, whitened, logs after each other: (p, n)."""
@@ -285,18 +375,37 @@ class Context:
         return T, full, cov, int(keep.sum())
 
 
+LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # rows of 0.4 ms
+
+
 def drive(b, model):
-    """The command that acts by the model, and what it accelerates the axis with, V and m/s^2 (n,)."""
-    forces = b.forces(
-        [
-            quiet_plant(
-                model.replace(
-                    effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS)
-                )
-            )
-        ]
-    )[0]
-    return b.command, (b.command + forces) / model.axis.mass
+    """The command as far as the motion asked for tells it, and what it accelerates the axis with, V and m/s^2 (n,).
+
+    What the loop makes of its own noise is in the command, and in the noise of later rows: a column made of that alarms
+    without any cause. The command is regressed on what the model asks for along the reference, earlier and later.
+    """
+    only = model.replace(
+        effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS)
+    )
+    plant = quiet_plant(only)
+    forces = b.forces([plant])[0]
+    if b.reference is None:
+        slow = sosfiltfilt(butter(2, b.corner * b.step, output="sos"), b.command)
+        return slow, (slow + forces) / model.axis.mass
+    x, v, a = b.reference
+    along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
+    rows = np.arange(len(x))
+    stride = max(1, round(4e-4 / b.step))
+    table = [np.ones(len(x)), x - x.mean(), v]
+    for lag in LAGS:
+        at = np.clip(rows - stride * lag, 0, len(x) - 1)
+        table += [a[at], along[at]]
+    table = np.array(table)
+    size = np.linalg.norm(table, axis=1) + 1e-300
+    table /= size[:, None]
+    w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
+    told = w @ table
+    return told, (told + forces) / model.axis.mass
 
 
 AXIS = ("mass", "viscous", "coulomb")
@@ -326,11 +435,14 @@ def nuisance_columns(ctx):
         slow = 2.0 * min(b.speed_noise for b in balances)
         widths = list(np.geomspace(slow, max(12.0 * w0, 4.0 * slow), 14))
     for i, b in enumerate(balances):
-        v = b.fine[3]
         own = m.axis.coulomb_width
-        laws = [np.arctan(v / own) * 2 / np.pi if own > 0 else np.sign(v)]
-        laws += [np.arctan(v / w) * 2 / np.pi for w in widths] + [np.clip(v / w, -1.0, 1.0) for w in widths]
-        smooth = b.averaged(np.array(laws))
+        key = own, tuple(widths)
+        if b.kept.get("friction", (None,))[0] != key:
+            v = b.fine[3]
+            laws = [np.arctan(v / own) * 2 / np.pi if own > 0 else np.sign(v)]
+            laws += [np.arctan(v / w) * 2 / np.pi for w in widths] + [np.clip(v / w, -1.0, 1.0) for w in widths]
+            b.kept["friction"] = key, b.averaged(np.array(laws))
+        smooth = b.kept["friction"][1]
         col = {"axis.mass": -ctx.accelerations[i], "axis.viscous": -b.velocity, "axis.coulomb": -smooth[0]}
         for p in paths:
             tables[i].append(col[p])

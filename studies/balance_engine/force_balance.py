@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
-from scipy.signal import butter, firwin, freqz, lfilter, sosfiltfilt, upfirdn, welch
+from scipy.signal import butter, firwin, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Predictor
 from cogging.effects.effect import laws_of
@@ -14,7 +14,7 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.identification.inverse_dynamics import _mean_held
 from cogging.model.model import Model
 
-MIDDLE_RATE = 2500.0  # Hz, at which laws are evaluated
+MIDDLE_RATE = 6000.0  # Hz, at which laws are evaluated
 FINAL_RATE = 1250.0  # Hz, at which rows are compared
 SKIP = 0.06  # s, at either end: the filters' edges and the start of the loop
 REST_TIME = 0.012  # s, over which an axis that moves less than the encoder sees is at rest
@@ -53,7 +53,7 @@ class ForceBalance:
         else:
             self.uneven = False
             gap = np.zeros(len(time), bool)
-        self.log = log
+        self.log, self.kept = log, {}
         self.width = width
         h_all = np.diff(time)
         slope = np.diff(position) / h_all
@@ -69,6 +69,7 @@ class ForceBalance:
         mid = decimated(np.vstack([position[1:-1], acceleration, velocity, acting]), self.first)
         self.time = time[1:-1][:: self.first]
         self.position, self.acceleration, self.raw_velocity, self.command = mid
+        self.reference = self._reference(log)
         # the encoder's noise: what a parabola through four rows leaves, quiet rows
         third = np.diff(position, 3)
         self.encoder_noise = max(
@@ -92,6 +93,15 @@ class ForceBalance:
         self.mask = keep[:: self.every]
         self.final_time = self.time[:: self.every]
 
+    def _reference(self, log):
+        """Place, speed and acceleration that were asked for, (3, n); None where the log does not tell."""
+        if log.reference is None:
+            return None
+        x = log.reference
+        v = np.gradient(x, log.time) if log.reference_velocity is None else log.reference_velocity
+        a = np.gradient(v, log.time) if log.reference_acceleration is None else log.reference_acceleration
+        return np.array([np.interp(self.time, log.time - log.time[0], row) for row in (x, v, a)])
+
     def _low_pass(self, x, cutoff):
         if cutoff >= 0.45 / self.step:
             return x
@@ -99,25 +109,27 @@ class ForceBalance:
 
     corner = 60.0  # Hz
 
+    order = 6
+
     def _filter(self):
-        return butter(2, min(self.corner, 0.4 / self.step) * 2 * self.step)
+        low = butter(2, min(self.corner, 0.4 / self.step) * 2 * self.step, output="sos")
+        if self.every == 1:
+            return low
+        return np.vstack([low, butter(self.order, 0.4 / self.every * 2, output="sos")])
 
     def rows(self, columns):
         """Columns at the middle rate as they are compared, after a causal filter, (p, m)."""
-        columns = np.atleast_2d(columns)
-        b, a = self._filter()
-        return lfilter(b, a, columns * self.keep, axis=1)[:, :: self.every]
+        return sosfilt(self._filter(), np.atleast_2d(columns) * self.keep, axis=1)[:, :: self.every]
 
     def adjoint(self, rows):
         """The transpose of `rows`, (n,)."""
         full = np.zeros(len(self.time))
         full[:: self.every] = rows
-        b, a = self._filter()
-        return lfilter(b, a, full[::-1])[::-1] * self.keep
+        return sosfilt(self._filter(), full[::-1])[::-1] * self.keep
 
     def power(self, f):
         """Power gain of `rows` at f (Hz), a row of the middle rate."""
-        _, h = freqz(*self._filter(), np.ravel(np.clip(2 * np.pi * f * self.step, 0, np.pi)))
+        _, h = sosfreqz(self._filter(), np.ravel(np.clip(2 * np.pi * f * self.step, 0, np.pi)))
         return np.abs(h.reshape(np.shape(f))) ** 2 / self.every
 
     def hear(self, residual, mass):
@@ -145,9 +157,13 @@ class ForceBalance:
         if n == 1:
             return table
         half = max(1, round(n / self.first))
-        w = np.concatenate([np.arange(1, half + 1), np.arange(half - 1, 0, -1)]) / half**2
+        weights = np.concatenate([np.arange(1, half + 1), np.arange(half - 1, 0, -1)]) / half**2
         padded = np.pad(table, ((0, 0), (half - 1, half - 1)), mode="edge")
-        return upfirdn(w, padded, 1, 1, axis=1)[:, 2 * (half - 1) :][:, : table.shape[1]][:, ::n]
+        rows = len(self.time)
+        out = weights[0] * padded[:, ::n][:, :rows]
+        for k, w in enumerate(weights[1:], 1):
+            out = out + w * padded[:, k::n][:, :rows]
+        return out
 
     def forces(self, plants, command=None, error=None):
         """What acts by plants along the motion, V, (plants, n); `error`: of the reading, at the sub-steps."""

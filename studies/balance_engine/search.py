@@ -9,6 +9,7 @@ import numpy as np
 from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.effects.effect import VOCABULARY
+from cogging.estimation.residuals import quiet_plant
 from studies.balance_engine.cells import dahl, hats, load_answer, splines
 
 E = VOCABULARY
@@ -314,7 +315,7 @@ def search_once(ctx, also=(), limit_time=None):
     t1 = put(
         "command_delay",
         "slope",
-        lambda c: [(-np.gradient(d, b.step))[None] for b, d in zip(c.balances, c.drives)],
+        lambda c: [-np.diff(d, prepend=d[0])[None] / b.step for b, d in zip(c.balances, c.drives)],
         1,
         lambda a: E["command_delay"].replace(delay=float(a[0])),
         amplitude_ok=lambda a, cov: a[0] > 0.25 * h,
@@ -371,19 +372,22 @@ def search_once(ctx, also=(), limit_time=None):
         )
 
     # the reading ---------------------------------------------------------------------------------------
-    def reading(b, m, error):
-        from cogging.estimation.residuals import quiet_plant
+    def reading(c, b, a, error, slope, bend):
+        """What an error of the reading (its slope, its bend along the travel) puts into the balance.
 
-        fine = error(b.fine[2])
-        plant = quiet_plant(m.replace(effects=()))
-        coarse = fine[:: b.fine[0]]
-        inertia = m.axis.mass * np.gradient(np.gradient(coarse, b.step), b.step)
-        return inertia + b.forces([plant], None, fine)[0] - b.forces([plant])[0]
+        The acceleration is the model's: the measured one holds the noise of its own row.
+        """
+        inertia = c.model.axis.mass * (slope(b.position) * a + bend(b.position) * b.velocity**2)
+        plant = quiet_plant(c.model.replace(effects=()))
+        return inertia + b.forces([plant], None, error(b.fine[2]))[0] - b.forces([plant])[0]
 
     put(
         "encoder_scale_error",
         "",
-        lambda c: [(reading(b, c.model, lambda x: 1e-3 * x) / 1e-3)[None] for b in c.balances],
+        lambda c: [
+            reading(c, b, a, lambda x: 1e-3 * x, lambda x: 1e-3, lambda x: 0.0)[None] / 1e-3
+            for b, a in zip(c.balances, c.accelerations)
+        ],
         1,
         lambda a: E["encoder_scale_error"].replace(scale=float(a[0])),
     )
@@ -394,7 +398,7 @@ def search_once(ctx, also=(), limit_time=None):
         for z in (0.03, 0.2):
             cols = lambda f, z=z: (
                 lambda c: [
-                    (c.model.axis.mass * (a - load_answer(b.acceleration, b.step, f, z)))[None]
+                    (c.model.axis.mass * (a - load_answer(a, b.step, f, z)))[None]
                     for b, a in zip(c.balances, c.accelerations)
                 ]
             )  # noqa: E731
@@ -424,19 +428,22 @@ def search_once(ctx, also=(), limit_time=None):
         return columns
 
     def encoder_columns(kappa):
+        k = 2 * np.pi * kappa
+        size = 1e-4 / kappa
+        sine = lambda x: size * np.sin(k * x)  # noqa: E731
+        cosine = lambda x: size * np.cos(k * x)  # noqa: E731
+
         def columns(c):
-            out = []
-            for b in c.balances:
-                size = 1e-4 / kappa
-                out.append(
-                    np.vstack(
-                        [
-                            reading(b, c.model, lambda x, f=f: size * f(2 * np.pi * kappa * x)) / size
-                            for f in (np.sin, np.cos)
-                        ]
-                    )
+            return [
+                np.vstack(
+                    [
+                        reading(c, b, a, sine, lambda x: k * cosine(x), lambda x: -k * k * sine(x)),
+                        reading(c, b, a, cosine, lambda x: -k * sine(x), lambda x: -k * k * cosine(x)),
+                    ]
                 )
-            return out
+                / size
+                for b, a in zip(c.balances, c.accelerations)
+            ]
 
         return columns
 
@@ -449,16 +456,21 @@ def search_once(ctx, also=(), limit_time=None):
         "~friction wave": (lambda c, b, d: S(b)),
     }
     spatial = []
+    places = np.concatenate([b.position for b in bs])
     for name, mult in families.items():
-        peaks, N = wave_scan(ctx, g, [mult(ctx, b, d) for b, d in zip(bs, u)], 4)
+        multipliers = [mult(ctx, b, d) for b, d in zip(bs, u)]
+        weighed = np.concatenate([gi * m for gi, m in zip(g, multipliers)])
+        peaks, N = wave_scan(ctx, g, multipliers, 4)
         for kappa, s in peaks:
             if s < 12:
                 continue
             make = encoder_columns if name == "encoder_periodic_error" else (lambda k, mult=mult: wave_columns(k, mult))
-            kappa, T = sharpen(
-                lambda k: ctx.score_columns(make(k)(ctx))[0] if k * length > 0.7 else -1.0, kappa, 0.3 / length, 5
+            kappa, _ = sharpen(
+                lambda k: abs(weighed @ np.exp(2j * np.pi * k * places)) if k * length > 0.7 else -1.0,
+                kappa,
+                0.25 / length,
+                6,
             )
-            spatial.append((T, kappa))
             period = 1 / kappa
 
             def effect(a, name=name, period=period):
@@ -467,6 +479,7 @@ def search_once(ctx, also=(), limit_time=None):
                 sign = -1.0 if name == "cogging_harmonic" else 1.0
                 return E[name].replace(period=period, sine=sign * float(a[0]), cosine=sign * float(a[1]))
 
+            spatial.append((s, kappa))
             near_known = name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known)
             if near_known:
                 continue
@@ -606,11 +619,10 @@ def law_pdf(ctx, put, added, nodes, unit, N):
 
 
 def lag(d, step, tau):
+    """What a lag of first order does to a held command, mean over each step (n,): no row knows a later command."""
     p = np.exp(-step / tau)
-    y = lfilter([1 - p], [1, -p], d - d[0]) + d[0]
-    # first-order hold: half a step less late
-    y = 0.5 * (y + np.append(y[1:], y[-1]))
-    return y - d
+    before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
+    return (before - d) * (1 - p) * tau / step
 
 
 def windows(ctx, g, put, law, force):
@@ -631,24 +643,20 @@ def windows(ctx, g, put, law, force):
         s = (total[L::step][: (n - L) // step + 1] - total[:-L:step][: (n - L) // step + 1]) ** 2 / (L * W0 + edge)
         if len(s):
             j = int(np.argmax(s))
-            cand.append((float(s[j]), b.time[j * step], b.time[min(j * step + L, n - 1)]))
+            cand.append((float(s[j]), j * step, min(j * step + L, n - 1)))
     cand.sort(reverse=True)
-    for s, t0, t1 in cand[:3]:
+    for s, i0, i1 in cand[:3]:
         if s < 8:
             continue
-        best, edges, d = -1.0, (t0, t1), 0.1 * (t1 - t0)
-        f = lambda e: ctx.score_columns(
-            [((x.time >= e[0]) & (x.time < e[1])).astype(float)[None] for x in ctx.balances]
-        )[0]  # noqa: E731
-        best = f(edges)
-        while d > 4e-3:
-            moved = [(edges[0] + q, edges[1]) for q in (-d, d)] + [(edges[0], edges[1] + q) for q in (-d, d)]
-            ts = [f(e) for e in moved]
-            j = int(np.argmax(ts))
-            if ts[j] > best:
-                best, edges = ts[j], moved[j]
-            else:
-                d *= 0.5
+        # the edges, by what the adjoint says of each row
+        worth = lambda a, z: (total[z] - total[a]) ** 2 / ((z - a) * W0 + edge)  # noqa: E731
+        for _ in range(3):
+            reach = max(1, (i1 - i0) // 5)
+            first = np.arange(max(0, i0 - reach), min(i0 + reach, i1 - 1))
+            i0 = int(first[np.argmax(worth(first, i1))]) if len(first) else i0
+            last = np.arange(max(i1 - reach, i0 + 1), min(i1 + reach, n))
+            i1 = int(last[np.argmax(worth(i0, last))]) if len(last) else i1
+        edges = b.time[i0], b.time[min(i1, n - 1)]
         e = (max(edges[0], 0.0), edges[1])
         put(
             "disturbance_step",
@@ -671,6 +679,7 @@ def tones(ctx, g, put, law, force):
     use = (f > 2.0 / duration) & (f < 0.38 * b.rate)
     s = 2 * np.abs(spec[use]) ** 2 / (rows * gain_of(ctx, f[use]))
     ff = f[use]
+    heard = lambda q: sum(gi @ np.exp(2j * np.pi * q * x.time) for gi, x in zip(g, ctx.balances))  # noqa: E731
     for _ in range(3):
         j = int(np.argmax(s))
         if s[j] < 12:
@@ -678,7 +687,7 @@ def tones(ctx, g, put, law, force):
         make = lambda q: (
             lambda c: [np.vstack([np.sin(2 * np.pi * q * x.time), np.cos(2 * np.pi * q * x.time)]) for x in c.balances]
         )  # noqa: E731
-        q, T = sharpen(lambda q: ctx.score_columns(make(q)(ctx))[0], float(ff[j]), 0.3 / duration, 6)
+        q, _ = sharpen(lambda q: abs(heard(q)), float(ff[j]), 0.25 / duration, 6)
         put(
             "disturbance_tone",
             f"{q:.4g} Hz",
