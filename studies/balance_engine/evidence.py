@@ -15,13 +15,14 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.model.parameters import effect_paths, parameters_of, with_values
 
 ORDER = 24
-MEMORY = 0.4  # s
+SHORT, LONG = 0.02, 1.5  # s, memory of the filter that screens, and of that which decides
+TAIL = 5.0  # degrees of freedom of Student's noise
 
 
-def noise_filter(segments, masks, rate):
+def noise_filter(segments, masks, rate, memory=0.4):
     """Causal whitening filter: each row less what those before it tell, near ones one by one, far ones by their mean."""
     edges = [*range(ORDER + 1)]
-    while edges[-1] < MEMORY * rate:
+    while edges[-1] < memory * rate:
         edges.append(int(np.ceil(1.4 * edges[-1])))
     bins = list(zip(edges[:-1], edges[1:]))
     gram, right = 0.0, 0.0
@@ -64,16 +65,33 @@ class Maximum:
     """A hypothesis at its likeliest: `cost` is minus twice the logarithm of the likelihood."""
 
     cost: float
-    theta: Any
-    nuisances: int
-    inflation: float
-    taps: Any
-    white: Any
+    w: Any
     rest: Any
     variance: float
+    at: Any  # weight of each row
+    gram: Any
 
     def by_row(self):
-        return self.rest**2 / self.variance + np.log(self.variance)
+        """Minus twice the logarithm of Student's density, row by row."""
+        return by_row(self.rest, self.variance)
+
+
+def by_row(rest, variance):
+    return (TAIL + 1.0) * np.log1p(rest**2 / (TAIL * variance)) + np.log(variance)
+
+
+def likeliest(x, r, sigma, target, variance):
+    """Columns x (p, n) at their likeliest in rows r under priors; Student's noise: what nothing explains decides little."""
+    at = np.ones(len(r))
+    for _ in range(4):
+        weight = variance / sigma**2
+        gram = (x * at) @ x.T + np.diag(weight + 1e-12 * len(r))
+        w = np.linalg.solve(gram, x @ (at * r) + weight * target)
+        rest = r - w @ x
+        at = (TAIL + 1.0) / (TAIL + rest**2 / variance)
+        variance = float(at @ rest**2) / len(rest)
+    cost = by_row(rest, variance).sum() + float(np.sum(((w - target) / sigma) ** 2))
+    return Maximum(cost, w, rest, variance, at, gram)
 
 
 @dataclass
@@ -90,6 +108,7 @@ class Context:
     taps_given: Any = None
     suspects: tuple = ()  # candidates that the noise filter leaves out
     frozen: bool = False  # effects and extras as they are
+    root: Any = 1.0  # of the weight of each row that counts
 
     def prepare(self, rounds=2):
         if self.start_model is None:
@@ -185,7 +204,10 @@ class Context:
         parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
         size = np.sqrt(sum(np.sum(x**2, axis=1) for x in parts)) + 1e-300
         free = np.full(len(size) - known, np.inf)
-        sigma, target = np.concatenate([self.prior_sigma, free]), np.concatenate([self.prior_offset, np.zeros(len(free))])
+        sigma, target = (
+            np.concatenate([self.prior_sigma, free]),
+            np.concatenate([self.prior_offset, np.zeros(len(free))]),
+        )
         target[known:] = 0.0
         if tables is None:
             taps, white, variance = self.taps, None, self.sigma**2
@@ -194,43 +216,52 @@ class Context:
             taps, variance = base.taps, base.variance
             white = np.vstack([base.white, self.whitened(tables, taps)])
             rounds = 2
-        for k in range(rounds):
-            if k:
-                left = [r - theta @ x for r, x in zip(self.residuals, parts)]
-                scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
-                left = [np.clip(x, -8 * scale, 8 * scale) for x in left]
-                taps = noise_filter(left, self.masks, self.balances[0].rate)
+        best, theta, n = None, None, len(self.nuisances[0])
+        for _ in range(rounds):
+            if theta is not None:
+                left = self.left(theta, parts)
+                taps = noise_filter(left, self.masks, self.balances[0].rate, LONG)
                 white = None
             if white is None:
                 white = self.whitened([np.vstack([r, x]) for r, x in zip(self.residuals, parts)], taps)
             r, x = white[0], white[1:] / size[:, None]
-            weight = variance / (sigma * size) ** 2
-            gram = x @ x.T + np.diag(weight + 1e-12 * len(r))
-            w = np.linalg.solve(gram, x @ r + weight * target * size)
-            rest = r - w @ x
-            theta = w / size
-            variance = float(rest @ rest) / len(rest)
-        prior = float(np.sum(((theta - target) / sigma) ** 2))
-        n = len(self.nuisances[0])
-        inflation = 1.0
+            told = likeliest(x, r, sigma * size, target * size, variance)
+            theta, variance = told.w / size, told.variance
+            if best is None or told.cost < best.cost:
+                best = told
+                best.theta, best.taps, best.white, best.x, best.r = theta, taps, white, x, r
+                best.prior = sigma * size, target * size
         if tables is not None:
-            near = x[:n] @ x[n:].T
-            more = x[n:] - np.linalg.solve(gram[:n, :n], near).T @ x[:n]
-            val, vec = np.linalg.eigh(more @ more.T)
+            x, (wide, middle) = best.x, best.prior
+            # none may be likelier behind the candidate's filter than behind its own
+            none = likeliest(x[:n], best.r, wide[:n], middle[:n], best.variance)
+            best.none = none if none.cost < self.null.cost else self.null
+            near = (x[:n] * best.at) @ x[n:].T
+            more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
+            val, vec = np.linalg.eigh((more * best.at) @ more.T)
             good = val > 1e-6 * val[-1]
             ortho = (vec[:, good] / np.sqrt(val[good])).T @ more
-            inflation = float(np.max(self.inflation(ortho * rest / np.sqrt(variance))))
-        return Maximum(len(r) * np.log(variance) + prior, theta, n, inflation, taps, white, rest, variance)
+            best.inflation = float(np.max(self.inflation(ortho * best.at * best.rest / np.sqrt(best.variance))))
+            best.told = np.sqrt(best.at) * (best.w[n:] @ more) / np.sqrt(best.variance)
+        best.x = best.gram = None
+        return best
 
     @cached_property
     def null(self):
         return self.maximised()
 
+    def left(self, theta, parts):
+        """What columns leave, outliers cut, one (m,) a log."""
+        left = [r - theta @ x for r, x in zip(self.residuals, parts)]
+        scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
+        return [np.clip(x, -5 * scale, 5 * scale) for x in left]
+
     def settle(self):
         """The noise filter at its likeliest, for the search."""
-        self.taps, self.sigma = self.null.taps, 1.0
+        left = self.left(self.null.theta, self.nuisances)
+        self.taps = noise_filter(left, self.masks, self.balances[0].rate, SHORT)
+        self.sigma, self.root = 1.0, np.sqrt(self.null.at)
         self.whiten_all()
-        del self.null
         return self
 
     def inflation(self, products):
@@ -243,7 +274,10 @@ class Context:
 
     def whitened(self, tables, taps):
         """Rows that count behind a filter, logs after each other, (p, n)."""
-        out = [oaconvolve(t, taps[None, :], axes=1)[:, : t.shape[1]][:, self.counted(m)] for t, m in zip(tables, self.masks)]
+        out = [
+            oaconvolve(t, taps[None, :], axes=1)[:, : t.shape[1]][:, self.counted(m)]
+            for t, m in zip(tables, self.masks)
+        ]
         return np.hstack(out)
 
     def whiten(self, tables):
@@ -253,7 +287,7 @@ class Context:
             t = np.atleast_2d(t)
             w = oaconvolve(t, self.taps[None, :], axes=1)[:, : t.shape[1]]
             out.append(w[:, self.counted(m)])
-        return np.hstack(out) / self.sigma
+        return np.hstack(out) * (self.root / self.sigma)
 
     @staticmethod
     def counted(mask):
@@ -384,9 +418,7 @@ def drive(b, model):
     What the loop makes of its own noise is in the command, and in the noise of later rows: a column made of that alarms
     without any cause. The command is regressed on what the model asks for along the reference, earlier and later.
     """
-    only = model.replace(
-        effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS)
-    )
+    only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     forces = b.forces([plant])[0]
     if b.reference is None:
@@ -508,7 +540,7 @@ def nuisance_columns(ctx):
                     continue
                 paths.append(path)
                 if role == "amplitude":
-                    sig.append(np.inf)
+                    sig.append(max(size, abs(value)))
                 else:
                     sig.append(50 * step if name == "period" else 0.3 * size)
                     if roles[name]["quantity"] == "time" and name in ("start", "stop"):

@@ -76,6 +76,8 @@ class ForceBalance:
             1.4826 * float(np.median(np.abs(third))) / np.sqrt(20.0), quantum / np.sqrt(12.0), 1e-15
         )
         density = 2.0 * self.encoder_noise**2 / rate
+        moving = np.abs(velocity) > 0.1 * np.abs(velocity).max()
+        self.coarse = float(np.mean(np.diff(position)[1:][moving] == 0.0)) > 0.01  # readings repeat in motion
         self.band = float(
             np.clip((3.0 * (0.2 * max(width, 1e-9)) ** 2 / (4 * np.pi**2 * density)) ** (1 / 3), 30.0, 0.4 / self.step)
         )

@@ -29,6 +29,7 @@ class Found:
     columns: Any  # function(ctx) -> per-log columns at the middle rate
     effect: Any = None  # function(amplitudes) -> Effect or None
     finite: bool = False
+    others: tuple = ()  # names that a shape of no law may bear as well
     refine: Any = None  # (value, function value -> (columns, effect, label))
 
     @property
@@ -49,7 +50,7 @@ def adjoint(ctx):
         counted = ctx.counted(m)
         full = np.zeros(len(m))
         c = int(counted.sum())
-        full[counted] = ctx.e[at : at + c]
+        full[counted] = ctx.e[at : at + c] * (ctx.root if np.ndim(ctx.root) == 0 else ctx.root[at : at + c])
         at += c
         g = oaconvolve(full[::-1], ctx.taps)[: len(full)][::-1] / ctx.sigma
         out.append(b.adjoint(g))
@@ -339,13 +340,13 @@ def search_once(ctx, also=(), limit_time=None):
                 lambda a, t=f * base: E["actuator_lag"].replace(time_constant=float(t * a[0])),
                 amplitude_ok=lambda a, cov, t=f * base: a[0] * t > 0.25 * h,
             )
-    peak = max(np.abs(d).max() for d in u)
+    peak = force
     for s in (0.95, 0.85, 0.7, 0.5, 0.3):
         L = s * peak
         free(
             "command_saturation",
             L,
-            lambda L: lambda c: [(np.clip(d, -L, L) - d)[None] for d in c.drives],
+            lambda L: lambda c: [(np.clip(b.command, -L, L) - b.command)[None] for b in c.balances],
             5,
             lambda L: lambda a: E["command_saturation"].replace(limit=float(L)),
             amplitude_ok=positive,
@@ -355,7 +356,7 @@ def search_once(ctx, also=(), limit_time=None):
         free(
             "command_dead_zone",
             W,
-            lambda W: lambda c: [(-np.clip(d, -W, W))[None] for d in c.drives],
+            lambda W: lambda c: [-np.clip(b.command, -W, W)[None] for b in c.balances],
             6,
             lambda W: lambda a: E["command_dead_zone"].replace(width=float(W * a[0])),
             amplitude_ok=lambda a, cov: a[0] > 0.02,
@@ -392,24 +393,43 @@ def search_once(ctx, also=(), limit_time=None):
         lambda a: E["encoder_scale_error"].replace(scale=float(a[0])),
     )
     # states --------------------------------------------------------------------------------------------
-    fr = np.geomspace(max(3.0 / duration, 2.0), 0.25 * bs[0].rate, 24)
-    best = None
-    for f in fr:
-        for z in (0.03, 0.2):
-            cols = lambda f, z=z: (
-                lambda c: [
-                    (c.model.axis.mass * (a - load_answer(a, b.step, f, z)))[None]
-                    for b, a in zip(c.balances, c.accelerations)
-                ]
-            )  # noqa: E731
-            mode = lambda f, z=z: (
-                lambda a: E["flexible_mode"].replace(
-                    frequency=float(f / np.sqrt(1 - min(a[0], 0.9))),
-                    damping_ratio=float(z / np.sqrt(1 - min(a[0], 0.9))),
-                    mass_ratio=float(min(a[0], 0.9)),
-                )
-            )  # noqa: E731
-            free("flexible_mode", f, cols, 24, mode, amplitude_ok=lambda a, cov: 0.003 < a[0] < 0.95)
+    lowest, highest = max(3.0 / duration, 2.0), min(0.25 * bs[0].rate, bs[0].corner)  # Hz
+
+    def mode_columns(f, z):
+        seen = float(f < 1.1 * highest)
+        return lambda c: [
+            seen * c.model.axis.mass * (a - load_answer(a, b.step, f, z))[None]
+            for b, a in zip(c.balances, c.accelerations)
+        ]
+
+    def mode(f, z):
+        return lambda a: E["flexible_mode"].replace(
+            frequency=float(f / np.sqrt(1 - min(a[0], 0.9))),
+            damping_ratio=float(z / np.sqrt(1 - min(a[0], 0.9))),
+            mass_ratio=float(min(a[0], 0.9)),
+        )
+
+    for z in (0.02, 0.1, 0.3):
+        fr = np.geomspace(lowest, highest, 18)
+        size = np.linalg.norm(
+            ctx.project(
+                [np.vstack(c) for c in zip(*([b.rows(x)[0] for b, x in zip(bs, mode_columns(f, z)(ctx))] for f in fr))]
+            ),
+            axis=1,
+        )
+        fine = np.geomspace(lowest, highest, int(np.log(highest / lowest) / max(z, 0.02)))
+        met = np.array([sum(gi @ x[0] for gi, x in zip(g, mode_columns(f, z)(ctx))) for f in fine])
+        worth = np.where(met > 0, met, 0.0) / np.exp(np.interp(np.log(fine), np.log(fr), np.log(size + 1e-300)))
+        for f in fine[np.argsort(-worth)[:2]]:
+            put(
+                "flexible_mode",
+                f"{f:.4g} Hz, damping {z}",
+                mode_columns(f, z),
+                3 * len(fine),
+                mode(f, z),
+                amplitude_ok=lambda a, cov: 0 < a[0] < 0.95,
+                refine=(f, lambda v, z=z: (mode_columns(v, z), mode(v, z), f"{v:.4g} Hz, damping {z}")),
+            )
     # time ------------------------------------------------------------------------------------------------
     windows(ctx, g, put, law, force)
     tones(ctx, g, put, law, force)
@@ -575,46 +595,56 @@ def search_once(ctx, also=(), limit_time=None):
     return sorted(with_cells(done), key=lambda f: -f.score)
 
 
+#: What bears no name, and the names whose laws it contains.
 CELLS = {
-    "~force along travel": ("cable_spring", "end_effect", "local_force"),
+    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
     "~gain along travel": ("force_constant_ripple",),
+    "~gain of speed": ("mass_change", "command_delay", "actuator_lag"),
     "~command": ("command_saturation", "command_dead_zone"),
     "~friction wave": ("position_dependent_friction",),
-    "~force in time": ("disturbance_step",),
+    "~force in time": ("disturbance_step", "disturbance_tone", "constant_force"),
+    "~friction in time": ("coulomb_change", "coulomb_asymmetry"),
+    "~viscous in time": ("viscous_change",),
+    "~viscous along travel": ("viscous_change", "position_dependent_friction"),
+    "~friction over speed": ("coulomb_change", "viscous_change", "quadratic_drag", "stribeck_friction"),
 }
+#: Cells whose whole shape the names may take: a spring, a bump or a profile of friction has any.
+SHAPED = {
+    "~force along travel": 0.3,
+    "~gain along travel": 0.3,
+    "~command": 0.3,
+    "~friction wave": 0.3,
+    "~force in time": 0.6,
+}
+NESTED = 0.7  # share of a cell's ratio from which on a law inside it is told instead
 
 
 def with_cells(found):
     """A force of any shape along a coordinate bears the name of the law along it that explains most."""
     by = {f.name: f for f in found}
-    for cell, names in CELLS.items():
-        if cell not in by:
+    for cell, least in SHAPED.items():
+        members = sorted((by[n] for n in CELLS[cell] if n in by), key=lambda f: -f.T)
+        if cell not in by or not members or members[0].T < least * by[cell].T:
             continue
-        members = [by[n] for n in names if n in by]
-        if not members:
-            continue
-        best = max(members, key=lambda f: f.T)
-        if best.T < (0.6 if cell == "~force in time" else 0.3) * by[cell].T:
-            continue
+        best = members[0]
         if by[cell].score > best.score:
-            by[best.name] = replace(by[cell], name=best.name, label="other shape", effect=None)
+            others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
+            by[best.name] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
         del by[cell]
     return list(by.values())
 
 
 def law_pdf(ctx, put, added, nodes, unit, N):
+    """Friction along the travel, without its mean, which is Coulomb friction."""
     base = E["position_dependent_friction"]
-    effects = []
-    for j in range(len(nodes)):
-        levels = [0.0] * len(nodes)
-        levels[j] = unit
-        effects.append(base.replace(nodes=nodes, levels=levels))
+    contrast = np.eye(len(nodes))[:-1] - 1.0 / len(nodes)
+    effects = [base.replace(nodes=nodes, levels=[float(x) for x in unit * row]) for row in contrast]
     put(
         "position_dependent_friction",
         f"{len(nodes)} nodes",
-        added(effects, [unit] * len(nodes)),
+        added(effects, [unit] * len(effects)),
         N,
-        lambda a: base.replace(nodes=nodes, levels=[float(v) for v in a]),
+        lambda a: base.replace(nodes=nodes, levels=[float(v) for v in a @ contrast]),
     )
 
 
