@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.linalg import solve_toeplitz
 from scipy.ndimage import median_filter
 from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
 
@@ -15,32 +16,35 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.model.parameters import effect_paths, parameters_of, with_values
 
 ORDER = 24
+SLOPES = (0.0, 0.2, 0.4, 0.6)  # exponents of the fractional difference
 SHORT, LONG = 0.02, 1.5  # s, memory of the filter that screens, and of that which decides
 TAIL = 5.0  # degrees of freedom of Student's noise
 
 
+def replace_width(model, width):
+    return with_values(model, {"axis.coulomb_width": width})
+
+
 def noise_filter(segments, masks, rate, memory=0.4):
-    """Causal whitening filter: each row less what those before it tell, near ones one by one, far ones by their mean."""
-    edges = [*range(ORDER + 1)]
-    while edges[-1] < memory * rate:
-        edges.append(int(np.ceil(1.4 * edges[-1])))
-    bins = list(zip(edges[:-1], edges[1:]))
-    gram, right = 0.0, 0.0
-    for e, m in zip(segments, masks):
-        e = np.where(m, e, 0.0)
-        total = np.concatenate([[0.0], np.cumsum(e)])
-        n = len(e)
-        at = np.arange(n)
-        past = np.array([total[np.maximum(at - low, 0)] - total[np.maximum(at - high, 0)] for low, high in bins])
-        past, now = past[:, m], e[m]
-        gram, right = gram + past @ past.T, right + past @ now
-    size = np.sqrt(np.diag(gram)) + 1e-300
-    w = np.linalg.solve(gram / np.outer(size, size) + 1e-6 * np.eye(len(size)), right / size) / size
-    taps = np.zeros(edges[-1] + 1)
-    taps[0] = 1.0
-    for (low, high), one in zip(bins, w):
-        taps[low + 1 : high + 1] = -one
-    return taps
+    """Causal whitening filter: a fractional difference for what is slow, and an autoregression of ORDER rows.
+
+    Slow noise is drawn from the whole spectrum by one exponent: a filter with free weights for the rows long ago would
+    take a constant force for noise, whatever its size.
+    """
+    size = 2 * max(map(len, segments))
+    power = sum(np.abs(np.fft.rfft(np.where(m, e, 0.0), size)) ** 2 for e, m in zip(segments, masks))
+    turn = 2.0 * np.sin(np.pi * np.arange(len(power)) / size)  # |1 - exp(-i w)|
+    best = None
+    for d in SLOPES:
+        r = np.fft.irfft(power * turn ** (2.0 * d), size)[: ORDER + 1]
+        w = solve_toeplitz(np.concatenate([[r[0] * (1.0 + 1e-9)], r[1:-1]]), r[1:])
+        variance = r[0] - w @ r[1:]
+        if best is None or variance < best[0]:
+            best = variance, d, w
+    _, d, w = best
+    k = np.arange(1, int(memory * rate))
+    slow = np.concatenate([[1.0], np.cumprod((k - 1.0 - d) / k)]) if d else np.ones(1)
+    return np.convolve(slow, np.concatenate([[1.0], -w]))
 
 
 def without_lines(x, rate, most=3, ratio=40.0):
@@ -83,9 +87,10 @@ def by_row(rest, variance):
 def likeliest(x, r, sigma, target, variance):
     """Columns x (p, n) at their likeliest in rows r under priors; Student's noise: what nothing explains decides little."""
     at = np.ones(len(r))
-    for _ in range(4):
-        weight = variance / sigma**2
-        gram = (x * at) @ x.T + np.diag(weight + 1e-12 * len(r))
+    for _ in range(3):
+        weight = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
+        scaled = x * np.sqrt(at)
+        gram = scaled @ scaled.T + np.diag(weight + 1e-12 * len(r))
         w = np.linalg.solve(gram, x @ (at * r) + weight * target)
         rest = r - w @ x
         at = (TAIL + 1.0) / (TAIL + rest**2 / variance)
@@ -145,9 +150,25 @@ class Context:
                     value = min(max(value, low), high)
                 values[path] = value
         try:
-            return with_values(self.model, values)
+            model = with_values(self.model, values)
         except ValueError:
-            return with_values(self.model, {k: v for k, v in values.items() if not k.startswith("effects.")})
+            model = with_values(self.model, {k: v for k, v in values.items() if not k.startswith("effects.")})
+        return replace_width(model, self.likeliest_width())
+
+    def likeliest_width(self):
+        """Width of the arctangent that is closest to the fitted friction law over the speeds of the motion, m/s."""
+        own = self.model.axis.coulomb_width
+        parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.theta) if q.startswith("width.")}
+        if not parts:
+            return own
+        v = np.quantile(np.concatenate([np.abs(b.velocity[b.keep > 0]) for b in self.balances]), np.linspace(0, 1, 400))
+        level = self.model.axis.coulomb - sum(parts.values())
+        law = level * np.arctan(v / own) + 0.5 * np.pi * sum(t * np.minimum(v / w, 1.0) for w, t in parts.items())
+        if not np.any(law):
+            return own
+        tried = np.geomspace(min(own, min(parts)), max(own, max(parts)), 60)
+        fits = np.arctan(v / tried[:, None])
+        return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
     def prepare_once(self):
         m = self.model
@@ -194,43 +215,35 @@ class Context:
         left = [np.clip(x, -8 * scale, 8 * scale) for x in left]
         return noise_filter(left, self.masks, self.balances[0].rate)
 
-    def maximised(self, tables=None, rounds=3):
+    def maximised(self, tables=None):
         """Nuisances and columns at their likeliest, with the noise filter that suits them best.
 
         The filter is part of each hypothesis: with that of the null, a slow force is half taken for noise; with that of
-        the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither.
+        the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither. A filter that has swallowed
+        a force finds no force that it could give back: what is left without any filter is a start as well.
         """
         known = len(self.prior_sigma)
         parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
         size = np.sqrt(sum(np.sum(x**2, axis=1) for x in parts)) + 1e-300
         free = np.full(len(size) - known, np.inf)
-        sigma, target = (
-            np.concatenate([self.prior_sigma, free]),
-            np.concatenate([self.prior_offset, np.zeros(len(free))]),
-        )
-        target[known:] = 0.0
-        if tables is None:
-            taps, white, variance = self.taps, None, self.sigma**2
-        else:
-            base = self.null
-            taps, variance = base.taps, base.variance
-            white = np.vstack([base.white, self.whitened(tables, taps)])
-            rounds = 2
-        best, theta, n = None, None, len(self.nuisances[0])
-        for _ in range(rounds):
-            if theta is not None:
-                left = self.left(theta, parts)
-                taps = noise_filter(left, self.masks, self.balances[0].rate, LONG)
-                white = None
-            if white is None:
-                white = self.whitened([np.vstack([r, x]) for r, x in zip(self.residuals, parts)], taps)
-            r, x = white[0], white[1:] / size[:, None]
-            told = likeliest(x, r, sigma * size, target * size, variance)
-            theta, variance = told.w / size, told.variance
-            if best is None or told.cost < best.cost:
-                best = told
-                best.theta, best.taps, best.white, best.x, best.r = theta, taps, white, x, r
-                best.prior = sigma * size, target * size
+        sigma = np.concatenate([self.prior_sigma, free]) * size
+        target = np.concatenate([self.prior_offset[:known], np.zeros(len(free))]) * size
+        rows = [np.vstack([r, x]) for r, x in zip(self.residuals, parts)]
+        best, n, tried = None, len(self.nuisances[0]), []
+        for start in (np.ones(1), self.taps if tables is None else self.null.taps):
+            taps = start
+            for k in range(3):
+                white = self.whitened(rows, taps)
+                r, x = white[0], white[1:] / size[:, None]
+                variance = max(1.4826 * float(np.median(np.abs(r))), 1e-300) ** 2
+                told = likeliest(x, r, sigma, target, variance)
+                if k and (best is None or told.cost < best.cost):
+                    best = told
+                    best.theta, best.taps, best.white, best.x, best.r = told.w / size, taps, white, x, r
+                    best.prior = sigma, target
+                if k == (2 if tables is None else 1):
+                    break
+                taps = noise_filter(self.left(told.w / size, parts), self.masks, self.balances[0].rate, LONG)
         if tables is not None:
             x, (wide, middle) = best.x, best.prior
             # none may be likelier behind the candidate's filter than behind its own
@@ -328,7 +341,8 @@ class Context:
         sig = np.array([*self.prior_sigma, *[np.inf] * (len(n) - len(self.prior_sigma))])
         off = np.array([*self.prior_offset, *[0.0] * (len(n) - len(self.prior_offset))])
         sigma = max(1.4826 * float(np.median(np.abs(r))), 1e-300)
-        size = np.maximum(np.linalg.norm(n, axis=1), 1e-300)
+        size = np.linalg.norm(n, axis=1)
+        size = np.maximum(size, 1e-9 * size.max())
         d = n / size[:, None]
         gram, right = d @ d.T, d @ r
         weight = np.where(np.isfinite(sig), (sigma / (sig * size)) ** 2, 0.0)
@@ -465,14 +479,15 @@ def nuisance_columns(ctx):
     widths = []
     if first.uncertainty.get("coulomb_width") != 0.0:
         slow = 2.0 * min(b.speed_noise for b in balances)
-        widths = list(np.geomspace(slow, max(12.0 * w0, 4.0 * slow), 14))
+        fastest = max(np.abs(b.velocity).max() for b in balances)
+        widths = list(np.geomspace(slow, max(12.0 * w0, 4.0 * slow, 0.3 * fastest), 32))
     for i, b in enumerate(balances):
         own = m.axis.coulomb_width
         key = own, tuple(widths)
         if b.kept.get("friction", (None,))[0] != key:
             v = b.fine[3]
             laws = [np.arctan(v / own) * 2 / np.pi if own > 0 else np.sign(v)]
-            laws += [np.arctan(v / w) * 2 / np.pi for w in widths] + [np.clip(v / w, -1.0, 1.0) for w in widths]
+            laws += [np.clip(v / w, -1.0, 1.0) for w in widths]
             b.kept["friction"] = key, b.averaged(np.array(laws))
         smooth = b.kept["friction"][1]
         col = {"axis.mass": -ctx.accelerations[i], "axis.viscous": -b.velocity, "axis.coulomb": -smooth[0]}
@@ -480,7 +495,7 @@ def nuisance_columns(ctx):
             tables[i].append(col[p])
         for s in smooth[1:]:
             tables[i].append(-(s - smooth[0]))
-    for w in [*widths, *widths]:
+    for w in widths:
         paths.append(f"width.{w:g}")
         sig.append(max(m.axis.coulomb, 1e-12))
         off.append(0.0)

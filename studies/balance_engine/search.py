@@ -293,7 +293,7 @@ def search_once(ctx, also=(), limit_time=None):
             lambda c, p=p: [(-np.sign(b.velocity) * (np.abs(b.velocity) / top) ** p)[None] for b in c.balances],
             3,
         )
-    for L in np.geomspace(max(1e-6, 4 * min(b.encoder_noise for b in bs)), 3e-3, 8):
+    for L in np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in bs)), 3e-3, 8):
         free(
             "presliding_friction",
             L,
