@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from studies.balance_engine.evidence import Context
+from studies.balance_engine.evidence import Evidence
 from studies.balance_engine.force_balance import ForceBalance
 from studies.balance_engine.search import CELLS, NESTED, Found, search_once
 
@@ -21,7 +22,7 @@ SHOWN = 10.0  # expected gain from which on logs can refute
 REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")
 
 
-BURSTS = Found("~noise in time", "", 0.0, 0, 1, np.zeros(0), np.zeros((0, 0)), None)
+BURSTS = Found("~noise in time", "", 0.0, 0, 1, np.zeros(0), None)
 
 
 @dataclass
@@ -51,8 +52,7 @@ def contender(ctx, f, given):
     if f.columns is None:
         if f.effect not in ctx.paths:
             return None
-        other = prior_column_context(ctx, f.effect)
-        best = other.maximised()
+        best = released(ctx, f.effect)
         best.none, inflation = ctx.null, 1.0
     else:
         best = ctx.maximised([b.rows(x) for b, x in zip(ctx.balances, f.columns(ctx))])
@@ -62,28 +62,27 @@ def contender(ctx, f, given):
     by_row = (best.none.by_row() - best.by_row()) / inflation
     one = Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), np.add.reduceat(by_row, edges))
     if f.columns is not None:
-        first = sum(int(ctx.counted(m).sum()) for m in ctx.masks[:given])
+        first = sum(int(m.sum()) for m in ctx.counted[:given])
         one.gains = float(by_row[:first].sum()), float(by_row[first:].sum())
         told = best.told**2 / inflation
         one.expected = float(told[:first].sum()), float(told[first:].sum())
     return one
 
 
-def prior_column_context(ctx, path):
-    other = replace(ctx)
-    other.__dict__.update({k: v for k, v in ctx.__dict__.items() if k != "null"})
-    sigma = list(ctx.prior_sigma)
-    sigma[ctx.paths.index(path)] = np.inf
-    other.prior_sigma = sigma
-    return other
+def released(ctx, path):
+    """The likeliest null without what is stated of one parameter."""
+    other = copy(ctx)
+    other.prior_sigma = ctx.prior_sigma.copy()
+    other.prior_sigma[ctx.paths.index(path)] = np.inf
+    return other.maximised()
 
 
 def block_edges(ctx):
     """First rows of the blocks of motion, none over two logs."""
     size = round(BLOCK * ctx.balances[0].rate)
     edges, at = [], 0
-    for m in ctx.masks:
-        n = int(ctx.counted(m).sum())
+    for m in ctx.counted:
+        n = int(m.sum())
         edges += list(range(at, max(at + 1, at + n - size // 2), size))
         at += n
     return np.array(edges)
@@ -108,8 +107,7 @@ def bursts(ctx):
     """
     worst, at = 0.0, 0
     unit = ctx.null.rest / np.sqrt(ctx.null.variance)
-    for b, m in zip(ctx.balances, ctx.masks):
-        counted = ctx.counted(m)
+    for b, counted in zip(ctx.balances, ctx.counted):
         n = int(counted.sum())
         power, speed = np.minimum(unit[at : at + n] ** 2, 9.0), np.abs(b.velocity[:: b.every][counted])
         at += n
@@ -135,25 +133,22 @@ def run(given, confirm, model, log=None):
     g_model = model
     excluded = set()
     for step in range(6):
-        ctx = Context(G, g_model, list(extra), start_model=model, nuisance_free=tuple(free))
-        ctx.prepare(2 if step == 0 else 3)
+        ctx = Evidence(G, model, g_model, list(extra), tuple(free)).prepare(2 if step == 0 else 3, listen=step == 0)
         g_model = ctx.model
         for b in C:
             b.corner = G[0].corner
-        at = ctx.extra_at
+        at = len(ctx.paths)
         for n, f in enumerate(extra):
             k = len(f.amplitudes)
-            extra[n] = replace(f, amplitudes=ctx.theta[at : at + k])
+            extra[n] = replace(f, amplitudes=ctx.null.theta[at : at + k])
             at += k
-        ctx.settle()
         found = [f for f in search_once(ctx) if f.name not in excluded]
         if log:
             log(f"   step {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f} s {f.score:.0f}" for f in found[:5]))
-        found = [f for f in found if f.T > 4][:SURVIVORS]
+        found = [f for f in found if f.T > max(4.0, 0.1 * found[0].T)][:SURVIVORS]
         both = ctx
         if C:
-            both = Context(G + C, g_model, list(extra), start_model=model, nuisance_free=tuple(free), taps=ctx.taps)
-            both.prepare_once()
+            both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
         contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
         if log:
             log(

@@ -1,31 +1,29 @@
-"""The search: what is missing in a force balance."""
+"""Evidence: what is left of a force balance under a model, and how much likelier it is with something more."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
-from scipy.ndimage import median_filter
 from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
 
 from cogging._core import Predictor
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.parameters import effect_paths, parameters_of, with_values
+from studies.balance_engine.cells import hats, splines
 
-ORDER = 24
-SLOPES = (0.0, 0.2, 0.4, 0.6)  # exponents of the fractional difference
-SHORT, LONG = 0.02, 1.5  # s, memory of the filter that screens, and of that which decides
+ORDER = 24  # rows of the noise filter's autoregression
+MEMORY = 1.5  # s, of its fractional difference
+SLOPES = (0.0, 0.2, 0.4, 0.6)  # exponents of the fractional difference that are tried
 TAIL = 5.0  # degrees of freedom of Student's noise
+OUTLIER = 5.0  # deviations beyond which a row does not count in the noise filter
+WIDTHS = 32  # of Coulomb friction's rise, of which its law is made
 
 
-def replace_width(model, width):
-    return with_values(model, {"axis.coulomb_width": width})
-
-
-def noise_filter(segments, masks, rate, memory=0.4):
+def noise_filter(segments, masks, rate):
     """Causal whitening filter: a fractional difference for what is slow, and an autoregression of ORDER rows.
 
     Slow noise is drawn from the whole spectrum by one exponent: a filter with free weights for the rows long ago would
@@ -42,37 +40,28 @@ def noise_filter(segments, masks, rate, memory=0.4):
         if best is None or variance < best[0]:
             best = variance, d, w
     _, d, w = best
-    k = np.arange(1, int(memory * rate))
+    k = np.arange(1, int(MEMORY * rate))
     slow = np.concatenate([[1.0], np.cumprod((k - 1.0 - d) / k)]) if d else np.ones(1)
     return np.convolve(slow, np.concatenate([[1.0], -w]))
 
 
-def without_lines(x, rate, most=3, ratio=40.0):
-    """A residual without lines of its spectrum: a tone is a signal, which a filter with a memory would take away."""
-    n = len(x)
-    for _ in range(most):
-        spectrum = np.fft.rfft(x * np.hanning(n))
-        power = np.abs(spectrum) ** 2
-        level = median_filter(power, 81) + 1e-300
-        j = int(np.argmax(power / level * (np.arange(len(power)) > 4)))
-        if power[j] < ratio * level[j]:
-            break
-        t = 2 * np.pi * np.arange(n) / n
-        table = np.vstack([f((j + d) * t) for d in (-1.0, -0.5, 0.0, 0.5, 1.0) for f in (np.sin, np.cos)])
-        w = np.linalg.lstsq(table.T, x, rcond=1e-6)[0]
-        x = x - w @ table
-    return x
-
-
 @dataclass
 class Maximum:
-    """A hypothesis at its likeliest: `cost` is minus twice the logarithm of the likelihood."""
+    """A hypothesis at its likeliest: `cost` is minus twice the logarithm of the likelihood.
+
+    Attributes:
+        w: amplitudes of the columns, by their sizes.
+        rest: whitened rows less the columns.
+        variance: of them.
+        at: weight of each row.
+        gram: weighted products of the columns with each other, priors included.
+    """
 
     cost: float
     w: Any
     rest: Any
     variance: float
-    at: Any  # weight of each row
+    at: Any
     gram: Any
 
     def by_row(self):
@@ -84,10 +73,10 @@ def by_row(rest, variance):
     return (TAIL + 1.0) * np.log1p(rest**2 / (TAIL * variance)) + np.log(variance)
 
 
-def likeliest(x, r, sigma, target, variance):
+def likeliest(x, r, sigma, target, rounds=3):
     """Columns x (p, n) at their likeliest in rows r under priors; Student's noise: what nothing explains decides little."""
-    at = np.ones(len(r))
-    for _ in range(3):
+    at, variance = np.ones(len(r)), max(1.4826 * float(np.median(np.abs(r))), 1e-300) ** 2
+    for _ in range(rounds):
         weight = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
         scaled = x * np.sqrt(at)
         gram = scaled @ scaled.T + np.diag(weight + 1e-12 * len(r))
@@ -100,65 +89,135 @@ def likeliest(x, r, sigma, target, variance):
 
 
 @dataclass
-class Context:
-    """Logs under a model with what was accepted; everything whitened."""
+class Evidence:
+    """Logs under a model with what was accepted.
+
+    Attributes:
+        balances: force balances of the logs.
+        given: model as it was read, which the priors are of.
+        model: the same re-tuned, with what was accepted.
+        extra: what was accepted without a law.
+        free: paths of the axis whose prior is released.
+    """
 
     balances: list
+    given: Any
     model: Any
-    extra: list = field(default_factory=list)  # accepted Shapes without a law: (Shape, free)
-    taps: Any = None
-    generic: bool = True
-    nuisance_free: tuple = ()
-    start_model: Any = None
-    taps_given: Any = None
-    suspects: tuple = ()  # candidates that the noise filter leaves out
-    frozen: bool = False  # effects and extras as they are
-    root: Any = 1.0  # of the weight of each row that counts
+    extra: list = field(default_factory=list)
+    free: tuple = ()
 
-    def prepare(self, rounds=2):
-        if self.start_model is None:
-            self.start_model = self.model
-        self.taps_given = self.taps
+    def prepare(self, rounds=0, listen=False):
+        """Make the columns and the null, re-tuning the model round by round; `listen`: choose the balance's band."""
         for k in range(rounds):
-            self.prepare_once()
-            if k == 0 and self.taps_given is None:
+            self.make()
+            if k == 0 and listen:
                 for b, r in zip(self.balances, self.raw):
                     b.hear(r, self.model.axis.mass)
-                self.taps = None
+                self.make()
             self.model = self.retuned()
-        self.prepare_once()
+        self.make()
         return self
 
-    def suspecting(self, *suspects):
-        """The same with a noise filter that leaves the suspects out."""
-        other = replace(self, suspects=tuple(f for f in suspects if f.columns is not None), taps=None)
-        other.prepare_once()
-        return other
+    def make(self):
+        """Columns of the balance under the model, and the null."""
+        both = [drive(b, self.model) for b in self.balances]
+        self.drives, self.accelerations = [u for u, _ in both], [a for _, a in both]
+        self.paths, tables = nuisance_columns(self)
+        made = [s.columns(self) for s in self.extra]
+        tables = [np.vstack([t, *(s[i] for s in made)]) for i, t in enumerate(tables)]
+        count = len(tables[0]) - len(self.paths)
+        self.prior_sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)])
+        self.prior_offset = np.concatenate([self.prior_offset, np.zeros(count)])
+        self.raw = [b.residual(self.model) for b in self.balances]
+        self.masks = [b.mask for b in self.balances]
+        self.counted = [lfilter(np.ones(ORDER), 1.0, (~m).astype(float)) < 0.5 for m in self.masks]
+        self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw)]
+        self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables)]
+        for name in ("null", "screen", "basis"):
+            self.__dict__.pop(name, None)
+        taps = self.taps_of(self.fitted(np.ones(1))[0])
+        self.keep_positive(taps)
+        self.start = taps
+
+    def filtered(self, tables, taps):
+        """Rows that count behind a filter, logs after each other, (p, n)."""
+        return np.hstack(
+            [oaconvolve(t, taps[None, :], axes=1)[:, : t.shape[1]][:, m] for t, m in zip(tables, self.counted)]
+        )
+
+    @property
+    def rate(self):
+        return self.balances[0].rate
+
+    def taps_of(self, theta, parts=None):
+        """Noise filter of what columns leave; outliers are cut."""
+        parts = self.nuisances if parts is None else parts
+        left = [r - theta @ x for r, x in zip(self.residuals, parts)]
+        scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
+        return noise_filter([np.clip(x, -OUTLIER * scale, OUTLIER * scale) for x in left], self.masks, self.rate)
+
+    def fitted(self, taps, parts=None, rounds=3):
+        """Amplitudes of nuisances, or of parts, behind a filter, and the maximum."""
+        parts = self.nuisances if parts is None else parts
+        size = np.sqrt(sum(np.sum(x**2, axis=1) for x in parts))
+        size = np.maximum(size, 1e-12 * size.max())
+        more = len(size) - len(self.prior_sigma)
+        sigma = np.concatenate([self.prior_sigma, np.full(more, np.inf)]) * size
+        target = np.concatenate([self.prior_offset, np.zeros(more)]) * size
+        white = self.filtered([np.vstack([r, x]) for r, x in zip(self.residuals, parts)], taps)
+        r, x = white[0], white[1:] / size[:, None]
+        best = likeliest(x, r, sigma, target, rounds)
+        best.theta, best.taps, best.r, best.x, best.prior, best.size = best.w / size, taps, r, x, (sigma, target), size
+        return best.theta, best
+
+    def maximised(self, tables=None):
+        """Nuisances and columns at their likeliest, with the noise filter that suits them best.
+
+        The filter is part of each hypothesis: with that of the null, a slow force is half taken for noise; with that of
+        the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither. A filter that has swallowed
+        a force finds no force that it could give back: what is left without any filter is a start as well.
+        """
+        parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
+        best, n = None, len(self.nuisances[0])
+        for taps in (np.ones(1), self.start if tables is None else self.null.taps):
+            theta, _ = self.fitted(taps, parts, rounds=1)
+            for _ in range(2 if tables is None else 1):
+                theta, told = self.fitted(self.taps_of(theta, parts), parts)
+                if best is None or told.cost < best.cost:
+                    best = told
+        if tables is not None:
+            x, (sigma, target) = best.x, best.prior
+            # none may be likelier behind the candidate's filter than behind its own
+            none = likeliest(x[:n], best.r, sigma[:n], target[:n])
+            best.none = none if none.cost < self.null.cost else self.null
+            near = (x[:n] * best.at) @ x[n:].T
+            more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
+            ortho = orthonormal(more * np.sqrt(best.at)) * np.sqrt(best.at)
+            best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance))))
+            best.told = np.sqrt(best.at) * (best.w[n:] @ more) / np.sqrt(best.variance)
+            best.x = best.r = best.gram = None
+        return best
 
     def retuned(self):
         """The model with nuisances as fitted."""
         known = parameters_of(self.model, together=True)
-        values = {}
-        for path, step in zip(self.paths, self.theta):
+        values = {"axis.coulomb_width": self.likeliest_width()}
+        for path, step in zip(self.paths, self.null.theta):
             if path in known:
                 value = known[path].value + float(step)
                 if path.startswith("axis."):
-                    low = 0.05 * known[path].value if path == "axis.mass" else 0.0
-                    value = max(value, low)
-                if path in self.limits:
-                    low, high = self.limits[path]
-                    value = min(max(value, low), high)
-                values[path] = value
+                    value = max(value, 0.05 * known[path].value if path == "axis.mass" else 0.0)
+                low, high = self.limits.get(path, (-np.inf, np.inf))
+                values[path] = min(max(value, low), high)
         try:
-            model = with_values(self.model, values)
-        except ValueError:
-            model = with_values(self.model, {k: v for k, v in values.items() if not k.startswith("effects.")})
-        return replace_width(model, self.likeliest_width())
+            return with_values(self.model, values)
+        except ValueError:  # a shape that its effect does not take
+            return with_values(self.model, {k: v for k, v in values.items() if not k.startswith("effects.")})
 
     def likeliest_width(self):
         """Width of the arctangent that is closest to the fitted friction law over the speeds of the motion, m/s."""
         own = self.model.axis.coulomb_width
-        parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.theta) if q.startswith("width.")}
+        parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.null.theta) if q.startswith("width.")}
         if not parts:
             return own
         v = np.quantile(np.concatenate([np.abs(b.velocity[b.keep > 0]) for b in self.balances]), np.linspace(0, 1, 400))
@@ -170,260 +229,102 @@ class Context:
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
-    def prepare_once(self):
-        m = self.model
-        self.masks = [b.mask for b in self.balances]
-        both = [drive(b, m) for b in self.balances]
-        self.drives = [u for u, _ in both]
-        self.accelerations = [a for _, a in both]
-        self.paths, nuis = nuisance_columns(self)
-        self.raw = [b.residual(m) for b in self.balances]
-        self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw)]
-        self.nuisances = [b.rows(t) for b, t in zip(self.balances, nuis)]
-        made = [s.columns(self) for s in self.extra]
-        if self.frozen and made:
-            for i, b in enumerate(self.balances):
-                self.residuals[i] = (
-                    self.residuals[i] - b.rows(sum(s.amplitudes @ t[i] for s, t in zip(self.extra, made)))[0]
-                )
-            made = []
-        extra = [
-            b.rows(np.vstack([t[i] for t in made])) if made else np.zeros((0, len(r)))
-            for i, (b, r) in enumerate(zip(self.balances, self.residuals))
-        ]
-        self.nuisances = [np.vstack([a, e]) for a, e in zip(self.nuisances, extra)]
-        if self.taps is None:
-            self.taps = self.noise_filter()
-        self.whiten_all()
-        return self
-
-    def noise_filter(self):
-        """Whitening filter from what a generic basis leaves."""
-        cols = []
-        more = [f.columns(self) for f in self.suspects]
-        for i, b in enumerate(self.balances):
-            cols.append(np.vstack([self.nuisances[i], *(b.rows(t[i]) for t in more)]))
-        r = np.concatenate([x[m] for x, m in zip(self.residuals, self.masks)])
-        c = np.hstack([x[:, m] for x, m in zip(cols, self.masks)])
-        norm = np.linalg.norm(c, axis=1)
-        norm[norm == 0] = 1
-        w = np.linalg.lstsq((c / norm[:, None]).T, r, rcond=1e-7)[0] / norm
-        left = [x - w @ t for x, t in zip(self.residuals, cols)]
-        left = [without_lines(x * m, b.rate) for x, m, b in zip(left, self.masks, self.balances)]
-        # outliers do not decide the filter
-        scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
-        left = [np.clip(x, -8 * scale, 8 * scale) for x in left]
-        return noise_filter(left, self.masks, self.balances[0].rate)
-
-    def maximised(self, tables=None):
-        """Nuisances and columns at their likeliest, with the noise filter that suits them best.
-
-        The filter is part of each hypothesis: with that of the null, a slow force is half taken for noise; with that of
-        the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither. A filter that has swallowed
-        a force finds no force that it could give back: what is left without any filter is a start as well.
-        """
-        known = len(self.prior_sigma)
-        parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
-        size = np.sqrt(sum(np.sum(x**2, axis=1) for x in parts)) + 1e-300
-        free = np.full(len(size) - known, np.inf)
-        sigma = np.concatenate([self.prior_sigma, free]) * size
-        target = np.concatenate([self.prior_offset[:known], np.zeros(len(free))]) * size
-        rows = [np.vstack([r, x]) for r, x in zip(self.residuals, parts)]
-        best, n, tried = None, len(self.nuisances[0]), []
-        for start in (np.ones(1), self.taps if tables is None else self.null.taps):
-            taps = start
-            for k in range(3):
-                white = self.whitened(rows, taps)
-                r, x = white[0], white[1:] / size[:, None]
-                variance = max(1.4826 * float(np.median(np.abs(r))), 1e-300) ** 2
-                told = likeliest(x, r, sigma, target, variance)
-                if k and (best is None or told.cost < best.cost):
-                    best = told
-                    best.theta, best.taps, best.white, best.x, best.r = told.w / size, taps, white, x, r
-                    best.prior = sigma, target
-                if k == (2 if tables is None else 1):
-                    break
-                taps = noise_filter(self.left(told.w / size, parts), self.masks, self.balances[0].rate, LONG)
-        if tables is not None:
-            x, (wide, middle) = best.x, best.prior
-            # none may be likelier behind the candidate's filter than behind its own
-            none = likeliest(x[:n], best.r, wide[:n], middle[:n], best.variance)
-            best.none = none if none.cost < self.null.cost else self.null
-            near = (x[:n] * best.at) @ x[n:].T
-            more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
-            val, vec = np.linalg.eigh((more * best.at) @ more.T)
-            good = val > 1e-6 * val[-1]
-            ortho = (vec[:, good] / np.sqrt(val[good])).T @ more
-            best.inflation = float(np.max(self.inflation(ortho * best.at * best.rest / np.sqrt(best.variance))))
-            best.told = np.sqrt(best.at) * (best.w[n:] @ more) / np.sqrt(best.variance)
-        best.x = best.gram = None
-        return best
+    def keep_positive(self, taps):
+        """Leave out the widths of friction's rise that would need a negative share of it."""
+        _, told = self.fitted(taps)
+        sigma, target = told.prior
+        weight = 1.0 / np.maximum(sigma**2 / told.variance, 1e-12)
+        right = told.x @ (told.at * told.r) + weight * target
+        kept = list(range(len(right)))
+        while True:
+            w = np.linalg.solve(told.gram[np.ix_(kept, kept)], right[kept])
+            widths = [(a, j) for a, j in zip(w, kept) if j < len(self.paths) and self.paths[j].startswith("width.")]
+            if not widths or min(widths)[0] >= 0.0:
+                break
+            kept.remove(min(widths)[1])
+        self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
+        self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
+        self.nuisances = [t[kept] for t in self.nuisances]
 
     @cached_property
     def null(self):
         return self.maximised()
 
-    def left(self, theta, parts):
-        """What columns leave, outliers cut, one (m,) a log."""
-        left = [r - theta @ x for r, x in zip(self.residuals, parts)]
-        scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
-        return [np.clip(x, -5 * scale, 5 * scale) for x in left]
-
-    def settle(self):
-        """The noise filter at its likeliest, for the search."""
-        left = self.left(self.null.theta, self.nuisances)
-        self.taps = noise_filter(left, self.masks, self.balances[0].rate, SHORT)
-        self.sigma, self.root = 1.0, np.sqrt(self.null.at)
-        self.whiten_all()
-        return self
-
     def inflation(self, products):
-        """Largest ratio of the variance of a score to what independent rows would have."""
+        """Largest ratio of the variance of a score to what independent rows would have, for each column (p, n)."""
         v = np.maximum(np.sum(products**2, axis=1), 1.0)
         for seconds in (0.1, 0.5):
-            edges = np.arange(0, products.shape[1], max(1, round(seconds * self.balances[0].rate)))
+            edges = np.arange(0, products.shape[1], max(1, round(seconds * self.rate)))
             v = np.maximum(v, np.sum(np.add.reduceat(products, edges, axis=1) ** 2, axis=1))
         return v
 
-    def whitened(self, tables, taps):
-        """Rows that count behind a filter, logs after each other, (p, n)."""
-        out = [
-            oaconvolve(t, taps[None, :], axes=1)[:, : t.shape[1]][:, self.counted(m)]
-            for t, m in zip(tables, self.masks)
-        ]
-        return np.hstack(out)
+    @cached_property
+    def screen(self):
+        """The nuisances behind a noise filter that no slow force has gone into, for the search.
 
-    def whiten(self, tables):
-        """Rows that count, whitened, logs after each other: (p, n)."""
-        out = []
-        for t, m in zip(tables, self.masks):
-            t = np.atleast_2d(t)
-            w = oaconvolve(t, self.taps[None, :], axes=1)[:, : t.shape[1]]
-            out.append(w[:, self.counted(m)])
-        return np.hstack(out) * (self.root / self.sigma)
+        It comes from what is left beside forces of any shape along the travel, in time and over the command.
+        """
+        low, high = (f(g(b.position) for b in self.balances) for f, g in ((min, np.min), (max, np.max)))
+        last = max(b.time[-1] for b in self.balances)
+        any_force = []
+        for b, d in zip(self.balances, self.drives):
+            table = [splines(b.position, low, high, 14), hats(b.time, np.linspace(0.0, last, 12))]
+            more = [np.sign(b.velocity), b.velocity * np.abs(b.velocity), d * np.abs(d), np.gradient(d)]
+            any_force.append(b.rows(np.vstack([*table, more])))
+        parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force)]
+        taps = self.taps_of(self.fitted(np.ones(1), parts, rounds=1)[0], parts)
+        return self.fitted(taps)[1]
 
-    @staticmethod
-    def counted(mask):
-        """Rows whose filter saw masked rows do not count."""
-        bad = lfilter(np.ones(ORDER), 1.0, (~mask).astype(float)) > 0.5
-        return ~bad
-
-    def whiten_all(self):
-        self.sigma = 1.0
-        r = self.whiten([x[None, :] for x in self.residuals])[0]
-        n = self.whiten(self.nuisances)
-        self.keep_positive(n, r)
-        n = n[self.kept]
-        self.rows = len(r)
-        sigma = max(1.4826 * float(np.median(np.abs(r))), 1e-300)
-        for _ in range(3):
-            self.priors(n / sigma)
-            norm = np.maximum(np.linalg.norm(self.N, axis=0), 1e-300)
-            y = np.concatenate([r / sigma, self.prior_target])
-            theta = np.linalg.lstsq(self.N / norm, y, rcond=1e-9)[0]
-            e = (y - (self.N / norm) @ theta)[: self.rows] * sigma
-            sigma = max(1.4826 * float(np.median(np.abs(e))), 0.7 * float(np.std(e)), 1e-300)
-        self.sigma = sigma
-        self.r = r / self.sigma
-        n = n / self.sigma
-        self.priors(n)
-        norm = np.maximum(np.linalg.norm(self.N, axis=0), 1e-300)
-        self.Q, self.R = np.linalg.qr(self.N / norm)
-        good = np.abs(np.diag(self.R)) > 1e-7
-        self.Q = self.Q[:, good]
-        y = np.concatenate([self.r, self.prior_target])
-        self.theta = np.linalg.lstsq(self.N / norm, y, rcond=1e-9)[0] / norm
-        self.e_full = y - self.Q @ (self.Q.T @ y)
-        self.e = self.e_full[: self.rows]
-
-    def keep_positive(self, n, r):
-        """Friction falls nowhere from rest on: widths that would need a negative share of it are left out."""
-        sig = np.array([*self.prior_sigma, *[np.inf] * (len(n) - len(self.prior_sigma))])
-        off = np.array([*self.prior_offset, *[0.0] * (len(n) - len(self.prior_offset))])
-        sigma = max(1.4826 * float(np.median(np.abs(r))), 1e-300)
-        size = np.linalg.norm(n, axis=1)
-        size = np.maximum(size, 1e-9 * size.max())
-        d = n / size[:, None]
-        gram, right = d @ d.T, d @ r
-        weight = np.where(np.isfinite(sig), (sigma / (sig * size)) ** 2, 0.0)
-        right = right + weight * np.where(np.isfinite(sig), off, 0.0) * size
-        gram = gram + np.diag(weight + 1e-10)
-        kept = list(range(len(n)))
-        while True:
-            w = np.linalg.solve(gram[np.ix_(kept, kept)], right[kept])
-            widths = [
-                (w[i], j) for i, j in enumerate(kept) if j < len(self.paths) and self.paths[j].startswith("width.")
-            ]
-            if not widths or min(widths)[0] >= 0.0:
-                break
-            kept.remove(min(widths)[1])
-        self.kept = kept
-        self.extra_at = sum(1 for j in kept if j < len(self.paths))
-        self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
-        self.prior_sigma = [float(sig[j]) for j in kept]
-        self.prior_offset = [float(off[j]) for j in kept]
-        self.nuisances = [t[kept] for t in self.nuisances]
-
-    def priors(self, n):
-        """Nuisance columns with their pseudo-observations."""
-        sig = self.prior_sigma
-        p = n.shape[0]
-        rows = []
-        target = []
-        for j in range(p):
-            s = sig[j] if j < len(sig) else np.inf
-            if np.isfinite(s):
-                row = np.zeros(p)
-                row[j] = 1.0 / s
-                rows.append(row)
-                target.append(self.prior_offset[j] / s)
-        self.N = np.vstack([n.T, np.array(rows).reshape(len(rows), p)])
-        self.prior_target = np.array(target)
+    @cached_property
+    def basis(self):
+        """Weights of the rows, orthonormal columns of nuisances with their pseudo-observations, and what they leave."""
+        null = self.screen
+        sigma, target = null.prior
+        root = np.sqrt(null.at / null.variance)
+        finite = np.isfinite(sigma)
+        prior = np.diag(1.0 / np.where(finite, sigma, 1.0))[:, finite]
+        y = np.concatenate([null.r * root, (target / sigma)[finite]])
+        q = orthonormal(np.hstack([null.x * root, prior]))
+        return root, q, y - (q @ y) @ q
 
     def project(self, tables):
-        """Whitened candidate columns freed of the nuisances, (k, n + priors)."""
-        c = self.whiten(tables)
-        self.before = np.linalg.norm(c, axis=1)
-        c = np.hstack([c, np.zeros((c.shape[0], len(self.prior_target)))])
-        return c - (c @ self.Q) @ self.Q.T
+        """Whitened candidate columns freed of the nuisances, (k, n + priors), and their sizes before."""
+        root, q, e = self.basis
+        c = self.filtered(tables, self.screen.taps) * root
+        before = np.linalg.norm(c, axis=1)
+        c = np.hstack([c, np.zeros((len(c), len(e) - c.shape[1]))])
+        return c - (c @ q.T) @ q, before
 
-    def score_columns(self, columns_mid):
-        """T and amplitudes of a group of columns (per log at the middle rate)."""
-        tables = [b.rows(c) for b, c in zip(self.balances, columns_mid)]
-        return self.score_tables(tables)
-
-    def score_tables(self, tables):
-        c = self.project(tables)
-        return self.score_projected(c)
-
-    def score_projected(self, c):
+    def score(self, tables):
+        """T of a group of columns in the null's filter, their amplitudes, and the degrees of freedom."""
+        e = self.basis[2]
+        c, before = self.project(tables)
         size = np.linalg.norm(c, axis=1)
-        ok = size > np.maximum(0.02 * self.before, 1e-9)
-        if not ok.any():
-            return 0.0, np.zeros(len(c)), np.zeros((len(c), len(c))), 0
-        d = c[ok] / size[ok, None]
-        gram = d @ d.T
-        val, vec = np.linalg.eigh(gram)
-        keep = val > 1e-6 * val[-1]
-        s = vec[:, keep].T @ (d @ self.e_full)
-        amp = vec[:, keep] @ (s / val[keep])
-        # robust: the score's variance from the rows themselves
-        ortho = (vec[:, keep].T @ d) / np.sqrt(val[keep])[:, None]
-        rest = self.e_full - (amp @ d)
-        t_rows = (ortho * rest)[:, : self.rows]
-        v = np.maximum(np.sum(t_rows**2, axis=1), 1.0)
-        for seconds in (0.1, 0.5):
-            edges = np.arange(0, self.rows, max(1, round(seconds * self.balances[0].rate)))
-            v = np.maximum(v, np.sum(np.add.reduceat(t_rows, edges, axis=1) ** 2, axis=1))
-        T = float(np.sum((s / np.sqrt(val[keep])) ** 2 / v))
-        full = np.zeros(len(c))
-        full[ok] = amp / size[ok]
-        cov = np.zeros((len(c), len(c)))
-        cov[np.ix_(ok, ok)] = (vec[:, keep] / val[keep]) @ vec[:, keep].T / np.outer(size[ok], size[ok])
-        return T, full, cov, int(keep.sum())
+        seen = size > np.maximum(0.02 * before, 1e-9)
+        amplitudes = np.zeros(len(c))
+        if not seen.any():
+            return 0.0, amplitudes, 0
+        c = c[seen] / size[seen, None]
+        value, vector = np.linalg.eigh(c @ c.T)
+        good = value > 1e-6 * value[-1]
+        ortho = (vector[:, good] / np.sqrt(value[good])).T @ c
+        s = ortho @ e
+        n = len(self.screen.r)
+        v = self.inflation(ortho[:, :n] * (e - s @ ortho)[:n])
+        amplitudes[seen] = (vector[:, good] @ (s / np.sqrt(value[good]))) / size[seen]
+        return float(np.sum(s**2 / v)), amplitudes, int(good.sum())
 
 
-LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # rows of 0.4 ms
+def orthonormal(rows):
+    """Orthonormal rows that span rows (p, n), but for what is nothing beside the largest."""
+    size = np.linalg.norm(rows, axis=1)
+    rows = rows[size > 1e-12 * size.max()] / size[size > 1e-12 * size.max(), None]
+    value, vector = np.linalg.eigh(rows @ rows.T)
+    good = value > 1e-9 * value[-1]
+    return (vector[:, good] / np.sqrt(value[good])).T @ rows
+
+
+LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of 0.4 ms
 
 
 def drive(b, model):
@@ -454,122 +355,96 @@ def drive(b, model):
     return told, (told + forces) / model.axis.mass
 
 
-AXIS = ("mass", "viscous", "coulomb")
+def nuisance_columns(evidence):
+    """Columns of what re-tuning may change, with their pseudo-observations: paths (p), and tables (p, n) of each log.
 
+    Mass, friction and the known cogging; the law of friction as a positive mixture of laws that rise to 1 at one speed,
+    which is any law that rises ever more slowly; and the parameters of what was accepted.
+    """
+    model, given, balances = evidence.model, evidence.given, evidence.balances
+    known = parameters_of(model, together=True)
+    paths, sigma, offset, tables = [], [], [], [[] for _ in balances]
 
-def nuisance_columns(ctx):
-    """Columns of mass, friction, its width, the known cogging; with priors."""
-    m, balances = ctx.model, ctx.balances
-    first = ctx.start_model
-    known = parameters_of(m, together=True)
-    paths, sig, off = [], [], []
-    tables = [[] for _ in balances]
-    for name in AXIS:
-        u = first.uncertainty.get(name)
-        if u == 0.0:
-            continue
-        value = getattr(m.axis, name)
-        stated = getattr(first.axis, name)
-        paths.append(f"axis.{name}")
-        s = np.inf if u is None or f"axis.{name}" in ctx.nuisance_free else u * max(abs(stated), 1e-12)
-        sig.append(s)
-        off.append(stated - value)
-    # residual falls with -column: r = M a - f; more mass: + a
-    w0 = max(m.axis.coulomb_width, 1e-6)
+    def add(path, deviation, stated, rows):
+        paths.append(path)
+        sigma.append(deviation)
+        offset.append(stated)
+        for table, row in zip(tables, rows):
+            table.append(row)
+
+    own, width = model.axis.coulomb, model.axis.coulomb_width
     widths = []
-    if first.uncertainty.get("coulomb_width") != 0.0:
-        slow = 2.0 * min(b.speed_noise for b in balances)
+    if given.uncertainty.get("coulomb_width") != 0.0:
+        slowest = 2.0 * min(b.speed_noise for b in balances)
         fastest = max(np.abs(b.velocity).max() for b in balances)
-        widths = list(np.geomspace(slow, max(12.0 * w0, 4.0 * slow, 0.3 * fastest), 32))
-    for i, b in enumerate(balances):
-        own = m.axis.coulomb_width
-        key = own, tuple(widths)
-        if b.kept.get("friction", (None,))[0] != key:
+        widths = [float(w) for w in np.geomspace(slowest, max(12.0 * width, 4.0 * slowest, 0.3 * fastest), WIDTHS)]
+    laws = []
+    for b in balances:
+        if b.kept.get("friction", (None,))[0] != (width, widths):
             v = b.fine[3]
-            laws = [np.arctan(v / own) * 2 / np.pi if own > 0 else np.sign(v)]
-            laws += [np.clip(v / w, -1.0, 1.0) for w in widths]
-            b.kept["friction"] = key, b.averaged(np.array(laws))
-        smooth = b.kept["friction"][1]
-        col = {"axis.mass": -ctx.accelerations[i], "axis.viscous": -b.velocity, "axis.coulomb": -smooth[0]}
-        for p in paths:
-            tables[i].append(col[p])
-        for s in smooth[1:]:
-            tables[i].append(-(s - smooth[0]))
-    for w in widths:
-        paths.append(f"width.{w:g}")
-        sig.append(max(m.axis.coulomb, 1e-12))
-        off.append(0.0)
-    if m.cogging is not None:
-        changed, steps = [], []
-        for row in range(len(m.cogging.sine)):
-            amp = np.hypot(np.max(np.abs(m.cogging.sine[row])), np.max(np.abs(m.cogging.cosine[row])))
-            if amp > 0.0 and m.cogging.sine.shape[1] > 1:
-                for kind, step in (("gain", 0.05), ("phase", 0.05)):
-                    path = f"cogging.{kind}[{row}]"
-                    changed.append(with_values(m, {path: known[path].value + step}))
-                    steps.append(step)
-                    paths.append(path)
+            table = [np.arctan(v / width) * 2 / np.pi if width > 0 else np.sign(v)]
+            table += [np.clip(v / w, -1.0, 1.0) for w in widths]
+            b.kept["friction"] = (width, widths), b.averaged(np.array(table))
+        laws.append(b.kept["friction"][1])
+    # the residual is M a less the forces: more mass adds a
+    axis = {
+        "mass": [-a for a in evidence.accelerations],
+        "viscous": [-b.velocity for b in balances],
+        "coulomb": [-law[0] for law in laws],
+    }
+    for name, rows in axis.items():
+        u = given.uncertainty.get(name)
+        if u != 0.0:
+            stated, path = getattr(given.axis, name), f"axis.{name}"
+            loose = u is None or path in evidence.free
+            add(path, np.inf if loose else u * max(abs(stated), 1e-12), stated - getattr(model.axis, name), rows)
+    for k, w in enumerate(widths, 1):
+        add(f"width.{w:g}", max(own, 1e-12), 0.0, [law[0] - law[k] for law in laws])
+
+    largest = max(float(np.max(np.abs(b.command))) for b in balances)
+    if model.cogging is not None:
+        steps, changed = {}, []
+        for row in range(len(model.cogging.sine)):
+            size = np.hypot(np.max(np.abs(model.cogging.sine[row])), np.max(np.abs(model.cogging.cosine[row])))
+            if size > 0.0 and model.cogging.sine.shape[1] > 1:
+                steps |= {f"cogging.gain[{row}]": 0.05, f"cogging.phase[{row}]": 0.05}
             else:
-                scale = float(np.max(np.abs(b.command)))
-                for kind in ("sine", "cosine"):
-                    path = f"cogging.{kind}[{row}][*]"
-                    changed.append(with_values(m, {path: known[path].value + 1e-2 * scale}))
-                    steps.append(1e-2 * scale)
-                    paths.append(path)
-            sig += [np.inf, np.inf]
-            off += [0.0, 0.0]
-        for i, b in enumerate(balances):
-            f = b.forces([quiet_plant(x.replace(effects=())) for x in (m, *changed)])
-            for row, s in zip(f[1:], steps):
-                tables[i].append((row - f[0]) / s)
-    ctx.limits = {}
-    if not ctx.frozen:
-        new = range(len(first.effects), len(m.effects))
-        prefixes = [q for q, _ in effect_paths(m.effects)]
-        for j in new:
-            roles = m.effects[j].ROLES
-            for path in [q for q in known if q.startswith(prefixes[j] + ".")]:
-                name = path[len(prefixes[j]) + 1 :].split("[")[0]
-                role = roles[name]["role"]
-                if role == "setting" or isinstance(getattr(m.effects[j], name), list) and role == "shape":
-                    continue
-                value = known[path].value
-                size = (
-                    max(abs(value), 1e-3 * max(float(np.max(np.abs(b.command))) for b in balances))
-                    if role == "amplitude"
-                    else abs(value)
+                steps |= {f"cogging.{kind}[{row}][*]": 1e-2 * largest for kind in ("sine", "cosine")}
+        changed = [with_values(model, {path: known[path].value + step}) for path, step in steps.items()]
+        plants = [quiet_plant(m.replace(effects=())) for m in (model, *changed)]
+        forces = [b.forces(plants) for b in balances]
+        for k, (path, step) in enumerate(steps.items(), 1):
+            add(path, np.inf, 0.0, [(f[k] - f[0]) / step for f in forces])
+
+    evidence.limits = {}
+    low, high = (f(g(b.position) for b in balances) for f, g in ((min, np.min), (max, np.max)))
+    prefixes = [prefix for prefix, _ in effect_paths(model.effects)]
+    for effect, prefix in list(zip(model.effects, prefixes))[len(given.effects) :]:
+        for path in [p for p in known if p.startswith(prefix + ".")]:
+            name = path[len(prefix) + 1 :].split("[")[0]
+            role, quantity = effect.ROLES[name]["role"], effect.ROLES[name]["quantity"]
+            if role == "setting" or role == "shape" and isinstance(getattr(effect, name), list):
+                continue
+            value = known[path].value
+            if role == "amplitude":
+                deviation = max(abs(value), 1e-3 * largest)
+            elif name == "period":
+                deviation = 0.5 * value**2 / (high - low)  # half a turn over the travel
+            elif name in ("start", "stop"):
+                deviation = 0.02
+            else:
+                deviation = {"frequency": 0.3 / balances[0].time[-1], "position": 0.1 * (high - low)}.get(
+                    quantity, 0.3 * abs(value)
                 )
-                step = 1e-3 * size
-                if name == "period":
-                    span = max(b.position.max() for b in balances) - min(b.position.min() for b in balances)
-                    step = 1e-2 * value**2 / span
-                if step <= 0:
-                    continue
-                try:
-                    pair = [with_values(m, {path: value + q}) for q in (step, -step)]
-                    for i, b in enumerate(balances):
-                        tables[i].append(-(b.residual(pair[0]) - b.residual(pair[1])) / (2 * step))
-                except ValueError:
-                    for i in range(len(balances)):
-                        del tables[i][len(paths) :]
-                    continue
-                paths.append(path)
-                if role == "amplitude":
-                    sig.append(max(size, abs(value)))
-                else:
-                    sig.append(50 * step if name == "period" else 0.3 * size)
-                    if roles[name]["quantity"] == "time" and name in ("start", "stop"):
-                        sig[-1] = 0.02
-                    if roles[name]["quantity"] == "frequency":
-                        sig[-1] = 0.3 / balances[0].time[-1]
-                    if roles[name]["quantity"] == "position":
-                        sig[-1] = 0.1 * (
-                            max(b.position.max() for b in balances) - min(b.position.min() for b in balances)
-                        )
-                    ctx.limits[path] = (value - sig[-1], value + sig[-1])
-                    if value > 0 and roles[name]["quantity"] not in ("position",):
-                        ctx.limits[path] = (max(0.3 * value, ctx.limits[path][0]), ctx.limits[path][1])
-                off.append(0.0)
-    # offset in the stated value: pseudo-observation of delta = stated - value
-    ctx.prior_sigma, ctx.prior_offset = sig, off
+            if deviation == 0.0:
+                continue
+            try:
+                pair = [with_values(model, {path: value + q}) for q in (1e-2 * deviation, -1e-2 * deviation)]
+                rows = [-(b.residual(pair[0]) - b.residual(pair[1])) / (2e-2 * deviation) for b in balances]
+            except ValueError:
+                continue
+            add(path, deviation, 0.0, rows)
+            if role != "amplitude":
+                evidence.limits[path] = value - deviation, value + deviation
+    evidence.prior_sigma, evidence.prior_offset = np.array(sigma), np.array(offset)
     return paths, [np.array(t) if t else np.zeros((0, len(b.time))) for t, b in zip(tables, balances)]

@@ -15,7 +15,7 @@ from cogging.identification.inverse_dynamics import _mean_held
 from cogging.model.model import Model
 
 MIDDLE_RATE = 6000.0  # Hz, at which laws are evaluated
-FINAL_RATE = 1250.0  # Hz, at which rows are compared
+ROWS = 6.0  # at which rows are compared, in corners of the band
 SKIP = 0.06  # s, at either end: the filters' edges and the start of the loop
 REST_TIME = 0.012  # s, over which an axis that moves less than the encoder sees is at rest
 
@@ -63,9 +63,7 @@ class ForceBalance:
         acting = (command[1:-1] * h_all[1:] + command[:-2] * h_all[:-1]) / pair
         rate = 1.0 / h
         self.first = max(1, round(rate / MIDDLE_RATE))
-        self.every = max(1, round(rate / self.first / FINAL_RATE))
         self.step = h * self.first  # s, of the middle rows
-        self.rate = 1.0 / (self.step * self.every)
         mid = decimated(np.vstack([position[1:-1], acceleration, velocity, acting]), self.first)
         self.time = time[1:-1][:: self.first]
         self.position, self.acceleration, self.raw_velocity, self.command = mid
@@ -92,8 +90,19 @@ class ForceBalance:
         keep = ~self.resting & ~gap[1:-1][:: self.first]
         keep &= (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
         self.keep = keep.astype(float)
-        self.mask = keep[:: self.every]
-        self.final_time = self.time[:: self.every]
+
+    @property
+    def every(self):
+        """Rows of the motion in a row that is compared."""
+        return max(1, int(1.0 / (self.step * ROWS * self.corner)))
+
+    @property
+    def rate(self):
+        return 1.0 / (self.step * self.every)
+
+    @property
+    def mask(self):
+        return self.keep[:: self.every] > 0
 
     def _reference(self, log):
         """Place, speed and acceleration that were asked for, (3, n); None where the log does not tell."""

@@ -25,10 +25,8 @@ class Found:
     k: int
     N: int
     amplitudes: Any
-    cov: Any
     columns: Any  # function(ctx) -> per-log columns at the middle rate
     effect: Any = None  # function(amplitudes) -> Effect or None
-    finite: bool = False
     others: tuple = ()  # names that a shape of no law may bear as well
     refine: Any = None  # (value, function value -> (columns, effect, label))
 
@@ -45,15 +43,13 @@ def span(ctx):
 
 def adjoint(ctx):
     """What each middle row of each log weighs in the score of a column, lists of (n,)."""
-    out, at = [], 0
-    for b, m in zip(ctx.balances, ctx.masks):
-        counted = ctx.counted(m)
-        full = np.zeros(len(m))
-        c = int(counted.sum())
-        full[counted] = ctx.e[at : at + c] * (ctx.root if np.ndim(ctx.root) == 0 else ctx.root[at : at + c])
-        at += c
-        g = oaconvolve(full[::-1], ctx.taps)[: len(full)][::-1] / ctx.sigma
-        out.append(b.adjoint(g))
+    root, _, e = ctx.basis
+    weighed, out, at = root * e[: len(root)], [], 0
+    for b, counted in zip(ctx.balances, ctx.counted):
+        full = np.zeros(len(counted))
+        full[counted] = weighed[at : at + int(counted.sum())]
+        at += int(counted.sum())
+        out.append(b.adjoint(oaconvolve(full[::-1], ctx.screen.taps)[: len(full)][::-1]))
     return out
 
 
@@ -61,8 +57,8 @@ def gain_of(ctx, f):
     """Power gain of low-pass filter, decimation and whitening at frequency f (Hz)."""
     b = ctx.balances[0]
     folded = np.abs((np.asarray(f) + 0.5 * b.rate) % b.rate - 0.5 * b.rate)
-    _, h = freqz(ctx.taps, 1.0, np.ravel(folded / b.rate * 2 * np.pi))
-    return np.abs(h.reshape(np.shape(f))) ** 2 / ctx.sigma**2 * b.power(np.asarray(f))
+    _, h = freqz(ctx.screen.taps, 1.0, np.ravel(folded / b.rate * 2 * np.pi))
+    return np.abs(h.reshape(np.shape(f))) ** 2 / ctx.screen.variance * b.power(np.asarray(f))
 
 
 def wave_scan(ctx, g, multipliers, count, low_turns=0.7):
@@ -143,16 +139,11 @@ def search_once(ctx, also=(), limit_time=None):
     model = ctx.model
     found = {}
 
-    def put(name, label, columns, N, effect=None, amplitude_ok=None, finite=False, refine=None):
-        if finite:
-            c = ctx.project([b.rows(x) for b, x in zip(bs, columns(ctx))])[0]
-            T = float(2 * c @ ctx.e_full - c @ c)
-            one = Found(name, label, max(T, 0.0), 1, N, np.ones(1), np.zeros((1, 1)), columns, effect, True)
-        else:
-            T, amp, cov, k = ctx.score_columns(columns(ctx))
-            if amplitude_ok is not None and not amplitude_ok(amp, cov):
-                return 0.0
-            one = Found(name, label, T, k, N, amp, cov, columns, effect, refine=refine)
+    def put(name, label, columns, N, effect=None, amplitude_ok=None, refine=None):
+        T, amp, k = ctx.score([b.rows(x) for b, x in zip(bs, columns(ctx))])
+        if amplitude_ok is not None and not amplitude_ok(amp):
+            return 0.0
+        one = Found(name, label, T, k, N, amp, columns, effect, refine=refine)
         if name not in found or one.score > found[name].score:
             found[name] = one
         return one.T
@@ -237,9 +228,10 @@ def search_once(ctx, also=(), limit_time=None):
     for w in (0.02, 0.05):
         widths = w * length
         table = [np.array([np.exp(-(((b.position - x) / widths) ** 2)) for x in grid[1:-1]]) for b in bs]
-        cs = ctx.project([b.rows(t) for b, t in zip(bs, table)])
+        cs, _ = ctx.project([b.rows(t) for b, t in zip(bs, table)])
         size = np.linalg.norm(cs, axis=1) + 1e-300
-        j = int(np.argmax(np.where(size > 0.2 * size.max(), ((cs @ ctx.e_full) / size) ** 2, 0)))
+        e = ctx.basis[2]
+        j = int(np.argmax(np.where(size > 0.2 * size.max(), ((cs @ e) / size) ** 2, 0)))
         put(
             "local_force",
             f"{grid[1 + j]:.4g} {widths:.3g}",
@@ -252,7 +244,7 @@ def search_once(ctx, also=(), limit_time=None):
     unit_f = 1e-3 * max(model.axis.coulomb, 1e-3 * force)
     law("coulomb_asymmetry", {}, ["difference"], [unit_f], 1)
     law("viscous_asymmetry", {}, ["difference"], [unit_f / top], 1)
-    positive = lambda a, cov: a[0] > 0  # noqa: E731
+    positive = lambda a: a[0] > 0  # noqa: E731
     for v in np.geomspace(max(2e-3 * top, 2 * min(b.speed_noise for b in bs)), 0.3 * top, 8):
         for ex in (1.0, 2.0):
             law(
@@ -285,7 +277,7 @@ def search_once(ctx, also=(), limit_time=None):
             for b in c.balances
         ]
 
-    put("stribeck_friction", "other shape", slow_friction, 1, amplitude_ok=lambda a, cov: np.sum(a) < 0)
+    put("stribeck_friction", "other shape", slow_friction, 1, amplitude_ok=lambda a: np.sum(a) < 0)
     for p in (1.5, 3.0):
         put(
             "quadratic_drag",
@@ -308,7 +300,7 @@ def search_once(ctx, also=(), limit_time=None):
             ),
             8,
             lambda L: lambda a: E["presliding_friction"].replace(stiffness=float(model.axis.coulomb / L)),
-            amplitude_ok=lambda a, cov: 0.3 < a[0] < 3,
+            amplitude_ok=lambda a: 0.3 < a[0] < 3,
         )
     # command -------------------------------------------------------------------------------------------
     shift = lambda c, b, d, tau: np.interp(b.time - tau, b.time, d) - d  # noqa: E731
@@ -319,7 +311,7 @@ def search_once(ctx, also=(), limit_time=None):
         lambda c: [-np.diff(d, prepend=d[0])[None] / b.step for b, d in zip(c.balances, c.drives)],
         1,
         lambda a: E["command_delay"].replace(delay=float(a[0])),
-        amplitude_ok=lambda a, cov: a[0] > 0.25 * h,
+        amplitude_ok=lambda a: a[0] > 0.25 * h,
     )
     if t1 and "command_delay" in found:
         base = float(found["command_delay"].amplitudes[0])
@@ -330,7 +322,7 @@ def search_once(ctx, also=(), limit_time=None):
                 lambda c, t=f * base: [shift(c, b, d, t)[None] for b, d in zip(c.balances, c.drives)],
                 3,
                 lambda a, t=f * base: E["command_delay"].replace(delay=float(t * a[0])),
-                amplitude_ok=lambda a, cov, t=f * base: a[0] * t > 0.25 * h,
+                amplitude_ok=lambda a, t=f * base: a[0] * t > 0.25 * h,
             )
             put(
                 "actuator_lag",
@@ -338,7 +330,7 @@ def search_once(ctx, also=(), limit_time=None):
                 lambda c, t=f * base: [lag(d, b.step, t)[None] for b, d in zip(c.balances, c.drives)],
                 3,
                 lambda a, t=f * base: E["actuator_lag"].replace(time_constant=float(t * a[0])),
-                amplitude_ok=lambda a, cov, t=f * base: a[0] * t > 0.25 * h,
+                amplitude_ok=lambda a, t=f * base: a[0] * t > 0.25 * h,
             )
     peak = force
     for s in (0.95, 0.85, 0.7, 0.5, 0.3):
@@ -359,7 +351,7 @@ def search_once(ctx, also=(), limit_time=None):
             lambda W: lambda c: [-np.clip(b.command, -W, W)[None] for b in c.balances],
             6,
             lambda W: lambda a: E["command_dead_zone"].replace(width=float(W * a[0])),
-            amplitude_ok=lambda a, cov: a[0] > 0.02,
+            amplitude_ok=lambda a: a[0] > 0.02,
         )
     for tau in np.geomspace(0.05, 2.0, 5) * duration:
         law(
@@ -414,7 +406,7 @@ def search_once(ctx, also=(), limit_time=None):
         size = np.linalg.norm(
             ctx.project(
                 [np.vstack(c) for c in zip(*([b.rows(x)[0] for b, x in zip(bs, mode_columns(f, z)(ctx))] for f in fr))]
-            ),
+            )[0],
             axis=1,
         )
         fine = np.geomspace(lowest, highest, int(np.log(highest / lowest) / max(z, 0.02)))
@@ -427,12 +419,12 @@ def search_once(ctx, also=(), limit_time=None):
                 mode_columns(f, z),
                 3 * len(fine),
                 mode(f, z),
-                amplitude_ok=lambda a, cov: 0 < a[0] < 0.95,
+                amplitude_ok=lambda a: 0 < a[0] < 0.95,
                 refine=(f, lambda v, z=z: (mode_columns(v, z), mode(v, z), f"{v:.4g} Hz, damping {z}")),
             )
     # time ------------------------------------------------------------------------------------------------
-    windows(ctx, g, put, law, force)
-    tones(ctx, g, put, law, force)
+    windows(ctx, put)
+    tones(ctx, g, put)
     # waves along the travel -------------------------------------------------------------------------------
     known = [] if model.cogging is None else [float(w) / (2 * np.pi) for w in model.cogging.basis.wavenumbers]
 
@@ -566,13 +558,12 @@ def search_once(ctx, also=(), limit_time=None):
             j = ctx.paths.index(path)
             finite = [i for i, q in enumerate(ctx.prior_sigma) if np.isfinite(q)]
             if j in finite:
-                c = np.zeros(len(ctx.e_full))
-                c[ctx.rows + finite.index(j)] = 1.0
-                c -= ctx.Q @ (ctx.Q.T @ c)
-                T = float((c @ ctx.e_full) ** 2 / max(c @ c, 1e-12))
-                found[f"{name}_change"] = Found(
-                    f"{name}_change", "", T, 1, 1, np.array([0.0]), np.zeros((1, 1)), None, path
-                )
+                _, q, e = ctx.basis
+                c = np.zeros(len(e))
+                c[len(e) - len(finite) + finite.index(j)] = 1.0
+                c -= (q @ c) @ q
+                T = float((c @ e) ** 2 / max(c @ c, 1e-12))
+                found[f"{name}_change"] = Found(f"{name}_change", "", T, 1, 1, np.array([0.0]), None, path)
     best = sorted(found.values(), key=lambda f: -f.score)
     limit = best[0].score - 40.0
     done = []
@@ -583,14 +574,14 @@ def search_once(ctx, also=(), limit_time=None):
 
             def at(logarithm):
                 columns, effect, label = again(float(np.exp(logarithm)))
-                T, amp, cov, k = ctx.score_columns(columns(ctx))
-                store[logarithm] = (T, amp, cov, k, columns, effect, label)
+                T, amp, k = ctx.score([b.rows(x) for b, x in zip(bs, columns(ctx))])
+                store[logarithm] = (T, amp, k, columns, effect, label)
                 return T
 
             x, T = sharpen(at, float(np.log(value)), 0.2, 8)
-            T, amp, cov, k, columns, effect, label = store[x]
+            T, amp, k, columns, effect, label = store[x]
             if T > f.T:
-                f = replace(f, label=label, T=T, k=k, amplitudes=amp, cov=cov, columns=columns, effect=effect)
+                f = replace(f, label=label, T=T, k=k, amplitudes=amp, columns=columns, effect=effect)
         done.append(f)
     return sorted(with_cells(done), key=lambda f: -f.score)
 
@@ -655,49 +646,33 @@ def lag(d, step, tau):
     return (before - d) * (1 - p) * tau / step
 
 
-def windows(ctx, g, put, law, force):
-    """A force between two moments: by the adjoint, then exactly."""
-    b = ctx.balances[0]
-    n = len(b.time)
-    G = np.zeros(n)
-    G += g[0]
-    for other, gi in zip(ctx.balances[1:], g[1:]):
-        m = min(n, len(gi))
-        G[:m] += gi[:m]
-    total = np.concatenate([[0.0], np.cumsum(G)])
-    W0 = float(gain_of(ctx, np.array([0.3]))[0]) * len(ctx.balances)
-    edge = float(np.mean(gain_of(ctx, np.linspace(0.3, 0.4 * b.rate, 50)))) * 10 * b.every
-    cand = []
-    for L in np.unique(np.geomspace(0.02, 0.95, 24) * n).astype(int):
-        step = max(1, L // 12)
-        s = (total[L::step][: (n - L) // step + 1] - total[:-L:step][: (n - L) // step + 1]) ** 2 / (L * W0 + edge)
-        if len(s):
-            j = int(np.argmax(s))
-            cand.append((float(s[j]), j * step, min(j * step + L, n - 1)))
-    cand.sort(reverse=True)
-    for s, i0, i1 in cand[:3]:
-        if s < 8:
-            continue
-        # the edges, by what the adjoint says of each row
-        worth = lambda a, z: (total[z] - total[a]) ** 2 / ((z - a) * W0 + edge)  # noqa: E731
-        for _ in range(3):
-            reach = max(1, (i1 - i0) // 5)
-            first = np.arange(max(0, i0 - reach), min(i0 + reach, i1 - 1))
-            i0 = int(first[np.argmax(worth(first, i1))]) if len(first) else i0
-            last = np.arange(max(i1 - reach, i0 + 1), min(i1 + reach, n))
-            i1 = int(last[np.argmax(worth(i0, last))]) if len(last) else i1
-        edges = b.time[i0], b.time[min(i1, n - 1)]
-        e = (max(edges[0], 0.0), edges[1])
-        put(
-            "disturbance_step",
-            f"{e[0]:.3g} to {e[1]:.3g}",
-            lambda c, e=e: [((x.time >= e[0]) & (x.time < e[1])).astype(float)[None] for x in c.balances],
-            300,
-            lambda a, e=e: E["disturbance_step"].replace(force=float(a[0]), start=float(e[0]), stop=float(e[1])),
-        )
+def windows(ctx, put):
+    """A force between two moments: the best of all pairs of moments, which are then made finer."""
+    last = max(b.time[-1] for b in ctx.balances)
+    spacing = last / 48
+    starts = stops = np.arange(0.0, last, spacing)
+    for _ in range(3):
+        times = np.concatenate([starts, stops])
+        c, _ = ctx.project([b.rows((b.time >= times[:, None]).astype(float)) for b in ctx.balances])
+        heard, gram = c @ ctx.basis[2], c @ c.T
+        i, j = np.arange(len(starts)), len(starts) + np.arange(len(stops))
+        size = np.diag(gram)[i][:, None] + np.diag(gram)[j] - 2.0 * gram[np.ix_(i, j)]
+        T = (heard[i][:, None] - heard[j]) ** 2 / np.maximum(size, 1e-4 * np.max(np.diag(gram)))
+        T[starts[:, None] > stops - 0.02] = 0.0
+        at = np.unravel_index(np.argmax(T), T.shape)
+        begin, end = float(starts[at[0]]), float(stops[at[1]])
+        fine = np.linspace(-spacing, spacing, 17)
+        starts, stops, spacing = np.clip(begin + fine, 0.0, last), np.clip(end + fine, 0.0, last), spacing / 8
+    put(
+        "disturbance_step",
+        f"{begin:.3g} to {end:.3g}",
+        lambda c: [((x.time >= begin) & (x.time < end)).astype(float)[None] for x in c.balances],
+        300,
+        lambda a: E["disturbance_step"].replace(force=float(a[0]), start=begin, stop=end),
+    )
 
 
-def tones(ctx, g, put, law, force):
+def tones(ctx, g, put):
     """A force in time with a frequency."""
     b = ctx.balances[0]
     n = max(len(x.time) for x in ctx.balances)
