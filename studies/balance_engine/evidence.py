@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_toeplitz
 from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
 
 from cogging._core import Predictor
@@ -15,34 +14,33 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.model.parameters import effect_paths, parameters_of, with_values
 from studies.balance_engine.cells import hats, splines
 
-ORDER = 24  # rows of the noise filter's autoregression
-MEMORY = 1.5  # s, of its fractional difference
-SLOPES = (0.0, 0.2, 0.4, 0.6)  # exponents of the fractional difference that are tried
+GAP = 24  # rows after a gap that do not count
+MEMORY = 1.5  # s, of the noise filter
+BAND = 1.3  # about a frequency, up and down, of whose power the noise filter takes the median
+LINES = 24  # of the spectrum, at least
 TAIL = 5.0  # degrees of freedom of Student's noise
 OUTLIER = 5.0  # deviations beyond which a row does not count in the noise filter
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made
 
 
-def noise_filter(segments, masks, rate):
-    """Causal whitening filter: a fractional difference for what is slow, and an autoregression of ORDER rows.
+def noise_filter(e, m, rate):
+    """Causal whitening filter of smallest phase, from the median of the power over a band about each frequency.
 
-    Slow noise is drawn from the whole spectrum by one exponent: a filter with free weights for the rows long ago would
-    take a constant force for noise, whatever its size.
+    A line of the spectrum is a signal: what is periodic in motion shows as lines, and noise has none that are so narrow.
     """
-    size = 2 * max(map(len, segments))
-    power = sum(np.abs(np.fft.rfft(np.where(m, e, 0.0), size)) ** 2 for e, m in zip(segments, masks))
-    turn = 2.0 * np.sin(np.pi * np.arange(len(power)) / size)  # |1 - exp(-i w)|
-    best = None
-    for d in SLOPES:
-        r = np.fft.irfft(power * turn ** (2.0 * d), size)[: ORDER + 1]
-        w = solve_toeplitz(np.concatenate([[r[0] * (1.0 + 1e-9)], r[1:-1]]), r[1:])
-        variance = r[0] - w @ r[1:]
-        if best is None or variance < best[0]:
-            best = variance, d, w
-    _, d, w = best
-    k = np.arange(1, int(MEMORY * rate))
-    slow = np.concatenate([[1.0], np.cumprod((k - 1.0 - d) / k)]) if d else np.ones(1)
-    return np.convolve(slow, np.concatenate([[1.0], -w]))
+    size = int(2 ** np.ceil(np.log2(2 * len(e))))
+    power = np.abs(np.fft.rfft(np.where(m, e, 0.0), size)) ** 2
+    lines = np.arange(1, len(power))
+    centres = np.unique(np.geomspace(LINES, lines[-1], 96).astype(int))
+    low = np.maximum(1, np.minimum((centres / BAND).astype(int), centres - LINES // 2))
+    high = np.minimum(len(power), np.maximum((centres * BAND).astype(int), centres + LINES // 2) + 1)
+    level = np.array([np.median(power[a:b]) for a, b in zip(low, high)])
+    smooth = np.interp(np.log(lines), np.log(centres), np.log(level + 1e-9 * level.max()))
+    cepstrum = np.fft.irfft(-0.5 * np.concatenate([smooth[:1], smooth]), size)
+    cepstrum[1 : size // 2] *= 2.0
+    cepstrum[size // 2 + 1 :] = 0.0
+    taps = np.fft.irfft(np.exp(np.fft.rfft(cepstrum)), size)
+    return taps[: max(2, int(MEMORY * rate))] / taps[0]
 
 
 @dataclass
@@ -55,6 +53,7 @@ class Maximum:
         variance: of them.
         at: weight of each row.
         gram: weighted products of the columns with each other, priors included.
+        unit: twice the logarithm of the deviation of each row before its filter.
     """
 
     cost: float
@@ -63,10 +62,16 @@ class Maximum:
     variance: float
     at: Any
     gram: Any
+    unit: Any = 0.0
 
     def by_row(self):
         """Minus twice the logarithm of Student's density, row by row."""
-        return by_row(self.rest, self.variance)
+        return by_row(self.rest, self.variance) + self.unit
+
+
+def deviation(x):
+    """Robust deviation of rows."""
+    return max(1.4826 * float(np.median(np.abs(x))), 1e-300)
 
 
 def by_row(rest, variance):
@@ -75,7 +80,7 @@ def by_row(rest, variance):
 
 def likeliest(x, r, sigma, target, rounds=3):
     """Columns x (p, n) at their likeliest in rows r under priors; Student's noise: what nothing explains decides little."""
-    at, variance = np.ones(len(r)), max(1.4826 * float(np.median(np.abs(r))), 1e-300) ** 2
+    at, variance = np.ones(len(r)), deviation(r) ** 2
     for _ in range(rounds):
         weight = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
         scaled = x * np.sqrt(at)
@@ -130,19 +135,19 @@ class Evidence:
         self.prior_offset = np.concatenate([self.prior_offset, np.zeros(count)])
         self.raw = [b.residual(self.model) for b in self.balances]
         self.masks = [b.mask for b in self.balances]
-        self.counted = [lfilter(np.ones(ORDER), 1.0, (~m).astype(float)) < 0.5 for m in self.masks]
+        self.counted = [lfilter(np.ones(GAP), 1.0, (~m).astype(float)) < 0.5 for m in self.masks]
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables)]
         for name in ("null", "screen", "basis"):
             self.__dict__.pop(name, None)
-        taps = self.taps_of(self.fitted(np.ones(1))[0])
+        taps = self.taps_of(self.fitted(self.plain)[0])
         self.keep_positive(taps)
         self.start = taps
 
     def filtered(self, tables, taps):
-        """Rows that count behind a filter, logs after each other, (p, n)."""
+        """Rows that count behind each log's filter, logs after each other, (p, n)."""
         return np.hstack(
-            [oaconvolve(t, taps[None, :], axes=1)[:, : t.shape[1]][:, m] for t, m in zip(tables, self.counted)]
+            [oaconvolve(t, h[None, :], axes=1)[:, : t.shape[1]][:, m] for t, h, m in zip(tables, taps, self.counted)]
         )
 
     @property
@@ -150,11 +155,19 @@ class Evidence:
         return self.balances[0].rate
 
     def taps_of(self, theta, parts=None):
-        """Noise filter of what columns leave; outliers are cut."""
-        parts = self.nuisances if parts is None else parts
-        left = [r - theta @ x for r, x in zip(self.residuals, parts)]
-        scale = 1.4826 * np.median(np.abs(np.concatenate([x[m] for x, m in zip(left, self.masks)])))
-        return noise_filter([np.clip(x, -OUTLIER * scale, OUTLIER * scale) for x in left], self.masks, self.rate)
+        """Noise filter of each log, of what columns leave, to a deviation of 1; outliers are cut."""
+        taps = []
+        for r, x, m in zip(self.residuals, self.nuisances if parts is None else parts, self.masks):
+            left = r - theta @ x
+            most = OUTLIER * deviation(left[m])
+            one = noise_filter(np.clip(left, -most, most), m, self.rate)
+            taps.append(one / deviation(oaconvolve(left, one)[: len(left)][m]))
+        return taps
+
+    @property
+    def plain(self):
+        """No filter, but each log to a deviation of 1."""
+        return [np.ones(1) / deviation(r[m]) for r, m in zip(self.residuals, self.masks)]
 
     def fitted(self, taps, parts=None, rounds=3):
         """Amplitudes of nuisances, or of parts, behind a filter, and the maximum."""
@@ -167,6 +180,9 @@ class Evidence:
         white = self.filtered([np.vstack([r, x]) for r, x in zip(self.residuals, parts)], taps)
         r, x = white[0], white[1:] / size[:, None]
         best = likeliest(x, r, sigma, target, rounds)
+        scale = [-2.0 * np.log(abs(h[0])) for h in taps]
+        best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
+        best.cost += best.unit.sum()
         best.theta, best.taps, best.r, best.x, best.prior, best.size = best.w / size, taps, r, x, (sigma, target), size
         return best.theta, best
 
@@ -179,7 +195,7 @@ class Evidence:
         """
         parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
         best, n = None, len(self.nuisances[0])
-        for taps in (np.ones(1), self.start if tables is None else self.null.taps):
+        for taps in (self.plain, self.start if tables is None else self.null.taps):
             theta, _ = self.fitted(taps, parts, rounds=1)
             for _ in range(2 if tables is None else 1):
                 theta, told = self.fitted(self.taps_of(theta, parts), parts)
@@ -189,6 +205,8 @@ class Evidence:
             x, (sigma, target) = best.x, best.prior
             # none may be likelier behind the candidate's filter than behind its own
             none = likeliest(x[:n], best.r, sigma[:n], target[:n])
+            none.unit = best.unit
+            none.cost += best.unit.sum()
             best.none = none if none.cost < self.null.cost else self.null
             near = (x[:n] * best.at) @ x[n:].T
             more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
@@ -220,6 +238,7 @@ class Evidence:
         parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.null.theta) if q.startswith("width.")}
         if not parts:
             return own
+        own = max(own, 0.1 * min(parts))
         v = np.quantile(np.concatenate([np.abs(b.velocity[b.keep > 0]) for b in self.balances]), np.linspace(0, 1, 400))
         level = self.model.axis.coulomb - sum(parts.values())
         law = level * np.arctan(v / own) + 0.5 * np.pi * sum(t * np.minimum(v / w, 1.0) for w, t in parts.items())
@@ -272,7 +291,7 @@ class Evidence:
             more = [np.sign(b.velocity), b.velocity * np.abs(b.velocity), d * np.abs(d), np.gradient(d)]
             any_force.append(b.rows(np.vstack([*table, more])))
         parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force)]
-        taps = self.taps_of(self.fitted(np.ones(1), parts, rounds=1)[0], parts)
+        taps = self.taps_of(self.fitted(self.plain, parts, rounds=1)[0], parts)
         return self.fitted(taps)[1]
 
     @cached_property

@@ -45,11 +45,11 @@ def adjoint(ctx):
     """What each middle row of each log weighs in the score of a column, lists of (n,)."""
     root, _, e = ctx.basis
     weighed, out, at = root * e[: len(root)], [], 0
-    for b, counted in zip(ctx.balances, ctx.counted):
+    for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps):
         full = np.zeros(len(counted))
         full[counted] = weighed[at : at + int(counted.sum())]
         at += int(counted.sum())
-        out.append(b.adjoint(oaconvolve(full[::-1], ctx.screen.taps)[: len(full)][::-1]))
+        out.append(b.adjoint(oaconvolve(full[::-1], taps)[: len(full)][::-1]))
     return out
 
 
@@ -57,7 +57,7 @@ def gain_of(ctx, f):
     """Power gain of low-pass filter, decimation and whitening at frequency f (Hz)."""
     b = ctx.balances[0]
     folded = np.abs((np.asarray(f) + 0.5 * b.rate) % b.rate - 0.5 * b.rate)
-    _, h = freqz(ctx.screen.taps, 1.0, np.ravel(folded / b.rate * 2 * np.pi))
+    _, h = freqz(ctx.screen.taps[0], 1.0, np.ravel(folded / b.rate * 2 * np.pi))
     return np.abs(h.reshape(np.shape(f))) ** 2 / ctx.screen.variance * b.power(np.asarray(f))
 
 
