@@ -19,6 +19,7 @@ RESAMPLED = 2000
 SURVIVORS = 24
 BURST = 6.0  # deviations from which on noise comes and goes
 SHOWN = 10.0  # expected gain from which on logs can refute
+LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
 REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")
 
 
@@ -53,6 +54,10 @@ def contender(ctx, f, given):
         if f.effect not in ctx.paths:
             return None
         best = released(ctx, f.effect)
+        stated = getattr(ctx.given.axis, f.effect.removeprefix("axis."))
+        value = getattr(ctx.model.axis, f.effect.removeprefix("axis.")) + best.theta[ctx.paths.index(f.effect)]
+        if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
+            return None
         best.none, inflation = ctx.null, 1.0
     else:
         best = ctx.maximised([b.rows(x) for b, x in zip(ctx.balances, f.columns(ctx))])
@@ -67,6 +72,26 @@ def contender(ctx, f, given):
         told = best.told**2 / inflation
         one.expected = float(told[:first].sum()), float(told[first:].sum())
     return one
+
+
+def shift_of_zero(both, f, given, joint):
+    """Distance (m) by which the zero of the confirm logs lies elsewhere, as a wave of place tells it; 0 where it does not.
+
+    Args:
+        both: all logs.
+        f: wave that was found in the given logs.
+        given: how many of the logs are given.
+        joint: log-likelihood ratio of the wave with the same zero in all logs.
+    """
+    tables = [b.rows(x) for b, x in zip(both.balances, f.columns(both))]
+    none = [np.zeros_like(t) for t in tables]
+    apart = [np.vstack([t, z] if i < given else [z, t]) for i, (t, z) in enumerate(zip(tables, none))]
+    best = both.maximised(apart)
+    here, there = (complex(*best.theta[at : at + 2][::-1]) for at in (-4, -2))
+    alike = 0.5 < abs(there) / max(abs(here), 1e-300) < 2.0
+    if not alike or (best.none.cost - best.cost) / best.inflation < joint + THRESHOLD + 2.0 * np.log(f.N):
+        return 0.0
+    return float(np.angle(here / there)) * f.period / (2 * np.pi)
 
 
 def released(ctx, path):
@@ -131,12 +156,13 @@ def run(given, confirm, model, log=None):
     C = [ForceBalance(x, width, q) for x in confirm]
     extra, free, terms, refused = [], [], [], []
     g_model = model
-    excluded = set()
+    excluded, aligned = set(), False
     for step in range(6):
         ctx = Evidence(G, model, g_model, list(extra), tuple(free)).prepare(2 if step == 0 else 3, listen=step == 0)
         g_model = ctx.model
-        for b in C:
-            b.corner = G[0].corner
+        if step == 0:
+            for b in C:
+                b.hear(b.residual(g_model), g_model.axis.mass)
         at = len(ctx.paths)
         for n, f in enumerate(extra):
             k = len(f.amplitudes)
@@ -150,6 +176,16 @@ def run(given, confirm, model, log=None):
         if C:
             both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
         contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
+        waves = [c for c in contenders if c.found.period is not None and c.found.T > 2.0 * c.ratio + THRESHOLD]
+        if C and waves and not aligned and model.cogging is None:
+            top = max(waves, key=lambda c: c.found.T)
+            distance = shift_of_zero(both, top.found, len(G), top.ratio)
+            if distance:
+                aligned, C = True, [b.moved(distance) for b in C]
+                if log:
+                    log(f"      zero of the confirm logs moved by {distance:.4g}")
+                both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
+                contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
         if log:
             log(
                 "      joint: "

@@ -7,6 +7,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.optimize import nnls
 from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
 
 from cogging._core import Predictor
@@ -196,11 +198,11 @@ class Evidence:
         parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
         best, n = None, len(self.nuisances[0])
         for taps in (self.plain, self.start if tables is None else self.null.taps):
-            theta, _ = self.fitted(taps, parts, rounds=1)
-            for _ in range(2 if tables is None else 1):
-                theta, told = self.fitted(self.taps_of(theta, parts), parts)
+            for k in range(3 if tables is None else 2):
+                theta, told = self.fitted(taps, parts)
                 if best is None or told.cost < best.cost:
                     best = told
+                taps = self.taps_of(theta, parts)
         if tables is not None:
             x, (sigma, target) = best.x, best.prior
             # none may be likelier behind the candidate's filter than behind its own
@@ -253,14 +255,17 @@ class Evidence:
         _, told = self.fitted(taps)
         sigma, target = told.prior
         weight = 1.0 / np.maximum(sigma**2 / told.variance, 1e-12)
-        right = told.x @ (told.at * told.r) + weight * target
-        kept = list(range(len(right)))
-        while True:
-            w = np.linalg.solve(told.gram[np.ix_(kept, kept)], right[kept])
-            widths = [(a, j) for a, j in zip(w, kept) if j < len(self.paths) and self.paths[j].startswith("width.")]
-            if not widths or min(widths)[0] >= 0.0:
-                break
-            kept.remove(min(widths)[1])
+        right, gram = told.x @ (told.at * told.r) + weight * target, told.gram
+        own = np.array([j < len(self.paths) and self.paths[j].startswith("width.") for j in range(len(right))])
+        if not own.any():
+            return
+        others = np.linalg.solve(gram[np.ix_(~own, ~own)], np.column_stack([gram[np.ix_(~own, own)], right[~own]]))
+        beside = gram[np.ix_(own, own)] - gram[np.ix_(own, ~own)] @ others[:, :-1]
+        root = np.linalg.cholesky(beside + 1e-10 * np.trace(beside) * np.eye(len(beside)))
+        share, _ = nnls(
+            root.T, solve_triangular(root, right[own] - gram[np.ix_(own, ~own)] @ others[:, -1], lower=True)
+        )
+        kept = np.flatnonzero(~own | np.isin(np.arange(len(own)), np.flatnonzero(own)[share > 0.0]))
         self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
         self.nuisances = [t[kept] for t in self.nuisances]

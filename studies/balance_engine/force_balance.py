@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +13,7 @@ from cogging._core import AxisParameters, Predictor
 from cogging.effects.effect import laws_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.identification.inverse_dynamics import _mean_held
+from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.model.model import Model
 
 MIDDLE_RATE = 6000.0  # Hz, at which laws are evaluated
@@ -40,6 +42,7 @@ class ForceBalance:
     """
 
     def __init__(self, log, width=1e-3, quantum=0.0):
+        quantum = quantum or encoder_quantum(log.position)
         time, position, command = log.time - log.time[0], log.position, log.command
         steps = np.diff(time)
         h = float(np.median(steps))
@@ -103,6 +106,16 @@ class ForceBalance:
     @property
     def mask(self):
         return self.keep[:: self.every] > 0
+
+    def moved(self, distance):
+        """The same log with its zero elsewhere, by a distance, m."""
+        other = copy(self)
+        other.kept = {}
+        other.__dict__.pop("fine", None)
+        other.position = self.position + distance
+        if self.reference is not None:
+            other.reference = self.reference + np.array([[distance], [0.0], [0.0]])
+        return other
 
     def _reference(self, log):
         """Place, speed and acceleration that were asked for, (3, n); None where the log does not tell."""

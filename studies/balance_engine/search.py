@@ -28,6 +28,7 @@ class Found:
     columns: Any  # function(ctx) -> per-log columns at the middle rate
     effect: Any = None  # function(amplitudes) -> Effect or None
     others: tuple = ()  # names that a shape of no law may bear as well
+    period: Any = None  # of a wave along the travel, of two columns
     refine: Any = None  # (value, function value -> (columns, effect, label))
 
     @property
@@ -139,11 +140,11 @@ def search_once(ctx, also=(), limit_time=None):
     model = ctx.model
     found = {}
 
-    def put(name, label, columns, N, effect=None, amplitude_ok=None, refine=None):
+    def put(name, label, columns, N, effect=None, amplitude_ok=None, refine=None, period=None):
         T, amp, k = ctx.score([b.rows(x) for b, x in zip(bs, columns(ctx))])
         if amplitude_ok is not None and not amplitude_ok(amp):
             return 0.0
-        one = Found(name, label, T, k, N, amp, columns, effect, refine=refine)
+        one = Found(name, label, T, k, N, amp, columns, effect, period=period, refine=refine)
         if name not in found or one.score > found[name].score:
             found[name] = one
         return one.T
@@ -495,7 +496,7 @@ def search_once(ctx, also=(), limit_time=None):
             near_known = name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known)
             if near_known:
                 continue
-            put(name, f"{period:.4g}", make(kappa), N, effect)
+            put(name, f"{period:.4g}", make(kappa), N, effect, period=period)
             if name in ("cogging_harmonic", "force_constant_ripple"):
                 put(name, f"{period:.4g} with harmonics", wave_columns(kappa, mult, (1, 2, 3)), N)
     spatial.sort(reverse=True)
