@@ -16,7 +16,8 @@ THRESHOLD = 16.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled
 RESAMPLED = 2000
-SURVIVORS = 24
+SURVIVORS = 24  # of the screen
+CLOSE = 7  # of these, whose noise filters are their own
 BURST = 6.0  # deviations from which on noise comes and goes
 SHOWN = 10.0  # expected gain from which on logs can refute
 LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
@@ -72,6 +73,19 @@ def contender(ctx, f, given):
         told = best.told**2 / inflation
         one.expected = float(told[:first].sum()), float(told[first:].sum())
     return one
+
+
+def closest(both, found):
+    """Those of whom a closer look may find that they are the likeliest on all logs."""
+
+    def worth(f):
+        if f.columns is None:
+            return f.score
+        tables = [b.rows(x) for b, x in zip(both.balances, f.columns(both))]
+        ratio = both.glance(tables)
+        return score_of(ratio, max(f.k, 1), f.N, len(block_edges(both)))
+
+    return sorted(found, key=worth, reverse=True)[:CLOSE]
 
 
 def shift_of_zero(both, f, given, joint):
@@ -175,6 +189,7 @@ def run(given, confirm, model, log=None):
         both = ctx
         if C:
             both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
+        found = closest(both, found)
         contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
         waves = [c for c in contenders if c.found.period is not None and c.found.T > 2.0 * c.ratio + THRESHOLD]
         if C and waves and not aligned and model.cogging is None:

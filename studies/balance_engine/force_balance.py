@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
-from scipy.signal import butter, firwin, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
+from scipy.signal import butter, firwin, freqz, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Predictor
 from cogging.effects.effect import laws_of
@@ -17,7 +17,7 @@ from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.model.model import Model
 
 MIDDLE_RATE = 6000.0  # Hz, at which laws are evaluated
-ROWS = 6.0  # at which rows are compared, in corners of the band
+ROWS = 4.0  # at which rows are compared, in corners of the band
 SKIP = 0.06  # s, at either end: the filters' edges and the start of the loop
 REST_TIME = 0.012  # s, over which an axis that moves less than the encoder sees is at rest
 
@@ -133,28 +133,39 @@ class ForceBalance:
 
     corner = 60.0  # Hz
 
-    order = 6
-
-    def _filter(self):
-        low = butter(2, min(self.corner, 0.4 / self.step) * 2 * self.step, output="sos")
-        if self.every == 1:
-            return low
-        return np.vstack([low, butter(self.order, 0.4 / self.every * 2, output="sos")])
+    def filters(self):
+        """Taps before the rows are thinned out, and second-order sections behind them."""
+        half = 8 * self.every
+        taps = firwin(2 * half + 1, 0.8 / self.every, window=("kaiser", 5.0)) if self.every > 1 else np.ones(1)
+        return taps, butter(2, min(self.corner / (0.5 * self.rate), 0.8), output="sos")
 
     def rows(self, columns):
-        """Columns at the middle rate as they are compared, after a causal filter, (p, m)."""
-        return sosfilt(self._filter(), np.atleast_2d(columns) * self.keep, axis=1)[:, :: self.every]
+        """Columns at the middle rate as they are compared, filtered, (p, m)."""
+        taps, sections = self.filters()
+        half, columns = len(taps) // 2, np.atleast_2d(columns) * self.keep
+        if self.every > 1:
+            columns = np.pad(columns, ((0, 0), (half, half)))
+            count = -(-len(self.time) // self.every)
+            columns = upfirdn(taps, columns, 1, self.every, axis=1)[:, 2 * half // self.every :][:, :count]
+        return sosfilt(sections, columns, axis=1)
 
     def adjoint(self, rows):
         """The transpose of `rows`, (n,)."""
-        full = np.zeros(len(self.time))
-        full[:: self.every] = rows
-        return sosfilt(self._filter(), full[::-1])[::-1] * self.keep
+        taps, sections = self.filters()
+        back = sosfilt(sections, rows[::-1])[::-1]
+        if self.every > 1:
+            half = len(taps) // 2
+            back = upfirdn(taps, np.append(back, np.zeros(2)), self.every)[half : half + len(self.time)]
+        return back * self.keep
 
     def power(self, f):
         """Power gain of `rows` at f (Hz), a row of the middle rate."""
-        _, h = sosfreqz(self._filter(), np.ravel(np.clip(2 * np.pi * f * self.step, 0, np.pi)))
-        return np.abs(h.reshape(np.shape(f))) ** 2 / self.every
+        taps, sections = self.filters()
+        f = np.clip(np.ravel(f), 0.0, 0.5 / self.step)
+        folded = np.abs((f + 0.5 * self.rate) % self.rate - 0.5 * self.rate)
+        gain = np.abs(freqz(taps, 1.0, 2 * np.pi * f * self.step)[1])
+        gain *= np.abs(sosfreqz(sections, 2 * np.pi * folded / self.rate)[1])
+        return gain**2 / self.every
 
     def hear(self, residual, mass):
         """Filter from where the encoder's noise is above that of the force; residual at the middle rate, V (n,)."""
