@@ -22,7 +22,8 @@ BASE |= {"values"}
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
 ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["labelled", "thresholds", "evidence", "candidates", "large", "residual", "discrepancy", "entries"]
+DIAGNOSIS = ["labelled", "thresholds", "physical", "evidence", "candidates", "large", "residual", "discrepancy"]
+DIAGNOSIS += ["entries"]
 DIAGNOSIS += [
     "next_step",
     "report",

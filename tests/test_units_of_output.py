@@ -102,11 +102,17 @@ def test_screen_json_and_page_of_a_diagnosis_have_no_volt_and_no_metre(verdict):
     for _ in range(3):
         drawn = drawn_result(generator, verdict, model=ROTARY)
         result = labelled(drawn, UNITS, ["readings.csv"], apart=IN_THEIR_OWN_UNITS)
-        said = [result.text(), repr(result), *texts(result.to_dict())]
+        said = [result.text(), result.text(verbose=True), repr(result), *texts(result.to_dict())]
         assert [left for text in said for left in left_in(text)] == []
-        assert left_in(drawn.text()) or verdict in ("controller_mismatch", "insufficient_excitation", "data_mismatch")
+        assert left_in(drawn.text(verbose=True)) or verdict in (
+            "controller_mismatch",
+            "insufficient_excitation",
+            "data_mismatch",
+        )
         numbers = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?")
-        assert numbers.findall(result.text()) == numbers.findall(drawn.text())  # numbers stay as they are
+        assert numbers.findall(result.text(verbose=True)) == numbers.findall(
+            drawn.text(verbose=True)
+        )  # numbers stay as they are
     if verdict not in ("ambiguous", "data_mismatch"):
         return  # one page with pictures and one without
     page = PICTURE.sub("", result.html(title="run 5 V at 3 m.csv")).replace("run 5 V at 3 m.csv", "")

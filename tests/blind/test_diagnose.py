@@ -17,6 +17,23 @@ EASY = ["cable_spring", "disturbance_tone", "viscous_asymmetry", "command_dead_z
 
 
 @pytest.fixture(scope="module")
+def snags(tmp_path_factory):
+    """Results on logs of axes that a force holds at one place, of any shape."""
+    folder = tmp_path_factory.mktemp("snags")
+    plan = plan_suite(SEED, 4, kinds=["effect"], effects=["local_force"], ratios=[1000.0])
+    key = draw_suite(SEED, folder / "cases", folder / "key", plan)
+    cases = [("diagnose", str(folder / "cases" / name), str(folder / f"{name}.json")) for name in key["cases"]]
+    return [run_case(case)[1] for case in cases]
+
+
+def test_a_snag_is_a_force_at_one_place_and_no_modulation(snags):
+    names = [[{effect["name"], *effect["alternatives"]} for effect in result["effects"]] for result in snags]
+    print([(result["verdict"], told) for result, told in zip(snags, names, strict=True)])
+    assert sum(any("local_force" in one for one in told) for told in names) >= 3
+    assert not any("cogging_modulation" in one for told in names for one in told)
+
+
+@pytest.fixture(scope="module")
 def outcomes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("blind")
     plan = plan_suite(SEED, 6, kinds=["null"], families=CALM) + plan_suite(

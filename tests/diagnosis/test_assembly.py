@@ -3,6 +3,7 @@
 import pytest
 
 import cogging
+from cogging.diagnosis.search.search import search
 from tests.fixtures.pid_axis import MODEL, run
 
 effects = cogging.effects
@@ -47,7 +48,13 @@ def test_what_changed_is_measured_against_the_model_as_stated():
 )
 def test_what_was_seen_is_a_gap_though_adding_it_does_not_pay(effect, confirm, monkeypatch):
     """Refused all together, it is told as what no effect explains: the logs do differ from the model."""
-    monkeypatch.setattr("cogging.diagnosis.assembly.growth", lambda measured: "it grows")
+
+    def refused_at_the_end(*arguments, **named):
+        found = search(*arguments, **named)
+        monkeypatch.setattr("cogging.diagnosis.gaps.Measured.objection", lambda measured: "it grows")
+        return found
+
+    monkeypatch.setattr("cogging.diagnosis.diagnose.search", refused_at_the_end)
     result = cogging.diagnose(run(effect), MODEL, confirm=[run(effect, seed=5)] if confirm else [])
     assert result.effects == ()
     assert [step.reason for step in result.ledger if step.name == effect.NAME] == ["it grows"]

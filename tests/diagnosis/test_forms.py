@@ -20,6 +20,7 @@ EFFECTS = {
     "force_constant_drift": {"change": 0.1, "time_constant": 2.0},
     "quadratic_drag": {"coefficient": 2.0},
     "cable_spring": {"stiffness": 1.0, "center": 0.0},
+    "local_force": {"force": 0.2, "center": 0.0, "width": 0.02},
     "command_saturation": {"limit": 5.0},
     "command_dead_zone": {"width": 0.1},
     "cogging_harmonic": {"period": 0.0113, "sine": 0.1, "cosine": 0.0},
@@ -28,7 +29,8 @@ EFFECTS = {
     "force_constant_ripple": {"period": 0.021, "sine": 0.02, "cosine": 0.0},
     "actuator_lag": {"time_constant": 2e-3},
 }
-HELD = ("end_effect", "disturbance_step", "position_dependent_friction", "stribeck_friction", "force_constant_drift")
+HELD = ("end_effect", "local_force", "disturbance_step", "position_dependent_friction", "stribeck_friction")
+HELD += ("force_constant_drift",)
 
 
 def law_of(effect, source, along):
@@ -66,7 +68,7 @@ def test_the_plainest_law_lies_within_its_form(name, quiet_evidence):
     assert left @ left < 0.06 * (law @ law)
 
 
-@pytest.mark.parametrize("name", ["end_effect", "disturbance_step", "cable_spring"])
+@pytest.mark.parametrize("name", ["end_effect", "local_force", "disturbance_step", "cable_spring"])
 def test_a_curve_is_the_force_of_its_columns(name, quiet_evidence):
     effect = VOCABULARY[name].replace(**EFFECTS[name])
     form = form_of(effect, quiet_evidence)
@@ -97,7 +99,7 @@ def test_a_lag_of_second_order_is_that_of_scipy(damping):
 def test_nothing_in_the_scan_is_left_without_a_decision(quiet_evidence):
     """Every effect that a scan finds either has a form or is one of those that have none."""
     without = {"backlash", "flexible_mode", "presliding_friction", "constant_force", "command_delay"}
-    without |= {"coulomb_asymmetry", "viscous_asymmetry", "encoder_scale_error"}
+    without |= {"coulomb_asymmetry", "viscous_asymmetry", "encoder_scale_error", "gravity"}
     laws = [law for name, law in VOCABULARY.items() if name != "empirical_force"]
     for finding in scan(quiet_evidence, laws):
         assert (form_of(finding.effect(), quiet_evidence) is None) == (finding.name in without)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging.diagnosis.candidates.signatures import vocabulary_of
 from cogging.diagnosis.entries import Gap, NamedEffect
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.large.balance import balances_of
@@ -20,11 +21,12 @@ RATE = 500.0
 class Machine:
     """A machine of drawn size, its model that knows mass and friction badly, and its logs of two motions."""
 
-    def __init__(self, seed, known=None, spread=1.0):
+    def __init__(self, seed, known=None, spread=1.0, travel=None):
         random = np.random.default_rng(seed)
         self.random = random
         self.force = 10.0 ** random.uniform(-1.0, 2.0)  # V, what the command is like
         self.travel = 10.0 ** random.uniform(-1.0, 1.0)
+        self.travel = travel or self.travel
         self.speed = self.travel / random.uniform(1.5, 3.0)
         acceleration = self.speed / random.uniform(0.15, 0.4)
         self.axis = cogging.AxisParameters(
@@ -84,6 +86,8 @@ class Machine:
             "cable_spring": {"stiffness": abs(size) / (0.3 * self.travel), "center": 0.1 * self.travel},
             "cogging_harmonic": {"period": period, **wave},
             "end_effect": {"force": abs(size) * 1.5, "decay_length": 0.08 * self.travel},
+            "local_force": {"force": 3.0 * size, "center": 0.13 * self.travel, "width": 0.04 * self.travel},
+            "gravity": {"moment": abs(size), "angle": turn - np.pi},
             "force_constant_ripple": {"period": period, "sine": 0.35, "cosine": 0.2},
             "viscous_asymmetry": {"difference": 0.8 * size / self.speed},
             "quadratic_drag": {"coefficient": abs(size) / self.speed**2},
@@ -96,11 +100,12 @@ def searched(machine, logs, confirm=(), *, any_size=True):
     balances = balances_of(logs, machine.model)
     elsewhere = balances_of(confirm, machine.model) if confirm else None
     allowed = allowance(machine.model)
-    return search_large(balances, elsewhere, allowed, VOCABULARY, lambda step: None, any_size=any_size)
+    vocabulary = vocabulary_of(machine.model)
+    return search_large(balances, elsewhere, allowed, vocabulary, lambda step: None, any_size=any_size)
 
 
 NAMES = ["constant_force", "cable_spring", "cogging_harmonic", "end_effect", "force_constant_ripple"]
-NAMES += ["viscous_asymmetry", "quadratic_drag", "stribeck_friction"]
+NAMES += ["viscous_asymmetry", "quadratic_drag", "stribeck_friction", "local_force"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -120,6 +125,24 @@ def test_the_effect_that_makes_most_of_the_command_is_the_first(name, seed):
         assert path in gone or limits.inside(path, getattr(found.model.axis, level))
     assert found.balances.rms < 0.25 * found.start.rms
     assert found.confirm.rms < 0.4 * found.confirm_start.rms
+
+
+@pytest.mark.parametrize("turns", [0.8, 1.2, 4.0])
+def test_a_wave_of_one_turn_is_gravity_where_the_axis_turns_and_nowhere_else(turns):
+    machine = Machine(round(70 * turns), travel=2.0 * np.pi * turns)
+    effect = machine.effect("gravity")
+    logs = [machine.log(effect, seed=1)], [machine.log(effect, seed=2, share=0.6)]
+    assert "gravity" not in vocabulary_of(machine.model)
+    straight = searched(machine, *logs)
+    assert straight is None or "gravity" not in [term.trial.name for term in straight.terms]
+    machine.model = machine.model.replace(units=cogging.Units(command="Nm", position="rad"))
+    found = searched(machine, *logs)
+    term = found.terms[0]
+    assert term.trial.name == "gravity"
+    assert "cogging_harmonic" not in [*term.alternatives, *(one.trial.name for one in found.terms)]
+    (fitted,) = (one for one in found.model.effects if one.NAME == "gravity")
+    assert fitted.moment == pytest.approx(effect.moment, rel=0.1)
+    assert np.cos(fitted.angle - effect.angle) > 0.99
 
 
 @pytest.mark.parametrize("name", ["cogging_harmonic", "force_constant_ripple", "constant_force"])
@@ -269,6 +292,15 @@ def test_harmonics_of_one_pitch_are_a_map():
     waves = [wave.replace(period=0.06 / n, sine=1.0 / n, cosine=0.0) for n in (1, 2, 3)]
     assert "pitch = 0.06 and harmonics = [1, 2, 3]" in map_note(waves, model)
     assert map_note(waves[:2], model) is None
+
+
+def test_waves_are_told_as_harmonics_of_the_known_pitch():
+    wave, basis = VOCABULARY["cogging_harmonic"], cogging.SplineHarmonics(pitch=0.024, harmonics=[1, 3])
+    model = Machine(1).model.replace(cogging=cogging.CoggingModel(basis, np.ones((2, 1)), np.ones((2, 1))))
+    note = map_note([wave.replace(period=0.01201, sine=1.0), wave.replace(period=0.001999, sine=1.0)], model)
+    assert "the 2nd harmonic of your 24 mm pitch and the 12th harmonic of your 24 mm pitch" in note
+    assert "harmonics = [1, 2, 3, 12]" in note
+    assert map_note([wave.replace(period=0.0155, sine=1.0)], model) is None
 
 
 def test_the_nuisances_are_the_free_ones():

@@ -50,7 +50,7 @@ def test_a_shape_of_its_own_and_friction_near_rest_stand_on_page_and_screen(foun
     )
     friction = NearRest(93.0, 6, -40.0, -20.0, ("presliding_friction", "stribeck_friction"), "creep at five speeds")
     told = replace(found, effects=(replace(found.effects[0], shape_term=term),), near_rest=friction)
-    page, text = told.html(), told.text()
+    page, text = told.html(), told.text(verbose=True)
     for words in (
         "viscous asymmetry of a shape of its own",
         "of another shape than its plainest law, T = 812 in position near the ends: +0.2 more about 0 m",
@@ -64,7 +64,7 @@ def test_a_shape_of_its_own_and_friction_near_rest_stand_on_page_and_screen(foun
     assert page.count("data:image/png") == found.html().count("data:image/png") + 1
     for words in ("of another shape than its plainest law, T = 812", "near rest the friction is not the model's"):
         assert words in text, words
-        assert words not in found.text()
+        assert words not in found.text(verbose=True)
     assert "Friction near rest" not in found.html()
 
 

@@ -45,6 +45,9 @@ def add_parser(commands: Commands) -> None:
     group.add_argument(
         "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
     )
+    group.add_argument(
+        "--verbose", action="store_true", help="print all that the result holds, not what to act on alone"
+    )
     add_answer_options(group)
     command.set_defaults(run=run)
 
@@ -83,7 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
             files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
     give(
         arguments,
-        result.text(),
+        result.text(verbose=arguments.verbose),
         document=result.to_dict(),
         files=files,
         next_command=following.line,

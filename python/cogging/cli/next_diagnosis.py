@@ -26,6 +26,7 @@ def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> NextS
         result=json_file(arguments) or "",
         patched=arguments.out or "",
         empirical=arguments.empirical,
+        planned=arguments.planned or "",
     )
     step = next_step(result, given)
     return replace(step, line=_lines(arguments, result, step)[step.kind]())
@@ -34,7 +35,7 @@ def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> NextS
 def _lines(arguments: argparse.Namespace, result: Diagnosis, step: NextStep) -> dict[str, Callable[[], str]]:
     """The command of each kind of next step."""
     out = arguments.out or free_name(arguments.model, "patched")
-    written: dict[str, Any] = {"out": out, "empirical": result.verdict == "unlisted"}
+    written: dict[str, Any] = {"out": out, "empirical": "--empirical" in step.line.split()}
     *given, last = arguments.logs
     return {
         "mend": lambda: _mended(arguments, result),

@@ -10,9 +10,10 @@ import numpy as np
 
 from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.entries import NamedEffect, ShapeTerm, Step
+from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.preparation import Prepared
 from cogging.diagnosis.experiment.separating import separating
-from cogging.diagnosis.gaps import Measured, gap_of, growth, measure, series_of
+from cogging.diagnosis.gaps import Measured, gap_of, series_of
 from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.naming.large_names import map_note, named_large, unsettled
@@ -21,13 +22,14 @@ from cogging.diagnosis.naming.names import changed, merged, named, with_term_of
 from cogging.diagnosis.naming.near_rest import near_rest
 from cogging.diagnosis.naming.parameter_changes import changes, look_alikes
 from cogging.diagnosis.naming.shape_terms import with_shape_terms
-from cogging.diagnosis.naming.sizes import largest_first
-from cogging.diagnosis.naming.verdict import seen_and_refused, unlisted, verdict
+from cogging.diagnosis.naming.sizes import with_shares
+from cogging.diagnosis.naming.verdict import not_noise, seen_and_refused, unlisted, verdict
 from cogging.diagnosis.patched import with_intervals
+from cogging.diagnosis.physical import physical_ceilings
+from cogging.diagnosis.predictable import predicted
 from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
 from cogging.diagnosis.result import Diagnosis
-from cogging.diagnosis.search.confirmation import as_there
 from cogging.diagnosis.search.empirical import NoTerm, with_term
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.state import Added, Search, turns_of
@@ -39,38 +41,46 @@ from cogging.model.model import Model
 from cogging.model.parameters import parameters_of, with_values
 
 
-def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagnosis:
+def assemble(found: Search, logs: Prepared, model: Model) -> Diagnosis:
     """The result of a search.
 
     Args:
         found: the search.
         logs: logs that it saw.
         model: given model, with the controller that was running.
-        replay: whether the loop can be replayed.
     """
     friction = near_rest(found)
     found, terms = with_shape_terms(found)
     beyond = [change for change in changes(found, model) if abs(change[3]) > PARAMETER_CHANGE.changed]
     retuned, final = file_form(found.tuned, model), with_intervals(file_form(last_model(found), model), found.estimate)
-    nominal = _as_stated(found, retuned, model, [f"axis.{change[0]}" for change in beyond])
-    models = [nominal, *(file_form(added.model, model) for added in found.added[:-1]), final]
-    there = as_there_each(models, found)
-    measured = measure(logs, models, there, found.nominal.model, model, replay=replay, balance=found.large is not None)
-    if found.added and (why := growth(measured)):
-        result = assemble(without_what_was_added(found, why), logs, model, replay)
+    held = [f"axis.{change[0]}" for change in beyond]
+    models = [_as_stated(found, retuned, model, held[count:]) for count in range(len(held) + 1)]
+    models += [file_form(added.model, model) for added in found.added]
+    nominal, models[-1] = models[0], final
+    yardstick = found.yardstick.holding(held)
+    measured = yardstick.measure(models, turns_of(found.added))
+    read = yardstick.as_read(measured.given[0])
+    if read is not None and read.rms < measured.given[0].rms:  # re-tuning that makes the gap larger is none
+        measured, nominal = replace(measured, given=[read, *measured.given[1:]]), model
+        final = final if len(models) > 1 else model
+    if found.added and (why := measured.objection()):
+        result = assemble(without_what_was_added(found, why), logs, model)
         return replace(result, **told_all_the_same(result, found))
-    if measured.given[0] is measured.stated:
-        nominal = model  # re-tuning does not pay
-    effects, gap = _effects(found, model, beyond, terms), gap_of(measured, logs.given, final)
-    if found.large is not None:
-        effects = unsettled(largest_first(effects, found.large.balances, final, model), gap)
+    rest = predicted(logs.given, measured.given[-1], logs.confirm, measured.confirm[-1] if measured.confirm else None)
+    names = [f"{change[0]}_change" for change in beyond] + [added.finding.name for added in found.added]
+    gap = gap_of(measured, read, rest, logs.given, final)
+    effects = with_shares(_effects(found, model, beyond, terms), names, measured.given, final)
+    effects = effects if found.large is None else unsettled(effects, gap)
     residual_shape = unlisted(found, effects, checked=bool(logs.confirm) and found.confirm_evidence is not None)
+    systematic = not_noise(rest, gap)
     location = location_of(found.nominal_evidence, found.nominal.model, found.nominal_shapes)
+    found = replace(found, yardstick=found.yardstick.as_measured(gap))
     final, effects = with_curves(final, effects, found, logs)
+    explained = found.large is not None and measured.mostly_explained
     return Diagnosis(
-        verdict=verdict(effects, residual_shape, explained=found.large is not None and measured.mostly_explained),
+        verdict="unlisted" if systematic else verdict(effects, residual_shape, explained=explained),
         effects=tuple(effects),
-        unlisted=residual_shape,
+        unlisted=residual_shape or systematic,
         gap=gap,
         separating_experiment=_separating(effects, found.vocabulary, logs.given),
         model=final,
@@ -79,7 +89,7 @@ def assemble(found: Search, logs: Prepared, model: Model, replay: bool) -> Diagn
         where_text=tuple(
             shape_text(shape) for shape in location.shapes if shape.log_p_value < LOCATION.told_with_names
         ),
-        ledger=tuple(_ledger(found, measured)),
+        ledger=tuple(_ledger(found, measured, len(held))),
         notes=(*logs.notes, *masking_notes(retuned, final), *measured.notes, *_notes(found, model)),
         placebo=placebos(found),
         series=series_of(logs.given, measured.given, location) | {"given": model},
@@ -100,8 +110,10 @@ def told_all_the_same(result: Diagnosis, found: Search) -> dict[str, Any]:
 
 
 def last_model(found: Search) -> Model:
-    """The model with all that was added."""
-    return found.added[-1].model if found.added else found.tuned
+    """The model with all that was added, and mass and friction as a search for large effects left them."""
+    if found.added:
+        return found.added[-1].model
+    return found.tuned if found.large is None else found.large.model
 
 
 def file_form(fitted: Model, model: Model) -> Model:
@@ -122,8 +134,9 @@ def _as_stated(found: Search, nominal: Model, model: Model, held: Sequence[str])
 def with_empirical_term(result: Diagnosis, found: Search, model: Model, logs: Prepared) -> Diagnosis:
     """The result with an empirical term in its model, or with a note why there is none."""
     residual_shape = dict(result.unlisted or {})
+    found = replace(found, yardstick=found.yardstick.as_measured(result.gap))
     try:
-        larger, told = with_term(found, residual_shape, last_model(found), logs.given, logs.confirm)
+        larger, told = with_term(found, residual_shape, last_model(found), logs.given)
     except NoTerm as why:
         return replace(result, notes=(*result.notes, str(why)))
     larger = with_intervals(file_form(larger, model), found.estimate)
@@ -131,12 +144,6 @@ def with_empirical_term(result: Diagnosis, found: Search, model: Model, logs: Pr
 
 
 # Gaps -----------------------------------------------------------------------------------------------------------------
-
-
-def as_there_each(models: Sequence[Model], found: Search) -> list[Model]:
-    """Nominal model, with one effect, with two and so on, as each holds on the other motion."""
-    turns = turns_of(found.added)
-    return [as_there(one, turns[:count]) for count, one in enumerate(models)]
 
 
 def without_what_was_added(found: Search, why: str) -> Search:
@@ -184,7 +191,7 @@ def with_curves(
         term = effect.shape_term
         if term is not None and term.curve is not None:
             try:
-                larger = with_term(found, dict(term.curve), final, logs.given, logs.confirm)[0]
+                larger = with_term(found, term.curve, final, logs.given)[0]
                 final = with_intervals(larger, found.estimate)
             except NoTerm:
                 effect = replace(effect, shape_term=replace(term, curve=None))
@@ -198,9 +205,22 @@ def _named(found: Search, place: int, left: Sequence[Shape]) -> NamedEffect:
 
 
 def _notes(found: Search, model: Model) -> list[str]:
-    """What is to be said of waves that lie elsewhere on the other motion, and of large effects."""
+    """What is to be said of waves elsewhere, of those of one pitch, and of parameters that re-tuning ran up."""
     note = None if found.large is None else map_note(found.estimate.model.effects[len(model.effects) :], model)
-    return [*_turned_note(found), *([] if note is None else [note])]
+    return [*_turned_note(found), *([] if note is None else [note]), *at_their_end(found)]
+
+
+def at_their_end(found: Search) -> list[str]:
+    """Which of mass and friction re-tuning took to the end of what is allowed: a symptom, not a value."""
+    logs = [source.log for source in found.evidence.sources]
+    most = physical_ceilings(logs)
+    allowed = Allowance({}, most, (), most) if found.large is None else found.large.allowed
+    return [
+        f"{path}: re-tuning takes it to {value:.4g}, the end of what the model and these logs allow: something else is "
+        "taken for it"
+        for path, value in zip(found.estimate.paths, found.estimate.values, strict=True)
+        if path in allowed.ceilings and path not in allowed.exact and allowed.at_end(path, value)
+    ]
 
 
 def _turned_note(found: Search) -> list[str]:
@@ -227,9 +247,9 @@ def _separating(effects: Sequence[NamedEffect], vocabulary: Mapping[str, Effect]
     return separating(names, vocabulary, logs)
 
 
-def _ledger(found: Search, measured: Measured) -> list[Step]:
-    """What was added, with the gaps without and with it, then what was refused."""
-    given, confirm = measured.given, measured.confirm
+def _ledger(found: Search, measured: Measured, start: int) -> list[Step]:
+    """What was added, with the gaps without and with it, then what was refused; `start`: the model without any."""
+    given, confirm = measured.given[start:], measured.confirm[start:] if measured.confirm else None
     added = [
         Step(
             one.finding.name,

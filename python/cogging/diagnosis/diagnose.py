@@ -13,20 +13,22 @@ from cogging._core import DivergedError
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.assembly import assemble, with_empirical_term
+from cogging.diagnosis.candidates.signatures import vocabulary_of
 from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
-from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
+from cogging.diagnosis.evidence.preparation import Prepared, prepared, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
 from cogging.diagnosis.experiment.expectation import Expectation
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
 from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
 from cogging.diagnosis.labelled import labelled
 from cogging.diagnosis.limits import unmeasured
+from cogging.diagnosis.physical import seconds_of_motion
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.search import search
 from cogging.diagnosis.thresholds import PREPARATION
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
-from cogging.effects.effect import VOCABULARY, Effect
+from cogging.effects.effect import Effect
 from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
 from cogging.memory import require_rows
@@ -129,7 +131,7 @@ def _diagnosed(
         except DivergedError as error:
             raise DivergedError("; ".join((str(error), *ready.notes))) from None
         begin("measuring the gap")
-        result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
+        result = with_outcomes(assemble(found, ready, model), expected, found)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
 
@@ -145,7 +147,7 @@ def _with_vocabulary(model: Model | str | os.PathLike[str], also: Sequence[Custo
     if not isinstance(model, Model):
         model = Model.read(model, effects=list(own.values()))
     refuse_two_of_one_name([*own.values(), *model.effects])
-    return model, {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
+    return model, vocabulary_of(model, [effect.neutral() for effect in own.values()])
 
 
 def _require_commands(logs: Prepared, units: Units) -> None:

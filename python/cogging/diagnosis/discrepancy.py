@@ -55,7 +55,8 @@ def discrepancies(
         replay: whether the loop may be replayed.
         balance: whether, instead of a prediction, the force balance is taken where every model has one: a prediction
             errs by the less, the more its own friction damps it, and a fit of what is large would make use of that.
-        stated: model whose mass turns innovations into forces: what a fit makes of the mass must not; None: the first.
+        stated: model whose mass turns innovations into forces, and that sets the band of the force balance: what a fit
+            makes of the mass must not; None: the first.
     """
     if replay and not any(jitters(log) for log in logs):
         try:
@@ -63,7 +64,7 @@ def discrepancies(
         except (DivergedError, ValueError):
             pass
     if balance and all(has_balance(model) for model in models):
-        return _balanced(logs, models)
+        return _balanced(logs, models, models[0] if stated is None else stated)
     series: list[list[FloatArray]] = [[] for _ in models]
     masks = []
     for log in logs:
@@ -105,8 +106,8 @@ def has_balance(model: Model) -> bool:
     return all("state" not in effect.HOOKS or is_load(effect) for effect in model.effects)
 
 
-def _balanced(logs: Sequence[Log], models: Sequence[Model]) -> list[Discrepancy]:
-    balances = balances_of(logs, models[0])
+def _balanced(logs: Sequence[Log], models: Sequence[Model], stated: Model) -> list[Discrepancy]:
+    balances = balances_of(logs, stated)
     found = []
     for model in models:
         rows = [source.of([model])[0] for source in balances.sources]

@@ -105,6 +105,8 @@ class NamedEffect:
         statistic: T of its score test.
         log_p_value: ln of the probability that noise alone shows as much (`log_chance` in JSON).
         further: parameters of further terms of the same name (harmonics).
+        share: of the power of the gap before, what it takes.
+        differs: by how much the alternatives would do something else along these logs, rms over that of the gap.
         apart: standard deviations by which these logs tell it from an alternative, by the alternative's name.
         shape_term: law that it has beside the plainest, where its shape is another; None else.
     """
@@ -119,6 +121,8 @@ class NamedEffect:
     further: tuple[Mapping[str, Value], ...] = ()
     apart: Mapping[str, float] = field(default_factory=dict)
     shape_term: ShapeTerm | None = None
+    share: float | None = None
+    differs: Mapping[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """The effect as an entry of the JSON result."""
@@ -127,12 +131,14 @@ class NamedEffect:
             "name": self.name,
             "alternatives": list(self.alternatives),
             "confidence": self.confidence,
+            "share": self.share,
             "parameters": {name: value.to_dict() for name, value in self.parameters.items()},
             "where": dict(self.where),
             "statistic": self.statistic,
             "log_chance": self.log_p_value,
             "further": [{name: value.to_dict() for name, value in term.items()} for term in self.further],
             "apart": dict(self.apart),
+            "differs": dict(self.differs),
         }
         return told | other
 
@@ -187,6 +193,9 @@ class Gap:
         confirm_before, confirm_after: the same on the confirm logs; None without.
         signal: name of what was compared.
         position_before, position_after: rms of measured less replayed position, m; None where no loop is replayed.
+        share: `after` over the rms command in motion; None where nothing was measured.
+        predictable: of the power that is left after, the share that a generic force of place, speed, direction,
+            acceleration and command, fitted to the given logs, predicts on the confirm logs; None without any.
     """
 
     unit: str
@@ -199,6 +208,8 @@ class Gap:
     position_before: float | None = None
     position_after: float | None = None
     given: float | None = None
+    share: float | None = None
+    predictable: float | None = None
 
     @property
     def closed(self) -> float | None:
@@ -227,6 +238,8 @@ class Gap:
             "after": self.after,
             "confirm_before": self.confirm_before,
             "confirm_after": self.confirm_after,
+            "share": self.share,
+            "predictable": self.predictable,
             "signal": self.signal,
             "tracking_error_before": self.position_before,
             "tracking_error_after": self.position_after,

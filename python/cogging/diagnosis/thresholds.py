@@ -39,6 +39,21 @@ class PreparationThresholds:
 
 
 @dataclass(frozen=True)
+class PhysicalThresholds:
+    """What no machine that made these logs can be."""
+
+    periods: float = 3.0  # 1: of a tone or a resonance, that the time of motion holds: fewer are a drift [assumed]
+    levels: int = 20  # 1: of the command, at which is seen whether what is beyond them acts [cost]
+    averaged: tuple[int, ...] = (1, 2, 4, 8, 16, 32)  # rows: over which commands and readings are averaged [cost]
+    fewest: int = 40  # 1: times the rows averaged, that a log has at least [assumed]
+    obeyed: float = 0.5  # 1: of what a V up to a level does, that a V beyond it does if there is no limit [assumed]
+    certain: float = 8.0  # deviations: by which what is beyond a level acts [assumed]
+    stands_at: float = 1e-3  # 1: relative; so near to an end a parameter stands at it [assumed]
+    friction_places: int = 60  # 1: of the travel, at which the level of friction is looked at [cost]
+    friction_pushes: float = 0.02  # of the largest command: so far below nothing friction may come out [assumed]
+
+
+@dataclass(frozen=True)
 class ObserverThresholds:
     """The observers whose innovations are the residual, and the rows that count."""
 
@@ -141,6 +156,8 @@ class IntervalThresholds:
     shortest: float = 0.2  # s: what is shorter may be a single blow [assumed]
     longest: float = 0.9  # of the log: what is longer is no interval [assumed]
     intervals_exact: int = 8  # 1: that are looked at exactly [cost]
+    widths_tried: int = 12  # 1: of a force at one place [cost]
+    bins_of_width: int = 4  # 1: into which such a force is divided [cost]
 
 
 @dataclass(frozen=True)
@@ -323,6 +340,7 @@ class FormThresholds:
     places: int = 11  # 1: along the travel, of friction and of an amplitude [assumed]
     end_places: tuple[float, ...] = (0.0, 0.03, 0.07, 0.13, 0.22)  # of the travel: from each end [assumed]
     around: float = 0.3  # of its length: how far a push may reach beyond its interval [assumed]
+    widths: float = 2.5  # widths: how far a force at one place may reach to each side [assumed]
     pushes: int = 9  # 1: moments of a push, and of a gain [assumed]
     slow: float = 0.6  # of the largest speed: friction that goes with speed is free below [assumed]
     slow_speeds: int = 6  # 1: of friction, that are free [assumed]
@@ -364,14 +382,15 @@ class RefitThresholds:
     ceiling_of_range: float = 2.0  # of the highest value that is looked for: shapes stay below [assumed]
     tuning_iterations: int = 3  # 1: of tuning nuisances to the gap [cost]
     tuning_halvings: int = 4  # 1: of a step that makes the gap larger [cost]
-    tuning_gain: float = 1e-3  # of the squared gap: a smaller gain ends the tuning [cost]
+    tuning_gain: float = 5e-4  # of the gap: a smaller gain ends the tuning [cost]
 
 
 @dataclass(frozen=True)
 class AcceptanceThresholds:
     """Whether an effect pays, and the terms that must not."""
 
-    gap_growth: float = 1.01  # times the gap on the confirm logs: an effect may not make it larger [assumed]
+    growth: float = 0.02  # of the gap's power: it may grow by chance, but never by more [assumed]
+    blocks: int = 20  # 1: of a log, between which gains differ by chance [assumed]
     position_growth: float = 1.1  # times the error of the replayed position: it may not become more [assumed]
     placebos_max: int = 5  # 1: placebo terms that are told [assumed]
     placebo_suspected: float = -6.0  # ln p: what is below and was refused is no placebo [assumed]
@@ -442,6 +461,7 @@ class VerdictThresholds:
     burst: float = -12.0  # ln p: of bursts of force: noise has its own [assumed]
     bursts_together: float = -60.0  # ln p: the same of both logs [assumed]
     rounding: float = 0.07  # of the residual's power: from there the encoder's rounding is no white noise [assumed]
+    systematic: float = 0.1  # of the rms command: less of what a generic force predicts is small [assumed]
     weakened: float = 2.0  # 1: what is left must then have as many times the ln p [assumed]
 
 
@@ -506,9 +526,9 @@ class AllowanceThresholds:
 class BalanceThresholds:
     """The force balance in which large effects are looked for."""
 
-    cutoffs: tuple[float, ...] = (0.1, 0.03, 0.01, 0.003)  # of the sample rate: of its filter, tried in turn [assumed]
+    cutoffs: tuple[float, ...] = (0.1, 0.03, 0.018, 0.01, 0.006, 0.003)  # of the sample rate: filters tried [assumed]
     lowest_cutoff: float = 2.0  # Hz: no cut-off is lower [assumed]
-    noise: float = 0.1  # of the rms command: what the encoder may make of it, else a lower cut-off [assumed]
+    noise: float = 0.05  # of the rms command: what the encoder may make of it, else a lower cut-off [pendulum]
     rows_max: int = 30_000  # rows: of a log that are looked at; a lower cut-off needs fewer [cost]
     slow_rows: float = 0.02  # of the largest speed: slower rows show what friction does at rest [assumed]
     filter_reach: float = 0.5  # periods of the cut-off: so far the filter brings what friction does at rest [assumed]
@@ -691,6 +711,7 @@ class ExperimentThresholds:
 
 DISTRIBUTION = DistributionConstants()
 PREPARATION = PreparationThresholds()
+PHYSICAL = PhysicalThresholds()
 OBSERVER = ObserverThresholds()
 NULL = NullThresholds()
 WHITENING = WhiteningThresholds()

@@ -72,7 +72,8 @@ class Custom(OwnLaws):
         reading_error: m, by which the encoder reads too much; of position.
         parameters: by name; a number stands for `Parameter(number)`.
         law: the formula, for reports.
-        kinds: what parameters are together (`Wave`, `Window`, `Knots`, `SplineKnots`), where a search shall know.
+        kinds: what parameters are together (`Wave`, `Window`, `Knots`, `SplineKnots`, `Place`), where a search shall
+            know.
         length_scale: m, the shortest along the travel on which a law changes.
         velocity_scale: m/s, the same in velocity.
         time_scale: s, the same in time.

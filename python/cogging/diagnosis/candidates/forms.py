@@ -18,7 +18,7 @@ from cogging.diagnosis.candidates.signatures import place
 from cogging.diagnosis.candidates.waves import plain_wave
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.thresholds import FORM
-from cogging.effects.effect import Effect, Knots, SplineKnots, Travel, Wave, Window, kind_of
+from cogging.effects.effect import Effect, Knots, Place, SplineKnots, Travel, Wave, Window, kind_of
 from cogging.estimation.innovations import Innovations
 
 Columns = Callable[[Innovations, Prediction], FloatArray]
@@ -88,6 +88,8 @@ def form_of(effect: Effect, evidence: Evidence) -> Form | None:
         return _near_ends(effect, evidence)
     if kind_of(effect, Window) is not None:
         return _within(effect)
+    if kind_of(effect, Place) is not None:
+        return _about(effect)
     if "friction_level" in hooks and kind_of(effect, Knots) is not None:
         return _friction_along(evidence)
     if "friction_level" in hooks and "velocity" in asked:
@@ -171,6 +173,25 @@ def _within(effect: Effect) -> Form:
         places[1:-1],
         lambda source, along: hats(source.log.time - source.log.time[0], places)[1:-1],
         along=("time", places, np.eye(len(places))[1:-1]),
+    )
+
+
+def _about(effect: Effect) -> Form:
+    where = kind_of(effect, Place)
+    if where is None:
+        raise ValueError(f"{effect.NAME}: must act at a place")
+    center, width = float(getattr(effect, where.center)), float(getattr(effect, where.width))
+    places = center + width * np.linspace(-FORM.widths, FORM.widths, FORM.pushes + 2)
+
+    def at(x: FloatArray) -> FloatArray:
+        return hats(x, places)[1:-1]
+
+    return Form(
+        "position about a place",
+        "m",
+        places[1:-1],
+        lambda source, along: at(along.middle_position),
+        along=("position", places, np.eye(len(places))[1:-1]),
     )
 
 

@@ -14,7 +14,7 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather, refiltered
 from cogging.diagnosis.evidence.log_p_value import log_survival
-from cogging.diagnosis.evidence.null import width_floor
+from cogging.diagnosis.evidence.null import limits_of
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.thresholds import MAP_ERROR
 from cogging.estimation.gauss_newton import Estimate, columns_of, fit
@@ -96,7 +96,8 @@ def freed(estimate: Estimate, evidence: Evidence) -> tuple[Estimate, Evidence]:
     """The fit with errors of the map free, and its evidence; as it was where that cannot be fitted."""
     paths = [*estimate.paths, *error_paths(estimate.model)]
     try:
-        again = fit(estimate.model, paths, evidence.sources, floors=width_floor(evidence.sources))
+        floors, ceilings = limits_of(evidence.sources)
+        again = fit(estimate.model, paths, evidence.sources, floors=floors, ceilings=ceilings)
     except (DivergedError, ValueError):
         return estimate, evidence
     return again, gather(again, evidence.sources, memory=evidence.memory)

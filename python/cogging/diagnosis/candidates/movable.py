@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging.diagnosis.candidates.intervals import acts_in_interval
 from cogging.diagnosis.candidates.signatures import Seen, quantities
+from cogging.diagnosis.physical import ends
 from cogging.diagnosis.thresholds import REFIT
 from cogging.effects.effect import Effect
 from cogging.model.model import Model
@@ -23,17 +24,15 @@ def shape_limits(model: Model, evidence: Seen) -> tuple[dict[str, float], dict[s
     Beyond it a log holds them no more, and what is stiff (a contact, a mode) would be simulated in ever finer steps.
     """
     floors, ceilings = {}, {}
-    sizes = quantities(evidence)
+    sizes, logs = quantities(evidence), [source.log for source in evidence.sources]
     for prefix, effect in effect_paths(model.effects):
         for name, role in effect.ROLES.items():
-            if role["role"] == "shape" and role["quantity"] != "position" and not is_held(effect, role):
-                size = sizes[role["quantity"]]
-                floors[f"{prefix}.{name}"] = (
-                    max(REFIT.floor_of_range * role["low"], REFIT.floor_of_high * role["high"]) * size
-                )
-                ceilings[f"{prefix}.{name}"] = (
-                    (1.0 if role["quantity"] == "relative" else REFIT.ceiling_of_range) * role["high"] * size
-                )
+            if role["role"] == "shape" and role["quantity"] not in ("position", "angle") and not is_held(effect, role):
+                size, (least, most) = sizes[role["quantity"]], ends(logs, role)
+                low = max(REFIT.floor_of_range * role["low"], REFIT.floor_of_high * role["high"]) * size
+                room = 1.0 if role["quantity"] == "relative" else REFIT.ceiling_of_range
+                floors[f"{prefix}.{name}"] = max(low, least)
+                ceilings[f"{prefix}.{name}"] = min(room * role["high"] * size, most)
             elif role["role"] == "amplitude" and role["low"] == 0.0:
                 floors[f"{prefix}.{name}"] = 0.0
     return floors, ceilings

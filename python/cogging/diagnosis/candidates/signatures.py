@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
+from cogging.diagnosis.physical import ends
 from cogging.diagnosis.thresholds import GRID
-from cogging.effects.effect import Effect, SplineKnots, Travel, Wave, Window, kind_of
+from cogging.effects.effect import VOCABULARY, Effect, SplineKnots, Travel, Turn, Wave, Window, kind_of
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
@@ -46,6 +47,23 @@ class Seen(Protocol):
     @property
     def scales(self) -> Scales:
         """Sizes of all logs together."""
+
+
+TURN = 2.0 * np.pi  # rad
+
+
+def vocabulary_of(model: Model, own: Iterable[Effect] = ()) -> dict[str, Effect]:
+    """Effects that are tried, as they are when they do nothing, by name: the list, and a user's own.
+
+    Only a rotary axis has one that goes with the angle of its turn.
+    """
+    tried = [*VOCABULARY.values(), *own]
+    return {law.NAME: law for law in tried if is_rotary(model) or kind_of(law, Turn) is None}
+
+
+def is_rotary(model: Model) -> bool:
+    """Whether the position is an angle."""
+    return model.units.position == "rad"
 
 
 @dataclass(frozen=True)
@@ -107,6 +125,7 @@ def quantities(evidence: Seen) -> dict[str, float]:
         "friction": friction,
         "position": span,
         "distance": span,
+        "angle": TURN,
         "velocity": scales.velocity,
         "time": scales.time,
         "sample_time": scales.sample_time,
@@ -136,7 +155,8 @@ def shape_range(evidence: Seen, role: Mapping[str, Any]) -> tuple[float, float]:
     gives way elastically is not, where it has done so before the axis is fast enough for its rows to count.
     """
     size = quantities(evidence)[role["quantity"]]
-    low, high = role["low"] * size, role["high"] * size
+    least, most = ends([source.log for source in evidence.sources], role)
+    low, high = max(role["low"] * size, least), min(role["high"] * size, most)
     if role["quantity"] == "distance":
         low = max(low, evidence.model.encoder.resolution)
     if role["quantity"] == "velocity":
@@ -168,9 +188,11 @@ def shape_values(evidence: Seen, law: Effect, field: str, count: int) -> list[fl
             float(v) for v in low_end + (high_end - low_end) * np.linspace(role["low"], role["high"], count + 2)[1:-1]
         ]
     if role["quantity"] == "command" and role["neutral"] == np.inf:  # a limit: felt just below the largest command
-        return [
-            float(v) for v in high / role["high"] * (1.0 - np.geomspace(GRID.limit_nearest, 1.0 - role["low"], count))
-        ]
+        largest = high / role["high"]
+        nearest = GRID.limit_nearest * largest
+        return (
+            [float(v) for v in largest - np.geomspace(nearest, largest - low, count)] if largest - low > nearest else []
+        )
     if role["logarithmic"] or role["neutral"] == 0.0:
         if role["neutral"] != 0.0 or not role["logarithmic"]:
             low = max(low, GRID.smallest_share * high)
@@ -252,3 +274,8 @@ def known_periods(model: Model) -> list[float]:
     if model.cogging is None:
         return []
     return [float(2.0 * np.pi / w) for w in model.cogging.basis.wavenumbers]
+
+
+def turn_periods(model: Model) -> list[float]:
+    """Period (rad) of a force that comes once a turn of a rotary axis: that is no cogging, but an unbalanced mass."""
+    return [TURN] if is_rotary(model) else []

@@ -10,7 +10,13 @@ import numpy.typing as npt
 
 from cogging._core import AxisParameters, Plant, Prediction, Predictor, whiten
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.signatures import Candidate, known_periods, quantities
+from cogging.diagnosis.candidates.signatures import (
+    Candidate,
+    known_periods,
+    quantities,
+    shape_range,
+    turn_periods,
+)
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.noise_filter import Filter, coloured
 from cogging.diagnosis.thresholds import GRID, SPECTRUM
@@ -52,9 +58,12 @@ def peaks(evidence: Evidence, effect: Effect, gain: Gain | None = None) -> tuple
     statistic[(wave < wave_low) | (wave > wave_high)] = 0.0
     span = evidence.scales.position if spatial else evidence.scales.time
     cogging = evidence.model.cogging
-    if spatial and gain is None and "force" in effect.HOOKS and cogging is not None and cogging.sine.shape[1] == 1:
-        # Its sine and cosine are re-tuned: within a turn of them it is no other wave, but they change along the travel.
-        for period in known_periods(evidence.model):
+    if spatial and gain is None and "force" in effect.HOOKS:
+        owned = turn_periods(evidence.model)
+        if cogging is not None and cogging.sine.shape[1] == 1:
+            # Their sines and cosines are re-tuned: within a turn it is no other wave, but they change along the travel.
+            owned += known_periods(evidence.model)
+        for period in owned:
             statistic[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     even = levelled(statistic)
     trials = max(1.0, (min(wave_high, float(wave[-1])) - wave_low) * span)
@@ -75,9 +84,9 @@ def wave_range(evidence: Evidence, effect: Effect) -> tuple[float, float]:
     """Lowest and highest wavenumber (1/m), or frequency (Hz), at which a wave is sought."""
     role = next(r for r in effect.ROLES.values() if r["role"] == "shape")
     sizes = quantities(evidence)
-    low, high = role["low"] * sizes[role["quantity"]], role["high"] * sizes[role["quantity"]]
     if role["quantity"] != "distance":
-        return low, high
+        return shape_range(evidence, role)
+    low, high = role["low"] * sizes["distance"], role["high"] * sizes["distance"]
     wave_low, wave_high = 1.0 / high, 1.0 / low
     if "reading" not in effect.HOOKS:  # faster than a quarter of the sample rate, rows no longer follow it
         return wave_low, min(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cogging.diagnosis.thresholds import ALLOWANCE
 from cogging.model.model import Model
@@ -18,11 +18,13 @@ class Allowance:
     Attributes:
         floors, ceilings: ends of each parameter by path, in its unit.
         exact: paths of nuisances that are stated to be exact.
+        most: what no machine that made the logs is above, by path.
     """
 
     floors: Mapping[str, float]
     ceilings: Mapping[str, float]
     exact: tuple[str, ...]
+    most: Mapping[str, float] = field(default_factory=dict)
 
     def inside(self, path: str, value: float) -> bool:
         """Whether the statement allows a value; anything, of what it says nothing about."""
@@ -54,13 +56,17 @@ class Allowance:
                 path: low if path not in paths else low / far if path == "axis.mass" else 0.0
                 for path, low in self.floors.items()
             },
-            {path: high if path not in paths else far * high for path, high in self.ceilings.items()},
+            {
+                path: high if path not in paths else min(far * high, self.most.get(path, float("inf")))
+                for path, high in self.ceilings.items()
+            },
             tuple(path for path in self.exact if path not in paths),
+            self.most,
         )
 
 
-def allowance(model: Model) -> Allowance:
-    """How far mass, viscous and Coulomb friction may be from what a model states.
+def allowance(model: Model, most: Mapping[str, float] | None = None) -> Allowance:
+    """How far mass, viscous and Coulomb friction may be from what a model states, not above `most` by path.
 
     Within some of its stated deviations (ALLOWANCE.stated); not at all where it is stated to be exact; within a factor
     where nothing is stated (ALLOWANCE.unstated). A friction of zero that is not stated to be exact is not known at all.
@@ -75,8 +81,13 @@ def allowance(model: Model) -> Allowance:
             exact.append(path)
             floors[path] = ceilings[path] = value
         elif stated is not None and value > 0.0:
-            floors[path] = max(0.0, value * (1.0 - ALLOWANCE.stated * stated), value / 1e3 if name == "mass" else 0.0)
+            floors[path] = max(
+                0.0, value * (1.0 - ALLOWANCE.stated * stated), value / ALLOWANCE.unstated if name == "mass" else 0.0
+            )
             ceilings[path] = value * (1.0 + ALLOWANCE.stated * stated)
         elif value > 0.0:
             floors[path], ceilings[path] = value / ALLOWANCE.unstated, value * ALLOWANCE.unstated
-    return Allowance(floors, ceilings, tuple(exact))
+    for path, high in (most or {}).items():
+        if path not in exact and floors[path] < high:
+            ceilings[path] = min(ceilings.get(path, float("inf")), high)
+    return Allowance(floors, ceilings, tuple(exact), most or {})

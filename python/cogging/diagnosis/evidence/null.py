@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.noise_filter import robust_rms
+from cogging.diagnosis.physical import physical_ceilings
 from cogging.diagnosis.thresholds import NULL, OBSERVER, WHITENING
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
@@ -91,12 +93,11 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     for form, own in zip(forms, seen, strict=True):
         try:
             sources = [source.with_rest(rest) for source in own]
-            floors = width_floor(sources)
-            if best is not None and fit(
-                form, nuisances(form), sources, iterations=NULL.first_iterations, floors=floors
-            ).cost > (best[0].cost + NULL.hopeless):
+            floors, ceilings = limits_of(sources)
+            fitted = partial(fit, form, nuisances(form), sources, floors=floors, ceilings=ceilings)
+            if best is not None and fitted(iterations=NULL.first_iterations).cost > best[0].cost + NULL.hopeless:
                 continue
-            estimate = fit(form, nuisances(form), sources, floors=floors)
+            estimate = fitted()
         except (DivergedError, ValueError) as error:
             failure = error
             continue
@@ -108,7 +109,8 @@ def fit_null(logs: Sequence[Log], model: Model) -> tuple[Estimate, Evidence]:
     quick = sources_of(logs, estimate.model, rest=rest, quick=True)
     if starts_fit(estimate.model, calm, quick):
         try:
-            again = fit(estimate.model, estimate.paths, quick, floors=width_floor(quick))
+            floors, ceilings = limits_of(quick)
+            again = fit(estimate.model, estimate.paths, quick, floors=floors, ceilings=ceilings)
             return again, gather(again, quick)
         except DivergedError:
             pass
@@ -131,15 +133,17 @@ def starts_fit(model: Model, calm: Sequence[Innovations], quick: Sequence[Innova
     return float(usual.mean()) / NULL.starts_power < float(extra.mean()) < NULL.starts_power * float(usual.mean())
 
 
-def width_floor(sources: Sequence[Innovations]) -> dict[str, float]:
-    """A width of friction far below the slowest rows that count is an axis that sticks: that form stands beside."""
-    return {"axis.coulomb_width": NULL.width_of_rest * min(source.rest for source in sources)}
+def limits_of(
+    sources: Sequence[Innovations], allowed: Allowance | None = None
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Floors and ceilings of a fit by path: of nuisances as far as they are `allowed`, or else as they are physical.
 
-
-def limits_of(sources: Sequence[Innovations], allowed: Allowance | None) -> tuple[dict[str, float], dict[str, float]]:
-    """Floors and ceilings of a fit by path: of the width of friction, and of nuisances as far as they are `allowed`."""
-    floors = width_floor(sources)
-    return (floors, {}) if allowed is None else (floors | dict(allowed.floors), dict(allowed.ceilings))
+    A width of friction far below the slowest rows that count is an axis that sticks: that form stands beside.
+    """
+    floors = {"axis.coulomb_width": NULL.width_of_rest * min(source.rest for source in sources)}
+    if allowed is None:
+        return floors, physical_ceilings([source.log for source in sources])
+    return floors | dict(allowed.floors), dict(allowed.ceilings)
 
 
 def _speed(log: Log) -> float:

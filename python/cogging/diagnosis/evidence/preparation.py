@@ -113,10 +113,3 @@ def _whole(log: Log, model: Model, name: str, notes: list[str]) -> Log:
     whole, also = with_missing_rows(whole, model)
     notes += [f"{name}: {text}" for text in (said, also) if text]
     return whole
-
-
-def seconds_of_motion(log: Log) -> float:
-    """Time in which the mean speed over some rows is above a hundredth of the largest."""
-    step = max(1, len(log) // PREPARATION.motion_steps)
-    steps, moved = np.diff(log.time[::step]), np.abs(np.diff(log.position[::step]))
-    return float(steps[moved / steps > PREPARATION.motion_speed * float((moved / steps).max())].sum())

@@ -13,6 +13,7 @@ from cogging._core import PidParameters
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.design.pid import pid_gains
+from cogging.diagnosis.candidates.signatures import vocabulary_of
 from cogging.diagnosis.experiment.detection import Detection
 from cogging.diagnosis.experiment.expectation import GOALS
 from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
@@ -27,7 +28,7 @@ from cogging.diagnosis.labelled import labelled
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.thresholds import EXPERIMENT, OBSERVER
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
-from cogging.effects.effect import VOCABULARY, Effect
+from cogging.effects.effect import Effect
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import quiet
 from cogging.model.controller import AnyController
@@ -104,7 +105,7 @@ def plan_experiment(
         limits = MotionLimits.read(limits)
     if isinstance(result, str | os.PathLike):
         result = read_result(result)
-    vocabulary = {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
+    vocabulary = vocabulary_of(model, [effect.neutral() for effect in own.values()])
     limits = limits.of(model)
     found = found_in(result, model, vocabulary)
     goal = _goal(goal, found)

@@ -38,7 +38,7 @@ def separating(names: Sequence[str], vocabulary: Mapping[str, Effect], logs: Seq
         advice.append("creep below 5 mm/s with small reversals")
     if wanted & {"force_per_velocity", "force_per_velocity_squared"}:
         advice.append(f"speeds over a factor of 4 or more (up to {2 * speed:.2g} m/s if the axis allows)")
-    if wanted & {"force_per_position", "position", "distance"}:
+    if wanted & {"force_per_position", "position", "distance", "angle"}:
         advice.append(f"the full travel (this motion covers {travel:.3g} m), slowly, in both directions")
     if not advice:
         return "motion in both directions at several speeds over the whole travel; while moving, these two do the same"

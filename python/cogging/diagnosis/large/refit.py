@@ -9,7 +9,6 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.candidates.movable import effect_parameters, shape_limits
-from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import nuisances
 from cogging.diagnosis.large.balance import Balances
@@ -79,12 +78,11 @@ def _ends(balances: Balances, allowed: Allowance, given: int, paths: Sequence[st
 
 def amplitude_limits(model: Model, balances: Balances, given: int) -> dict[str, tuple[float, float]]:
     """Between what the amplitudes of the effects that were added stay: no force is larger than the largest command."""
-    sizes = quantities(balances)
     limits: dict[str, tuple[float, float]] = {}
     for prefix, effect in effect_paths(model.effects)[given:]:
         for name, role in effect.ROLES.items():
             if role["role"] == "amplitude":
-                ends = amplitude_ends(role, sizes)
+                ends = amplitude_ends(role, balances)
                 value = getattr(effect, name)
                 places = [f"[{i}]" for i in range(len(value))] if isinstance(value, list) else [""]
                 limits |= {f"{prefix}.{name}{place}": ends for place in places}

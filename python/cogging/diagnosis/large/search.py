@@ -14,6 +14,7 @@ from cogging.diagnosis.large.balance import Balances
 from cogging.diagnosis.large.nuisances import Nuisances, nuisances_of
 from cogging.diagnosis.large.refit import refitted
 from cogging.diagnosis.large.seeds import Seed, seeds
+from cogging.diagnosis.physical import unphysical
 from cogging.diagnosis.thresholds import LARGE
 from cogging.effects.effect import Effect
 from cogging.model.model import Model
@@ -342,7 +343,7 @@ def objection(state: Large, after: Large) -> str | None:
         return f"refitted, it leaves {mine:.3g} of {its:.3g} V"
     if after.confirm is not None and state.confirm is not None and after.confirm.rms > LARGE.growth * state.confirm.rms:
         return f"the gap on the other motion grows from {state.confirm.rms:.4g} to {after.confirm.rms:.4g} V with it"
-    return None
+    return unphysical(after.model, after.given, [source.log for source in after.balances.sources]) or None
 
 
 def with_own_nuisances(balances: Balances, allowed: Allowance) -> Balances:

@@ -10,12 +10,13 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.intervals import acts_in_interval
-from cogging.diagnosis.candidates.signatures import Candidate, candidates, known_periods, quantities
+from cogging.diagnosis.candidates.intervals import acts_at_place, acts_in_interval, bumps
+from cogging.diagnosis.candidates.signatures import Candidate, Seen, candidates, known_periods, quantities
 from cogging.diagnosis.candidates.waves import is_wave, plain_wave
 from cogging.diagnosis.large.balance import WEAKENING, Balances, is_load
 from cogging.diagnosis.large.nuisances import Nuisances
 from cogging.diagnosis.large.spectrum import peaks, sharpened
+from cogging.diagnosis.physical import ends
 from cogging.diagnosis.thresholds import ALLOWANCE, SEED, SPECTRUM
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 
@@ -55,6 +56,8 @@ def seeds(balances: Balances, nuisances: Nuisances, vocabulary: Mapping[str, Eff
         found += judged(balances, nuisances, list(candidates(balances, law)))
         if acts_in_interval(law):
             found += _intervals(balances, nuisances, law)
+        if acts_at_place(law):
+            found += _places(balances, nuisances, law)
     for law in vocabulary.values():
         if is_load(law) and not any("state" in effect.HOOKS for effect in balances.model.effects):
             found += _resonances(balances, nuisances, law)
@@ -62,6 +65,15 @@ def seeds(balances: Balances, nuisances: Nuisances, vocabulary: Mapping[str, Eff
         first = sorted((seed for seed in found if seed.name == name), key=lambda seed: seed.left)[: SEED.looked_at]
         best[name] = min((as_it_is(balances, nuisances, seed) for seed in first), key=lambda seed: seed.left)
     return sorted(best.values(), key=lambda seed: seed.left)
+
+
+def _places(balances: Balances, nuisances: Nuisances, law: Effect) -> list[Seed]:
+    """Forces at the places where they explain most of what re-tuning leaves."""
+    first = next(iter(candidates(balances, law)))
+    residual = nuisances.moved(nuisances.alone()[0])
+    positions = balances.joined([source.balance.dynamics.motion.middle_position for source in balances.sources])
+    found = sorted(bumps(balances, law, positions, residual), key=lambda pair: -float(pair[1].max()))
+    return judged(balances, nuisances, [replace(first, shape={**first.shape, **shape}) for shape, _ in found])
 
 
 def _intervals(balances: Balances, nuisances: Nuisances, law: Effect) -> list[Seed]:
@@ -153,9 +165,8 @@ def _judge(balances: Balances, nuisances: Nuisances, candidate: Candidate, colum
         if weights[-1] < SEED.finite[0]:
             return None
         return Seed(_resized(candidate, float(weights[-1])), (), left)
-    sizes, roles = quantities(balances), candidate.law.ROLES
-    ends = [amplitude_ends(roles[field], sizes) for field, _ in candidate.amplitudes]
-    low, high = np.array([low for low, _ in ends]), np.array([high for _, high in ends])
+    roles = candidate.law.ROLES
+    low, high = np.array([amplitude_ends(roles[field], balances) for field, _ in candidate.amplitudes]).T
     weights, left = nuisances.fitted(columns, low, high)
     amplitudes = weights[len(nuisances.paths) :]
     count = balances.model.encoder.resolution
@@ -166,14 +177,15 @@ def _judge(balances: Balances, nuisances: Nuisances, candidate: Candidate, colum
     return Seed(candidate, tuple(float(a) for a in amplitudes), left)
 
 
-def amplitude_ends(role: Mapping[str, Any], sizes: Mapping[str, float]) -> tuple[float, float]:
+def amplitude_ends(role: Mapping[str, Any], seen: Seen) -> tuple[float, float]:
     """Between what an amplitude lies: no force is larger than the largest command, others may make less of it.
 
     A level of friction is measured against the model's, which may be as far off as nobody states (ALLOWANCE.unstated).
     """
-    quantity = role["quantity"]
+    quantity, sizes = role["quantity"], quantities(seen)
+    least, most = ends([source.log for source in seen.sources], role)
     room = 1.0 if quantity == "force" else ALLOWANCE.unstated if quantity == "friction" else SEED.amplitude_room
-    return room * role["low"] * sizes[quantity], room * role["high"] * sizes[quantity]
+    return max(room * role["low"] * sizes[quantity], least), min(room * role["high"] * sizes[quantity], most)
 
 
 def as_it_is(balances: Balances, nuisances: Nuisances, seed: Seed) -> Seed:
@@ -247,24 +259,25 @@ def _resonances(balances: Balances, nuisances: Nuisances, law: Effect) -> Iterat
     from scipy.optimize import minimize
 
     top = min(0.5 * source.balance.dynamics.cutoff for source in balances.sources)
-    bottom = max(2.0 / balances.scales.time, 0.5)
+    bottom = max(ends([source.log for source in balances.sources], law.ROLES["frequency"])[0], 0.5)
     if not bottom < top:
         return
+    limits = np.log([bottom, 1e-3]), np.log([2.0 * top, law.ROLES["damping_ratio"]["high"]])
     frequencies = np.geomspace(bottom, top, SEED.mode_frequencies)
     grid = [(float(frequency), damping) for damping in SEED.damping_ratios for frequency in frequencies]
     seeds = [seed for seed in _loads(balances, nuisances, law, grid) if seed is not None]
 
     def left(logarithms: FloatArray) -> float:
-        frequency, damping = np.exp(np.clip(logarithms, np.log([bottom, 1e-3]), np.log([2.0 * top, 0.7])))
+        frequency, damping = np.exp(np.clip(logarithms, *limits))
         (seed,) = _loads(balances, nuisances, law, [(float(frequency), float(damping))])
         return np.inf if seed is None else seed.left
 
     for seed in sorted(seeds, key=lambda one: one.left)[: SEED.sharpened]:
         root = (1.0 - seed.candidate.shape["mass_ratio"]) ** 0.5
         start = np.log([seed.candidate.shape["frequency"] * root, seed.candidate.shape["damping_ratio"] * root])
-        ends = {"maxfev": SEED.mode_evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
-        better = minimize(left, start, method="Nelder-Mead", options=ends)
-        frequency, damping = np.exp(better.x)
+        until = {"maxfev": SEED.mode_evaluations, "xatol": 1e-3, "fatol": 1e-3 * seed.left}
+        better = minimize(left, start, method="Nelder-Mead", options=until)
+        frequency, damping = np.exp(np.clip(better.x, *limits))
         yield _loads(balances, nuisances, law, [(float(frequency), float(damping))])[0] or seed
 
 
@@ -273,7 +286,7 @@ def _loads(
 ) -> list[Seed | None]:
     """Loads of antiresonances (Hz) and damping ratios, each of the share that leaves least.
 
-    None where one would have none of the mass, or nearly all.
+    None where one would have none of the mass, or nearly all, or be so damped that it is no resonance.
     """
     mass = balances.model.axis.mass
     rows = []
@@ -292,5 +305,6 @@ def _loads(
             continue
         root = (1.0 - share) ** 0.5
         shape = {"frequency": antiresonance / root, "damping_ratio": damping / root, "mass_ratio": share}
-        found.append(Seed(Candidate(law, shape, (), ()), (), left))
+        possible = shape["damping_ratio"] < law.ROLES["damping_ratio"]["high"]
+        found.append(Seed(Candidate(law, shape, (), ()), (), left) if possible else None)
     return found

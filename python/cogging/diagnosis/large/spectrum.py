@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.candidates.signatures import turn_periods
 from cogging.diagnosis.large.balance import Balances, LogBalance
-from cogging.diagnosis.thresholds import SEED
+from cogging.diagnosis.thresholds import PHYSICAL, SEED
 
 
 def peaks(balances: Balances, residual: FloatArray, count: int, *, spatial: bool, gained: bool = False) -> list[float]:
@@ -40,7 +41,9 @@ def peaks(balances: Balances, residual: FloatArray, count: int, *, spatial: bool
         score += np.fft.rfft(np.bincount(np.clip((where / spacing).astype(int), 0, length - 1), back, length))
         power += _power(source, gain, wave, spatial)
     explained = np.where(wave <= highest, np.abs(score) ** 2 / np.maximum(power, 1e-3 * power.max()), 0.0)
-    explained[wave < SEED.turns / span] = 0.0
+    explained[wave < (SEED.turns if spatial else PHYSICAL.periods) / span] = 0.0
+    for period in turn_periods(balances.model) if spatial and not gained else ():
+        explained[np.abs(wave - 1.0 / period) < 1.0 / span] = 0.0
     found = []
     for _ in range(count):
         best = int(np.argmax(explained))

@@ -12,6 +12,7 @@ from cogging.diagnosis.entries import Gap, NamedEffect
 from cogging.diagnosis.large.search import LargeTerm
 from cogging.diagnosis.naming.effect_range import where_of
 from cogging.diagnosis.naming.names import values_of
+from cogging.diagnosis.residual.location_words import length_text
 from cogging.diagnosis.search.state import Added, Search
 from cogging.diagnosis.thresholds import LARGE, NAME
 from cogging.effects.effect import Effect, Wave, kind_of
@@ -64,11 +65,13 @@ def unsettled(effects: Sequence[NamedEffect], gap: Gap) -> list[NamedEffect]:
 
 
 def map_note(added: Sequence[Effect], model: Model) -> str | None:
-    """That waves along the travel are harmonics of one pitch: a map of the cogging; None where they are not."""
+    """That waves along the travel are harmonics of one pitch, the model's or one that it lacks; None if not."""
     waves = [effect for effect in added if is_spatial_wave(effect) and set(effect.HOOKS) == {"force"}]
     kinds = [(effect, kind) for effect in waves if (kind := kind_of(effect, Wave)) is not None]
     periods = [float(getattr(effect, kind.shape)) for effect, kind in kinds]
-    if len(periods) < LARGE.map_harmonics or model.cogging is not None:
+    if model.cogging is not None:
+        return _of_known_pitch(periods, float(model.cogging.basis.pitch), list(model.cogging.basis.harmonics))
+    if len(periods) < LARGE.map_harmonics:
         return None
     sizes = [float(np.hypot(getattr(effect, kind.sine), getattr(effect, kind.cosine))) for effect, kind in kinds]
     pitch = common_pitch(periods)
@@ -81,6 +84,20 @@ def map_note(added: Sequence[Effect], model: Model) -> str | None:
         f"strong periods {strong} m, all harmonics of one pitch: a map of the cogging is what lacks. "
         f"[cogging] with pitch = {pitch:.6g} and harmonics = {sorted(numbers)} holds them"
     )
+
+
+def _of_known_pitch(periods: Sequence[float], pitch: float, known: Sequence[int]) -> str | None:
+    """Which further harmonics of the pitch that a model knows waves are; None where they are none."""
+    orders = [pitch / period for period in periods]
+    further = {round(n) for n in orders if round(n) and abs(n - round(n)) < LARGE.pitch_within * n} - {*known}
+    if not known or not further:
+        return None
+    told = " and ".join(f"the {_ordinal(n)} harmonic of your {length_text(pitch)} pitch" for n in sorted(further))
+    return f"what lacks is {told}: [cogging] with harmonics = {sorted({*known, *further})} holds it"
+
+
+def _ordinal(number: int) -> str:
+    return str(number) + {1: "st", 2: "nd", 3: "rd"}.get(number if number < 20 else number % 10, "th")
 
 
 def common_pitch(periods: Sequence[float]) -> float | None:

@@ -41,12 +41,20 @@ def named(found: Search, place: int, residual_shapes: Sequence[Shape]) -> NamedE
         added.finding.test.statistic,
         added.finding.log_p_value,
         apart={r.name: sigmas_apart(best, r) for r in reversed(rivals)},
+        differs={r.name: difference(best, r) for r in reversed(rivals)},
     )
 
 
 def sigmas_apart(best: Finding, rival: Finding) -> float:
     """Standard deviations by which logs tell a finding from a rival: the root of what their score tests differ by."""
     return round(float(np.sqrt(max(best.test.statistic - rival.test.statistic, 0.0))), 3)
+
+
+def difference(best: Finding, rival: Finding) -> float:
+    """What a finding and a rival do differently along the logs, nuisances re-tuned, over what the finding does; rms."""
+    mine, its = best.test.explained, rival.test.explained
+    size = float(np.linalg.norm(mine))
+    return float(np.linalg.norm(mine - its)) / size if size > 0.0 else 0.0
 
 
 def values_of(estimate: Estimate, prefix: str, effect: Any) -> dict[str, Value]:

@@ -1,4 +1,4 @@
-"""How much of the gap each named effect makes: what would be missing without it, the largest first."""
+"""How much of the gap each named effect takes, the largest first."""
 
 from __future__ import annotations
 
@@ -7,25 +7,33 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging._core import DivergedError
+from cogging.diagnosis.discrepancy import Discrepancy
 from cogging.diagnosis.entries import NamedEffect
-from cogging.diagnosis.large.balance import Balances
 from cogging.effects.effect import Wave, kind_of
 from cogging.model.model import Model
 
 
-def largest_first(effects: Sequence[NamedEffect], balances: Balances, final: Model, stated: Model) -> list[NamedEffect]:
-    """The effects in the order of what the force balance lacks without each.
+def with_shares(
+    effects: Sequence[NamedEffect], names: Sequence[str], gaps: Sequence[Discrepancy], final: Model
+) -> list[NamedEffect]:
+    """The effects, each with what it takes of the power of the gap before, the largest first.
 
     Args:
         effects: effects that were named.
-        balances: logs, under any model.
-        final: model with all of them; its first effects are those of `stated`.
-        stated: model as it was read.
+        names: what each model but the first has beyond the one before.
+        gaps: gap of each model.
+        final: the last model.
     """
-    whole = balances.under(final)
-    ordered = [_largest_term_first(effect, final) for effect in effects]
-    return sorted(ordered, key=lambda effect: -_size(effect, whole, stated))
+    powers = [gap.rms**2 for gap in gaps]
+    taken = dict.fromkeys(names, 0.0)
+    for name, before, after in zip(names, powers[:-1], powers[1:], strict=True):
+        taken[name] += max(0.0, before - after) / powers[0]
+    told = []
+    for effect in effects:
+        share = taken.get(effect.name, 0.0)
+        differs = {name: part * share**0.5 for name, part in effect.differs.items()}
+        told.append(replace(_largest_term_first(effect, final), share=share, differs=differs))
+    return sorted(told, key=lambda effect: -(effect.share or 0.0))
 
 
 def _largest_term_first(effect: NamedEffect, final: Model) -> NamedEffect:
@@ -37,22 +45,3 @@ def _largest_term_first(effect: NamedEffect, final: Model) -> NamedEffect:
     terms = [effect.parameters, *effect.further]
     terms.sort(key=lambda term: -float(np.linalg.norm([np.ravel(term[part].value) for part in parts])))
     return replace(effect, parameters=terms[0], further=tuple(terms[1:]))
-
-
-def _size(effect: NamedEffect, whole: Balances, stated: Model) -> float:
-    """Rms of what the balance lacks without an effect, V; 0 where the model cannot do without it."""
-    try:
-        less = whole.under(without(effect.name, whole.model, stated))
-        return float(np.sqrt(np.mean((less.residual - whole.residual) ** 2)))
-    except (DivergedError, ValueError):
-        return 0.0
-
-
-def without(name: str, model: Model, stated: Model) -> Model:
-    """The model without what was added under a name, or with the parameter that it has changed as it was stated."""
-    level = name.removesuffix("_change")
-    if level != name:
-        return model.replace(axis=model.axis.replace(**{level: getattr(stated.axis, level)}))
-    given = len(stated.effects)
-    added = tuple(effect for effect in model.effects[given:] if name != effect.NAME)
-    return model.replace(effects=(*model.effects[:given], *added))

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from cogging.diagnosis.entries import NamedEffect
+from cogging.diagnosis.entries import Gap, NamedEffect
 from cogging.diagnosis.naming.effect_range import where_of
+from cogging.diagnosis.predictable import Predicted
 from cogging.diagnosis.residual.bursts import bursts, variance_jumps
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.location_words import shape_text
@@ -43,10 +44,20 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
     return _bursts(found, checked, factor)
 
 
+def not_noise(rest: Predicted, gap: Gap) -> dict[str, Any] | None:
+    """What is left, where it is neither small beside the command nor noise, and most of it is not what has a name."""
+    left = rest.share * gap.after**2
+    if (gap.share or 0.0) * rest.share**0.5 < VERDICT.systematic or left < gap.before**2 - gap.after**2:
+        return None
+    return _entry(rest.shape, None if rest.elsewhere is None else rest.elsewhere > 0.0)
+
+
 def seen_and_refused(found: Search) -> dict[str, Any]:
     """What stood most out of the noise, where adding what it is most like makes the model worse."""
-    strongest = max((added.finding for added in found.added), key=lambda one: one.score)
-    coordinate = where_of(strongest.effect(), found.nominal_evidence)["coordinate"]
+    place = max(range(len(found.added)), key=lambda one: found.added[one].finding.score)
+    strongest = found.added[place].finding
+    effect = found.estimate.model.effects[place - len(found.added)]
+    coordinate = where_of(effect, found.nominal_evidence)["coordinate"]
     name = strongest.name.replace("_", " ")
     return {
         "coordinate": coordinate,

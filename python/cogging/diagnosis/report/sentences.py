@@ -38,7 +38,7 @@ MEANINGS = {
     "ambiguous": (
         "Something stands out of the noise, but these logs do not say with nine chances in ten what all of it is."
     ),
-    "unlisted": "Something stands out of the noise that none of the known effects explains.",
+    "unlisted": "What is left is not noise, and none of the known effects explains it.",
     "data_mismatch": (
         "As it was read, a log contradicts the model or itself; with one column read otherwise it does not. Until that "
         "is settled, nothing can be said of the machine."
@@ -55,6 +55,7 @@ MEANINGS = {
 ALONG = {
     "position": "position",
     "distance": "position",
+    "angle": "position",
     "force_per_position": "position",
     "velocity": "velocity",
     "force_per_velocity": "velocity",
@@ -98,18 +99,16 @@ def meaning(result: Diagnosis) -> list[str]:
 
 
 def names_text(effects: Sequence[NamedEffect]) -> str:
-    """The names of effects, each as sure as it is, the sure ones first; beyond a few, how many more."""
-    ranked = sorted(effects, key=lambda effect: not is_sure(effect))
-    told, more = ranked[: REPORT.names_in_headline], len(ranked) - REPORT.names_in_headline
-    sure = [name_text(effect) for effect in told if is_sure(effect)]
-    doubted = [_doubted(effect) for effect in told if not is_sure(effect)]
-    rest = [f"{more} more"] if more > 0 else []
-    if not doubted:
-        open_ones = rest and not all(map(is_sure, ranked))
-        return joined([*sure, *(f"{one}, not all of them sure" if open_ones else one for one in rest)])
-    phrases = [*doubted, *rest]
-    something = f"something that is {'; '.join(phrases[:-1])}{'; and ' * (len(phrases) > 1)}{phrases[-1]}"
-    return f"{joined(sure)}, and {something}" if sure else something
+    """The names of effects in their order, each as sure as it is, with its share of the gap; beyond a few, how many."""
+    told, more = effects[: REPORT.names_in_headline], effects[REPORT.names_in_headline :]
+    phrases = [name_text(one) if is_sure(one) else f"something that is {_doubted(one)}" for one in told]
+    phrases = [f"{phrase}{_share_text(one)}" for phrase, one in zip(phrases, told, strict=True)]
+    open_ones = "" if all(map(is_sure, more)) else ", not all of them sure"
+    return joined([*phrases, *([f"{len(more)} more{open_ones}"] if more else [])])
+
+
+def _share_text(effect: NamedEffect) -> str:
+    return "" if effect.share is None else f" ({percent(min(effect.share, 1.0))} of the gap)"
 
 
 def is_sure(effect: NamedEffect) -> bool:

@@ -27,8 +27,8 @@ COORDINATE_UNITS = {
 
 def term_text(term: Mapping[str, Any], unit: str) -> str:
     """What an empirical term makes of the gap, in words."""
-    text = f"added to the model as {term['name']}, which is empirical and names no cause: gap (innovations of an "
-    text += f"observer) {term['gap_before']:.4g} to {term['gap_after']:.4g} {unit}"
+    text = f"added to the model as {term['name']}, which is empirical and names no cause: gap "
+    text += f"({term['signal']}) {term['gap_before']:.4g} to {term['gap_after']:.4g} {unit}"
     if term["confirm_after"] is not None:
         text += f", on the confirm logs {term['confirm_before']:.4g} to {term['confirm_after']:.4g} {unit}"
     return text

@@ -1,45 +1,32 @@
-"""Whether an effect pays: with it, the gap on other motion may not grow."""
+"""Whether a fit can tell an effect from none."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import numpy as np
 
-from cogging.diagnosis.discrepancy import discrepancies
-from cogging.diagnosis.search.confirmation import as_there
-from cogging.diagnosis.thresholds import ACCEPTANCE
-from cogging.logs.log import Log
-from cogging.model.model import Model
-from cogging.model.parameters import parameters_of, with_values
+from cogging.effects.effect import Effect
+from cogging.estimation.gauss_newton import Estimate
+from cogging.model.parameters import effect_paths, parameters_of, role_of
 
 
-def with_nuisances_of(before: Model, model: Model, paths: Sequence[str]) -> Model:
-    """A model with the nuisances that it had before something was added."""
-    known = parameters_of(before, together=True)
-    return with_values(model, {path: known[path].value for path in paths if not path.startswith("effects.")})
+def excludes_none(estimate: Estimate, neutral: Effect) -> bool:
+    """Whether the 95 % region of the amplitudes of the last effect excludes those of the `neutral` one."""
+    from scipy.stats import f as f_distribution
 
-
-def that_pays(
-    logs: Sequence[Log],
-    confirm: Sequence[Log],
-    before: Model,
-    tuned: Model,
-    kept: Model,
-    turns: Sequence[float] = (),
-    replay: bool = False,
-) -> tuple[Model | None, str]:
-    """The model with which the gap on the confirm logs does not grow: its nuisances re-tuned, or as they were before.
-
-    Nuisances that are tuned with an effect follow what is particular to the logs they are tuned on; the effect itself
-    may then pay where it is added alone. None, and why, where it does not pay either way. The gap is that of the
-    replayed loop where it is asked for (`replay`) and can be had; waves that were added lie on the other motion where
-    it shows them, turned by `turns` (rad, one an added effect, the last of the one in question).
-    """
-    there = [as_there(before, turns[:-1]), as_there(tuned, turns), as_there(kept, turns)]
-    other = discrepancies(confirm, there, replay=replay)
-    if other[1].rms <= ACCEPTANCE.gap_growth * other[0].rms:
-        return tuned, ""
-    if other[2].rms < other[0].rms:
-        own = discrepancies(logs, [before, kept], replay=replay)
-        if own[1].rms <= ACCEPTANCE.gap_growth * own[0].rms:
-            return kept, ""
-    return None, f"the gap on the other motion grows from {other[0].rms:.4g} to {other[1].rms:.4g} V with it"
+    model = estimate.model
+    prefix, known = effect_paths(model.effects)[-1][0], parameters_of(model)
+    rows, sizes = [], []
+    for row, path in enumerate(estimate.paths):
+        if path.rpartition(".")[0] != prefix or role_of(model, path) != "amplitude":
+            continue
+        end = np.ravel(getattr(neutral, path.rpartition(".")[2].partition("[")[0]))
+        size = known[path].value - (float(end[0]) if len(end) == 1 else 0.0)
+        if np.isfinite([size, estimate.covariance[row, row]]).all():
+            rows.append(row)
+            sizes.append(size)
+    if not rows:
+        return True  # infinite where it vanishes, or an interval that nobody can state
+    spread = estimate.covariance[np.ix_(rows, rows)]
+    freedom = float(np.min(estimate.freedom[rows]))
+    far = float(np.array(sizes) @ np.linalg.pinv(spread, hermitian=True) @ sizes) / len(rows)
+    return far > float(f_distribution.ppf(0.95, len(rows), max(freedom, 1.0)))

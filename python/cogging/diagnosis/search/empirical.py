@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from cogging._core import DivergedError
-from cogging.diagnosis.discrepancy import discrepancies, source_of
-from cogging.diagnosis.search.state import Search
+from cogging.diagnosis.discrepancy import source_of
+from cogging.diagnosis.search.state import Search, turns_of
 from cogging.diagnosis.search.tuning import with_nuisances_tuned
-from cogging.diagnosis.thresholds import ACCEPTANCE
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -34,7 +33,7 @@ def empirical_law(coordinate: str) -> tuple[Effect | None, Knots | None]:
 
 
 def with_term(
-    found: Search, residual_shape: dict[str, Any], model: Model, logs: Sequence[Log], others: Sequence[Log]
+    found: Search, residual_shape: Mapping[str, Any], model: Model, logs: Sequence[Log]
 ) -> tuple[Model, dict[str, Any]]:
     """The model with a force at the nodes of the residual shape, refitted, and what it makes of the gap.
 
@@ -42,7 +41,7 @@ def with_term(
         found: the search.
         residual_shape: entry of what no effect explains (verdict.unlisted).
         model: model with all that was named.
-        logs, others: given logs, and logs to confirm.
+        logs: given logs.
 
     Raises:
         NoTerm: no term has this coordinate, or it does not pay on the other motion.
@@ -65,13 +64,12 @@ def with_term(
         tuned = with_nuisances_tuned(
             larger, [*found.nominal.paths, *own], [source_of(log, found.nominal.model) for log in logs]
         )
-        before, after = (gap.rms for gap in discrepancies(logs, [model, tuned], replay=False))
-        elsewhere = [gap.rms for gap in discrepancies(others, [model, tuned], replay=False)] if others else None
+        measured = found.yardstick.measure([model, tuned], [*turns_of(found.added), 0.0])
     except (DivergedError, ValueError) as error:
         raise NoTerm(f"the model with an empirical term cannot be fitted: {error}") from None
-    if after > before or (elsewhere is not None and elsewhere[1] > ACCEPTANCE.gap_growth * elsewhere[0]):
-        here = elsewhere or [before, after]
-        raise NoTerm(f"an empirical term does not pay: the gap grows from {here[0]:.4g} to {here[1]:.4g} V with it")
-    told = {"name": law.NAME, "gap_before": before, "gap_after": after}
-    told |= dict(zip(("confirm_before", "confirm_after"), elsewhere or (None, None), strict=True))
-    return tuned, told
+    if why := measured.objection():
+        raise NoTerm(f"an empirical term does not pay: {why}")
+    before, after = (gap.rms for gap in measured.given)
+    elsewhere = [gap.rms for gap in measured.confirm] if measured.confirm else [None, None]
+    told = {"name": law.NAME, "signal": measured.given[0].signal, "gap_before": before, "gap_after": after}
+    return tuned, told | {"confirm_before": elsewhere[0], "confirm_after": elsewhere[1]}

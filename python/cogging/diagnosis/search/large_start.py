@@ -10,16 +10,18 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.candidates.movable import shape_limits
-from cogging.diagnosis.discrepancy import discrepancies, has_balance, source_of
+from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
-from cogging.diagnosis.evidence.null import sources_of, width_floor
+from cogging.diagnosis.evidence.null import limits_of, sources_of
 from cogging.diagnosis.evidence.score_test import ScoreTest
-from cogging.diagnosis.large.refit import movable
+from cogging.diagnosis.gaps import Yardstick
+from cogging.diagnosis.large.refit import movable, refitted
 from cogging.diagnosis.large.search import Large, LargeTerm, with_own_nuisances, without_term
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
 from cogging.diagnosis.search.state import Added, State, Task
+from cogging.diagnosis.search.tuning import tuned_together
 from cogging.diagnosis.thresholds import LARGE
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
@@ -45,6 +47,9 @@ def started(task: Task, large: Large) -> State:
         estimate,
         gather(estimate, sources),
         large.model,
+        Yardstick(
+            task.logs, task.confirm, task.model, nominal.model, nominal.paths, large.allowed, task.replay, balance=True
+        ),
         large=large,
     )
     state.added = [added(term, place, large) for place, term in enumerate(large.effects)]
@@ -76,9 +81,8 @@ def with_supported_timing(large: Large, sources: Sequence[Innovations]) -> Large
 def whitened_fit(large: Large, sources: Sequence[Innovations]) -> Estimate:
     """The fit of the whitened residuals from where that of the balance ended."""
     model = large.model
-    floors, ceilings = shape_limits(model, large.balances)
-    floors |= width_floor(sources) | dict(large.allowed.floors)
-    ceilings |= dict(large.allowed.ceilings)
+    limits = shape_limits(model, large.balances), limits_of(sources, large.allowed)
+    floors, ceilings = (shape | nuisance for shape, nuisance in zip(*limits, strict=True))
     paths = movable(model, large.allowed, large.given)
     return fit(model, paths, sources, iterations=LARGE.whitened_iterations, floors=floors, ceilings=ceilings)
 
@@ -107,17 +111,17 @@ def elsewhere(state: State, large: Large) -> Evidence | None:
 
 def added(term: LargeTerm, place: int, large: Large) -> Added:
     """A term of the large effects as what a search adds."""
-    candidate = term.trial.candidate
+    candidate, effect = term.trial.candidate, term.trial.effect
     assert candidate is not None
+    sizes = [getattr(effect, name) if at is None else getattr(effect, name)[at] for name, at in candidate.amplitudes]
     before = large.effects[place - 1].balances if place else large.start
     explained = before.residual - term.balances.residual
     freedom = max(term.trial.parameters, 1)
     trials = float(np.log(LARGE.trials))
     test = ScoreTest(term.statistic, freedom, -np.ones(1), explained, np.full(1, np.inf))
     chance = min(0.0, log_survival(term.statistic, freedom) + trials)
-    effect, fields = term.trial.effect, candidate.amplitudes
-    sizes = np.array([float(np.ravel(getattr(effect, field))[index or 0]) for field, index in fields] or [1.0])
-    finding = Finding(candidate, test, sizes, LARGE.trials, chance, term.statistic - 2.0 * freedom - 2.0 * trials)
+    score = term.statistic - 2.0 * freedom - 2.0 * trials
+    finding = Finding(candidate, test, np.array(sizes or [1.0]), LARGE.trials, chance, score)
     return Added(finding, [finding], [], confirmation_of(term), term.balances.model, large=term)
 
 
@@ -131,26 +135,17 @@ def confirmation_of(term: LargeTerm) -> Confirmation | None:
     return Confirmation(gain, 1.0, gain)
 
 
-def tuned_beside_large(state: State, model: Model) -> tuple[Model | None, str]:
-    """The model with its nuisances tuned; None, and why, where what was added beside large effects does not pay.
+def tuned_beside_large(state: State, fitted: Estimate, finding: Finding) -> tuple[Estimate, Model]:
+    """A fit with an effect beside large ones, and its model tuned to the balance, which does not grow by it."""
+    assert state.large is not None
+    large, balances = state.large, state.large.balances
 
-    How far the shape of a large effect is from its law is large too, against noise alone: what is added beside it must
-    take a good part of what is left, here and on other motion.
-    """
-    large, task = state.large, state.task
-    assert large is not None
-    replay = task.replay and state.by_loop is not False
-    try:
-        if has_balance(model) and not replay:
-            model = with_own_nuisances(large.balances.under(model), large.allowed).model
-        pairs = [(task.logs, "gap")] + ([(task.confirm, "gap on the other motion")] if task.confirm else [])
-        for logs, what in pairs:
-            before, after = discrepancies(logs, [state.tuned, model], replay=replay, balance=True, stated=task.model)
-            if after.rms**2 > (1.0 - LARGE.power_taken) * before.rms**2:
-                return (
-                    None,
-                    f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it: too little beside the rest",
-                )
-    except (DivergedError, ValueError) as error:
-        return None, f"the model with it cannot be held against the logs: {error}"
-    return model, ""
+    def everything(model: Model) -> Model:
+        return refitted(balances.under(model), large.allowed, large.given).model
+
+    def nuisances(model: Model) -> Model:
+        return with_own_nuisances(balances.under(model), large.allowed).model
+
+    return tuned_together(
+        state.tuned, fitted, finding, lambda m: balances.under(m).rms, nuisances, everything, state.evidence.sources
+    )

@@ -10,7 +10,8 @@ from cogging.diagnosis.candidates.scan import in_range
 from cogging.diagnosis.candidates.signatures import quantities
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.diagnosis.evidence.null import width_floor
+from cogging.diagnosis.evidence.null import limits_of
+from cogging.diagnosis.physical import unphysical
 from cogging.diagnosis.thresholds import REFIT
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.model.parameters import effect_paths, role_of
@@ -30,12 +31,12 @@ def refit(
     paths += [
         p for p in effect_parameters(model) if p.rpartition(".")[0] not in own or role_of(model, p) == "amplitude"
     ]
-    floors, ceilings = shape_limits(model, evidence)
-    floors |= width_floor(evidence.sources)
-    if allowed is not None:
-        floors, ceilings = floors | dict(allowed.floors), ceilings | dict(allowed.ceilings)
+    limits = shape_limits(model, evidence), limits_of(evidence.sources, allowed)
+    floors, ceilings = (shape | nuisance for shape, nuisance in zip(*limits, strict=True))
     fitted = fit(model, paths, evidence.sources, iterations=REFIT.iterations, floors=floors, ceilings=ceilings)
     sizes = quantities(evidence)
+    if said := unphysical(fitted.model, given, [source.log for source in evidence.sources]):
+        raise ValueError(said)
     for effect in fitted.model.effects[given:]:
         for name, role in effect.ROLES.items():
             value = getattr(effect, name)

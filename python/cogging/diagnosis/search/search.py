@@ -8,17 +8,20 @@ from cogging._core import DivergedError
 from cogging.diagnosis.candidates.findings import Finding, cleaned, profiled
 from cogging.diagnosis.candidates.map_errors import MapError, freed, map_error
 from cogging.diagnosis.candidates.scan import scan
-from cogging.diagnosis.discrepancy import discrepancies, follows, source_of
+from cogging.diagnosis.candidates.signatures import vocabulary_of
+from cogging.diagnosis.discrepancy import has_balance, source_of
 from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.null import fit_null
+from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.large.search import Large, search_large
+from cogging.diagnosis.physical import physical_ceilings
 from cogging.diagnosis.residual.events import with_events
 from cogging.diagnosis.residual.modulated_look_alikes import modulated_look_alikes
 from cogging.diagnosis.residual.shapes import low_power, shapes
-from cogging.diagnosis.search.acceptance import that_pays, with_nuisances_of
+from cogging.diagnosis.search.acceptance import excludes_none
 from cogging.diagnosis.search.choice import (
     choose,
     is_rounding,
@@ -32,11 +35,12 @@ from cogging.diagnosis.search.form_rivals import law_instead, with_forms
 from cogging.diagnosis.search.large_start import started, tuned_beside_large
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task
-from cogging.diagnosis.search.tuning import with_nuisances_tuned
-from cogging.diagnosis.thresholds import CHOICE, SEARCH
-from cogging.effects.effect import VOCABULARY, Effect
+from cogging.diagnosis.search.tuning import amplitude_paths, gap_size, tuned_together, with_nuisances_tuned
+from cogging.diagnosis.thresholds import CHOICE, LARGE, SEARCH
+from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.logs.log import Log
+from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 
 
@@ -60,7 +64,7 @@ def search(
         free_map: whether errors of the cogging map are re-tuned; tried where they explain as much as the best effect.
         vocabulary: effects that are tried, as they are when they do nothing, by name; the list when None.
     """
-    state = begin(Task(logs, model, confirm, progress, replay, free_map, vocabulary or VOCABULARY))
+    state = begin(Task(logs, model, confirm, progress, replay, free_map, vocabulary or vocabulary_of(model)))
     while True:
         progress(f"scanning, effect {len(state.added) + 1}")
         scanned = scan_twice(state)
@@ -78,10 +82,10 @@ def search(
         if owner is not None:
             state.refused.append((choice.finding, f"another law of {owner} explains as much"))
             continue
-        fitted = refit_with(state, choice.finding)
-        tuned = None if fitted is None else tuned_if_it_pays(state, choice, fitted)
-        if fitted is not None and tuned is not None:
-            accept(state, scanned, choice, fitted, tuned, wrong_map)
+        fitted = refit_with(state, choice)
+        paying = None if fitted is None else tuned_if_it_pays(state, choice, fitted)
+        if paying is not None:
+            accept(state, scanned, choice, *paying, wrong_map)
 
 
 def begin(task: Task) -> State:
@@ -100,7 +104,8 @@ def begin(task: Task) -> State:
     sources = [source_of(log, nominal.model) for log in task.logs]
     tuned = with_nuisances_tuned(nominal.model, nominal.paths, sources)
     quick = all(source.quick_starts for source in evidence.sources)
-    state = State(task, nominal, evidence, tuned, sources, quick, nominal, evidence, tuned)
+    yardstick = Yardstick(task.logs, task.confirm, task.model, nominal.model, nominal.paths, replay=task.replay)
+    state = State(task, nominal, evidence, tuned, sources, quick, nominal, evidence, tuned, yardstick)
     state.confirm_evidence = evidence_elsewhere(state)
     return state
 
@@ -121,7 +126,7 @@ def large_effects(task: Task, *, any_size: bool = False) -> Large | None:
         confirm = balances_of(task.confirm, task.model) if task.confirm else None
     except ValueError:
         return None
-    allowed = allowance(task.model)
+    allowed = allowance(task.model, physical_ceilings(task.logs))
     return search_large(balances, confirm, allowed, task.vocabulary, task.progress, any_size=any_size)
 
 
@@ -219,38 +224,56 @@ def first_that_stands(
 # Refit ----------------------------------------------------------------------------------------------------------------
 
 
-def refit_with(state: State, finding: Finding) -> Estimate | None:
-    """The fit with the effect in the model; None, and the effect refused, where it cannot be fitted."""
+def refit_with(state: State, choice: Choice) -> Estimate | None:
+    """The fit with the effect in the model; None, and the effect refused, where nothing tells it from none."""
+    finding, check = choice.finding, choice.check
     try:
         state.task.progress(f"adding {finding.name}")
         given = len(state.task.model.effects)
-        return refit(state.estimate, finding, state.evidence, given, state.allowed)
+        fitted = refit(state.estimate, finding, state.evidence, given, state.allowed)
     except (DivergedError, ValueError) as error:
         refuse(state, finding, f"the model with it cannot be fitted: {error}")
         return None
+    elsewhere = check is not None and check.confirmed and check.ratio > SIGMAS_95 * check.deviation
+    if elsewhere or excludes_none(fitted, finding.candidate.law):
+        return fitted
+    refuse(state, finding, "refitted, the interval of its size includes none")
+    return None
 
 
-def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> Model | None:
-    """The fitted model with its nuisances tuned; None, and the effect refused, where the gap on other motion grows."""
-    task = state.task
-    if state.large is not None:
-        beside, why = tuned_beside_large(state, fitted.model)
-        if beside is None:
-            refuse(state, choice.finding, why)
-        return beside
-    paths = state.nominal.paths
-    tuned = with_nuisances_tuned(fitted.model, paths, state.tuning_sources, state.allowed)
-    if not task.confirm:
-        return tuned
-    if state.by_loop is None:
-        nominal = state.tuned_nominal
-        state.by_loop = task.replay and follows(discrepancies(task.logs, [nominal], replay=True)[0], task.logs, nominal)
-    kept = with_nuisances_of(state.tuned, fitted.model, paths)
+def tuned_if_it_pays(state: State, choice: Choice, fitted: Estimate) -> tuple[Estimate, Model] | None:
+    """The fit and its model tuned to the gap; None, and the effect refused, where a gap does not shrink with it.
+
+    How far the shape of a large effect is from its law is large too, against noise alone: what is added beside one must
+    take a good part of what is left, here and on other motion.
+    """
     turns = [*state.turns, 0.0 if choice.check is None else choice.check.turn]
-    paying, growth = that_pays(task.logs, task.confirm, state.tuned, tuned, kept, turns, replay=state.by_loop)
-    if paying is None:
-        refuse(state, choice.finding, growth)
-    return paying
+    try:
+        fitted, tuned = tuned_with(state, choice.finding, fitted)
+        measured = state.yardstick.measure([state.tuned, tuned], turns)
+        why = measured.objection(0.0 if state.large is None else LARGE.power_taken)
+    except (DivergedError, ValueError) as error:
+        why = f"the model with it cannot be held against the logs: {error}"
+    if why:
+        refuse(state, choice.finding, why)
+        return None
+    return fitted, tuned
+
+
+def tuned_with(state: State, finding: Finding, fitted: Estimate) -> tuple[Estimate, Model]:
+    """The fit with an effect in it and its model tuned to the gap: by the balance where that measures the gap."""
+    if state.large is not None and has_balance(fitted.model) and not state.task.replay:
+        return tuned_beside_large(state, fitted, finding)
+    paths, sources = state.nominal.paths, state.tuning_sources
+    return tuned_together(
+        state.tuned,
+        fitted,
+        finding,
+        lambda model: gap_size(model, sources),
+        lambda model: with_nuisances_tuned(model, paths, sources, state.allowed),
+        lambda model: with_nuisances_tuned(model, [*paths, *amplitude_paths(model)], sources, state.allowed),
+        state.evidence.sources,
+    )
 
 
 def refuse(state: State, finding: Finding, reason: str) -> None:
@@ -294,5 +317,6 @@ def finish(state: State, scanned: Scanned) -> Search:
         scanned.findings,
         state.confirm_evidence,
         state.task.vocabulary,
+        state.yardstick,
         state.large,
     )

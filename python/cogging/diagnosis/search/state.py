@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
+from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.search import Large, LargeTerm
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.confirmation import Confirmation
@@ -105,12 +106,12 @@ class State:
         estimate: fit with all that was added.
         evidence: its evidence; once something stands out of it, with filters estimated without that.
         tuned: last model with nuisances tuned to its gap.
+        yardstick: how gaps are measured.
         confirm_evidence: evidence of the confirm logs under the last model; None where they cannot be predicted.
         added: accepted effects in their order.
         refused: refused effects, each with the reason.
         unpaid: names of the refused that nothing speaks against but what became of the model.
         nominal_shapes: residual shapes, and events, of the nominal model.
-        by_loop: whether an effect must pay by the gap of the replayed loop; None until it is asked.
         large: search for large effects; None where what the model leaves unexplained is small.
     """
 
@@ -123,12 +124,12 @@ class State:
     estimate: Estimate
     evidence: Evidence
     tuned: Model
+    yardstick: Yardstick
     confirm_evidence: Evidence | None = None
     added: list[Added] = field(default_factory=list)
     refused: list[tuple[Finding, str]] = field(default_factory=list)
     unpaid: set[str] = field(default_factory=set)
     nominal_shapes: list[Shape] = field(default_factory=list)
-    by_loop: bool | None = None
     large: Large | None = None
 
     @property
@@ -159,6 +160,7 @@ class Search:
         unused: last scan, of which nothing was added.
         confirm_evidence: evidence of the confirm logs under the last model; None without.
         vocabulary: effects that were tried, by name.
+        yardstick: how gaps are measured.
         large: search for large effects; None where what the model leaves unexplained is small.
     """
 
@@ -174,4 +176,5 @@ class Search:
     unused: list[Finding]
     confirm_evidence: Evidence | None
     vocabulary: Mapping[str, Effect]
+    yardstick: Yardstick
     large: Large | None = None

@@ -1,20 +1,66 @@
-"""Mass, friction and known amplitudes tuned to the gap itself: every frequency weighs as it does in the gap."""
+"""Mass, friction and amplitudes tuned to the gap itself: every frequency weighs as it does in the gap."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from cogging._core import DivergedError
+from cogging.diagnosis.candidates.findings import Finding
+from cogging.diagnosis.candidates.movable import effect_parameters
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.null import limits_of
-from cogging.diagnosis.thresholds import REFIT
-from cogging.estimation.gauss_newton import columns_of
+from cogging.diagnosis.thresholds import ACCEPTANCE, REFIT
+from cogging.estimation.gauss_newton import Estimate, columns_of, fit
 from cogging.estimation.innovations import Innovations
 from cogging.linear import least_squares_of_long_rows
 from cogging.model.model import Model
-from cogging.model.parameters import Scales, parameters_of, paths_in, with_values
+from cogging.model.parameters import Scales, parameters_of, paths_in, role_of, with_values
+
+Gap = Callable[[Model], float]
+Tune = Callable[[Model], Model]
+
+
+def tuned_together(
+    before: Model,
+    fitted: Estimate,
+    finding: Finding,
+    gap: Gap,
+    nuisances: Tune,
+    everything: Tune,
+    logs: Sequence[Innovations],
+) -> tuple[Estimate, Model]:
+    """A fit with an effect in it, and its model tuned to the gap, which is not larger than without the effect.
+
+    A fit of whitened residuals takes little account of what is slow, and moves what was found before: the gap may grow
+    by it. Then all is tuned to the gap together, from the model before on, with nothing yet of an effect that has
+    amplitudes: no step of least squares from there makes the gap larger.
+
+    Args:
+        before: tuned model without the effect.
+        fitted: fit with it.
+        finding: the effect.
+        gap: size of a model's gap; a growth of its power within ACCEPTANCE.growth is none.
+        nuisances, everything: tunes to that gap what is no missing effect, or amplitudes too; never to a larger one.
+        logs: that the fit was of.
+    """
+    tuned = nuisances(fitted.model)
+    if gap(tuned) ** 2 <= (1.0 + ACCEPTANCE.growth) * gap(before) ** 2:
+        return fitted, tuned
+    candidate = finding.candidate
+    tuned = everything(before.replace(effects=(*before.effects, candidate.effect([0.0] * len(candidate.amplitudes)))))
+    return fit(tuned, fitted.paths, logs, iterations=0), tuned
+
+
+def amplitude_paths(model: Model) -> list[str]:
+    """Paths of the amplitudes of all effects."""
+    return [path for path in effect_parameters(model) if role_of(model, path) == "amplitude"]
+
+
+def gap_size(model: Model, sources: Sequence[Innovations]) -> float:
+    """Root of the sum of the squared innovations in rows that count, V."""
+    return float(np.sqrt(sum(float(np.sum(s.of([model])[0, s.mask > 0] ** 2)) for s in sources)))
 
 
 def with_nuisances_tuned(
@@ -34,10 +80,7 @@ def with_nuisances_tuned(
     if not paths or not any(rows.any() for rows in masks):
         return model
 
-    def gap(one: Model) -> float:
-        return sum(float(np.sum(s.of([one])[0, rows] ** 2)) for s, rows in zip(sources, masks, strict=True))
-
-    best = gap(model)
+    best = gap_size(model, sources)
     for _ in range(REFIT.tuning_iterations):
         known = parameters_of(model, together=True)
         parameters = [known[path] for path in paths]
@@ -55,7 +98,7 @@ def with_nuisances_tuned(
             }
             try:
                 moved = with_values(model, values)
-                after = gap(moved)
+                after = gap_size(moved, sources)
             except (DivergedError, ValueError):
                 continue
             if after < best:
