@@ -59,7 +59,7 @@ class Measured:
             if not logs:
                 continue
             before, after = logs[0], logs[-1]
-            chance = 0.0 if least else min(chance_of(before, after), ACCEPTANCE.growth * before.rms**2)
+            chance = 0.0 if least else min(chance_of(before, after), ACCEPTANCE.power_growth * before.rms**2)
             if after.rms**2 >= (1.0 - least) * before.rms**2 + chance:
                 return f"the {what} goes from {before.rms:.4g} to {after.rms:.4g} V with it"
             if before.position and (after.position or 0.0) > ACCEPTANCE.position_growth * before.position:

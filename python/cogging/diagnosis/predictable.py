@@ -13,16 +13,11 @@ from cogging.diagnosis.discrepancy import Discrepancy
 from cogging.diagnosis.evidence.score_test import ScoreTest
 from cogging.diagnosis.report.words import COORDINATE_UNITS
 from cogging.diagnosis.residual.shape import Shape
-from cogging.diagnosis.thresholds import GAP
+from cogging.diagnosis.thresholds import GAP, PREDICTABLE
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 
-FOLDS = 5  # of the given logs, each in turn predicted by the others
-BLOCKS = 20  # of a log in time; every fifth is of one fold
-RIDGES = np.logspace(-4.0, 2.0, 13)  # of a column's power, chosen by the folds
-PLACES = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13}  # of a piecewise linear force in each
-LAGS = tuple(2**k for k in range(9))  # samples by which the drive is earlier, or later: a force with a memory of it
-SMALLEST = 1e-9  # of the largest column: the weight of one that is zero everywhere
+PLACES = dict(zip(("position", "velocity", "acceleration", "command"), PREDICTABLE.bends, strict=True))
 
 
 @dataclass(frozen=True)
@@ -62,8 +57,13 @@ def predicted(
         name: _places(name, [m[name][mask] for m, mask in zip(here, given.masks, strict=True)]) for name in PLACES
     }
     groups, table, left = _rows(here, given, places)
-    folds = np.concatenate([(np.arange(len(mask)) * BLOCKS // len(mask) % FOLDS)[mask] for mask in given.masks])
-    sums = [_sums(table[:, folds == fold], left[folds == fold]) for fold in range(FOLDS)]
+    folds = np.concatenate(
+        [
+            (np.arange(len(mask)) * PREDICTABLE.fold_blocks // len(mask) % PREDICTABLE.folds)[mask]
+            for mask in given.masks
+        ]
+    )
+    sums = [_sums(table[:, folds == fold], left[folds == fold]) for fold in range(PREDICTABLE.folds)]
     elsewhere = None
     if confirm is not None:
         motions = [_motion(log, one, confirm) for log, one in zip(others, confirm.series, strict=True)]
@@ -100,7 +100,9 @@ def _motion(log: Log, left: FloatArray, gap: Discrepancy) -> dict[str, FloatArra
         "velocity": velocity,
         "acceleration": acceleration,
         "command": moving_average(command, average),
-        "drive": np.stack([_later(drive, lag) for lag in LAGS + tuple(-lag for lag in LAGS) * asked]),
+        "drive": np.stack(
+            [_later(drive, lag) for lag in PREDICTABLE.lags + tuple(-lag for lag in PREDICTABLE.lags) * asked]
+        ),
     }
 
 
@@ -143,13 +145,13 @@ def _fit(folds: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[flo
     parts = [_only(used, sums) for sums in folds]
     gram, right = np.sum([part[0] for part in parts], axis=0), np.sum([part[1] for part in parts], axis=0)
     total, rows = sum(part[2] for part in parts), sum(part[3] for part in parts)
-    size = np.diag(gram) + SMALLEST * np.diag(gram).max()
+    size = np.diag(gram) + PREDICTABLE.column_least * np.diag(gram).max()
 
     def lost(ridge: float) -> float:
         weight = ridge * np.diag(size)
         return sum(_lost(np.linalg.solve(gram - one[0] + weight, right - one[1]), one) for one in parts)
 
-    ridge = min(RIDGES, key=lost)
+    ridge = min(PREDICTABLE.ridges, key=lost)
     inverse = np.linalg.inv(gram + ridge * np.diag(size))
     force = inverse @ right
     noise = _lost(force, (gram, right, total, rows)) / max(rows - len(force), 1)

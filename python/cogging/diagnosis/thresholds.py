@@ -389,7 +389,7 @@ class RefitThresholds:
 class AcceptanceThresholds:
     """Whether an effect pays, and the terms that must not."""
 
-    growth: float = 0.02  # of the gap's power: it may grow by chance, but never by more [assumed]
+    power_growth: float = 0.02  # of the gap's power: it may grow by chance, but never by more [assumed]
     blocks: int = 20  # 1: of a log, between which gains differ by chance [assumed]
     position_growth: float = 1.1  # times the error of the replayed position: it may not become more [assumed]
     placebos_max: int = 5  # 1: placebo terms that are told [assumed]
@@ -481,6 +481,18 @@ class GapThresholds:
 
 
 @dataclass(frozen=True)
+class PredictableThresholds:
+    """The generic force that what is left is held against."""
+
+    folds: int = 5  # 1: parts of the given logs, each in turn predicted by the others [assumed]
+    fold_blocks: int = 20  # 1: blocks of a log in time, dealt to the folds in turn [assumed]
+    ridges: tuple[float, ...] = tuple(10.0 ** (0.5 * k) for k in range(-8, 5))  # of a column's power: tried [assumed]
+    bends: tuple[int, ...] = (41, 15, 13, 13)  # 1: of a force of place, speed, acceleration, command [assumed]
+    lags: tuple[int, ...] = tuple(2**k for k in range(9))  # rows: by which the drive is moved, for a memory [assumed]
+    column_least: float = 1e-9  # of the largest column: what one that is zero everywhere counts as [exact]
+
+
+@dataclass(frozen=True)
 class ReportThresholds:
     """What figures and pages show."""
 
@@ -506,6 +518,8 @@ class ReportThresholds:
     share_hardly: float = 0.05  # 1: a smaller share of the gap is hardly any [assumed]
     chance_percent: float = 2.0  # decades: a likelier chance is told in logs of 100 [drawn]
     chance_never: float = 6.0  # decades: a rarer one is told as practically never [drawn]
+    answer_lines: int = 13  # lines: of the printed answer, at most, without the files written and what is next [drawn]
+    answer_width: int = 100  # characters: of such a line [drawn]
 
 
 # Large effects --------------------------------------------------------------------------------------------------------
@@ -738,6 +752,7 @@ NAME = NameThresholds()
 PARAMETER_CHANGE = ParameterChangeThresholds()
 VERDICT = VerdictThresholds()
 GAP = GapThresholds()
+PREDICTABLE = PredictableThresholds()
 REPORT = ReportThresholds()
 ALLOWANCE = AllowanceThresholds()
 BALANCE = BalanceThresholds()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -49,7 +50,7 @@ class Seen(Protocol):
         """Sizes of all logs together."""
 
 
-TURN = 2.0 * np.pi  # rad
+TURN = math.tau  # rad
 
 
 def vocabulary_of(model: Model, own: Iterable[Effect] = ()) -> dict[str, Effect]:

@@ -97,7 +97,8 @@ def _of_known_pitch(periods: Sequence[float], pitch: float, known: Sequence[int]
 
 
 def _ordinal(number: int) -> str:
-    return str(number) + {1: "st", 2: "nd", 3: "rd"}.get(number if number < 20 else number % 10, "th")
+    tens, last = divmod(number, 10)
+    return str(number) + ("th" if tens == 1 else {1: "st", 2: "nd", 3: "rd"}.get(last, "th"))
 
 
 def common_pitch(periods: Sequence[float]) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -47,7 +48,7 @@ def unlisted(found: Search, effects: Sequence[NamedEffect], *, checked: bool) ->
 def not_noise(rest: Predicted, gap: Gap) -> dict[str, Any] | None:
     """What is left, where it is neither small beside the command nor noise, and most of it is not what has a name."""
     left = rest.share * gap.after**2
-    if (gap.share or 0.0) * rest.share**0.5 < VERDICT.systematic or left < gap.before**2 - gap.after**2:
+    if (gap.share or 0.0) * math.sqrt(rest.share) < VERDICT.systematic or left < gap.before**2 - gap.after**2:
         return None
     return _entry(rest.shape, None if rest.elsewhere is None else rest.elsewhere > 0.0)
 

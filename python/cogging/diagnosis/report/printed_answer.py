@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect
     from cogging.diagnosis.result import Diagnosis
 
-LINES, WIDTH = 13, 100
-
 
 def short_text(result: Diagnosis) -> str:
     """What a person acts on."""
@@ -29,7 +27,9 @@ def short_text(result: Diagnosis) -> str:
     if result.mismatch is not None:
         return "\n".join([*head, *_wrapped(str(result.mismatch["text"]))])
     if "gap_before" not in result.series:
-        return "\n".join([*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][:LINES])
+        return "\n".join(
+            [*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][: REPORT.answer_lines]
+        )
     head += _gap_lines(result)
     tail = [line for effect in result.effects if (line := apart_text(effect))][:2]
     if result.unlisted is not None:
@@ -42,7 +42,7 @@ def short_text(result: Diagnosis) -> str:
     notes = f", notes ({len(result.notes)})" if result.notes else ""
     tail.append(f"more with --verbose: where the gap sits, what was tried, detection limits{notes}")
     rows = [*result.axis_lines(), *(_effect_line(result, effect) for effect in result.effects)]
-    room = LINES - len(head) - len(tail)
+    room = REPORT.answer_lines - len(head) - len(tail)
     if len(rows) > room:
         rows = [*rows[: room - 1], f"  and {len(rows) - room + 1} more"]
     return "\n".join(map(_cut, [*head, *rows, *tail]))
@@ -89,11 +89,11 @@ def _interval(low: Any, high: Any) -> str:
 
 
 def _cut(line: str) -> str:
-    return line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rpartition(' ')[0]} ..."
+    return line if len(line) <= REPORT.answer_width else f"{line[: REPORT.answer_width - 4].rpartition(' ')[0]} ..."
 
 
 def _wrapped(text: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH, break_on_hyphens=False)
+    return textwrap.wrap(text, REPORT.answer_width, break_on_hyphens=False)
 
 
 # All that a result holds ----------------------------------------------------------------------------------------------

@@ -28,5 +28,6 @@ def excludes_none(estimate: Estimate, neutral: Effect) -> bool:
         return True  # infinite where it vanishes, or an interval that nobody can state
     spread = estimate.covariance[np.ix_(rows, rows)]
     freedom = float(np.min(estimate.freedom[rows]))
+    within = float(f_distribution.ppf(0.95, len(rows), max(freedom, 1.0)))
     far = float(np.array(sizes) @ np.linalg.pinv(spread, hermitian=True) @ sizes) / len(rows)
-    return far > float(f_distribution.ppf(0.95, len(rows), max(freedom, 1.0)))
+    return far > within

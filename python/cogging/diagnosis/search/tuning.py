@@ -41,12 +41,12 @@ def tuned_together(
         before: tuned model without the effect.
         fitted: fit with it.
         finding: the effect.
-        gap: size of a model's gap; a growth of its power within ACCEPTANCE.growth is none.
+        gap: size of a model's gap; a growth of its power within ACCEPTANCE.power_growth is none.
         nuisances, everything: tunes to that gap what is no missing effect, or amplitudes too; never to a larger one.
         logs: that the fit was of.
     """
     tuned = nuisances(fitted.model)
-    if gap(tuned) ** 2 <= (1.0 + ACCEPTANCE.growth) * gap(before) ** 2:
+    if gap(tuned) ** 2 <= (1.0 + ACCEPTANCE.power_growth) * gap(before) ** 2:
         return fitted, tuned
     candidate = finding.candidate
     tuned = everything(before.replace(effects=(*before.effects, candidate.effect([0.0] * len(candidate.amplitudes)))))
