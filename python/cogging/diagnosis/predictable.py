@@ -17,7 +17,7 @@ from cogging.diagnosis.thresholds import GAP, PREDICTABLE
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 
-PLACES = dict(zip(("position", "velocity", "acceleration", "command"), PREDICTABLE.bends, strict=True))
+PLACES = dict(zip(("position", "velocity", "acceleration", "command"), PREDICTABLE.generic_bends, strict=True))
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def _fit(folds: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[flo
         weight = ridge * np.diag(size)
         return sum(_lost(np.linalg.solve(gram - one[0] + weight, right - one[1]), one) for one in parts)
 
-    ridge = min(PREDICTABLE.ridges, key=lost)
+    ridge = min(10.0 ** (0.5 * np.arange(*PREDICTABLE.ridges)), key=lost)
     inverse = np.linalg.inv(gram + ridge * np.diag(size))
     force = inverse @ right
     noise = _lost(force, (gram, right, total, rows)) / max(rows - len(force), 1)

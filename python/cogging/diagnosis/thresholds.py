@@ -486,8 +486,8 @@ class PredictableThresholds:
 
     folds: int = 5  # 1: parts of the given logs, each in turn predicted by the others [assumed]
     fold_blocks: int = 20  # 1: blocks of a log in time, dealt to the folds in turn [assumed]
-    ridges: tuple[float, ...] = tuple(10.0 ** (0.5 * k) for k in range(-8, 5))  # of a column's power: tried [assumed]
-    bends: tuple[int, ...] = (41, 15, 13, 13)  # 1: of a force of place, speed, acceleration, command [assumed]
+    ridges: tuple[int, int] = (-8, 5)  # half decades of a column's power: of the ridges that are tried [assumed]
+    generic_bends: tuple[int, ...] = (41, 15, 13, 13)  # 1: of a force of place, speed, acceleration, command [assumed]
     lags: tuple[int, ...] = tuple(2**k for k in range(9))  # rows: by which the drive is moved, for a memory [assumed]
     column_least: float = 1e-9  # of the largest column: what one that is zero everywhere counts as [exact]
 
