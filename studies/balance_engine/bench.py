@@ -1,4 +1,4 @@
-"""Diagnose the cases of a drawn blind suite: `python -m studies.balance_engine.bench DIR [CASE ...]`.
+"""Diagnose the cases of a drawn blind suite: `python -m cogging.diagnosis.balance.bench DIR [CASE ...]`.
 
 DIR is what `python -m tests.blind.benchmark --only-draw --out DIR` wrote. A line a case: what is hidden, what was found.
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 
 def one(folder):
     import cogging
-    from studies.balance_engine.decide import run
+    from cogging.diagnosis.balance.decision import run
 
     begin, steps = time.perf_counter(), []
     try:

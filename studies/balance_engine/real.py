@@ -1,4 +1,4 @@
-"""The measured logs one by one: `python -m studies.balance_engine.real FOLDER [NAME ...]`; FOLDER holds the public data."""
+"""The measured logs one by one: `python -m cogging.diagnosis.balance.real FOLDER [NAME ...]`; FOLDER holds the public data."""
 
 import sys
 import time
@@ -9,7 +9,7 @@ import numpy as np
 import cogging
 from cogging.datasets import emps, laas
 from cogging.datasets.laas_motor import axis_from_acceleration
-from studies.balance_engine.decide import run
+from cogging.diagnosis.balance.decision import run
 
 RADIANS = cogging.Units(command="A", position="rad")
 LOOSE = {"mass": 0.3, "viscous": 1.0, "coulomb": 1.0}

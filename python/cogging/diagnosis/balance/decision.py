@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from studies.balance_engine.evidence import Evidence
-from studies.balance_engine.force_balance import ForceBalance
-from studies.balance_engine.search import CELLS, NESTED, Found, search_once
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.diagnosis.balance.candidates import CELLS, NESTED, Found, search_once
 
 THRESHOLD = 16.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative

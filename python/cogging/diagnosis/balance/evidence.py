@@ -14,7 +14,7 @@ from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
 from cogging._core import Predictor
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.parameters import effect_paths, parameters_of, with_values
-from studies.balance_engine.cells import hats, splines
+from cogging.diagnosis.balance.cells import hats, splines
 
 GAP = 24  # rows after a gap that do not count
 MEMORY = 1.5  # s, of the noise filter

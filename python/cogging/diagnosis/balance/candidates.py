@@ -10,7 +10,7 @@ from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.residuals import quiet_plant
-from studies.balance_engine.cells import dahl, hats, load_answer, splines
+from cogging.diagnosis.balance.cells import dahl, hats, load_answer, splines
 
 E = VOCABULARY
 
