@@ -16,6 +16,7 @@ THRESHOLD = 16.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled
 RESAMPLED = 2000
+STEPS = 6  # effects, at most, and a last look at what is left
 SURVIVORS = 24  # of the screen
 CLOSE = 7  # of these, whose noise filters are their own
 BURST = 6.0  # deviations from which on noise comes and goes
@@ -164,19 +165,65 @@ def bursts(ctx):
     return worst
 
 
-def run(given, confirm, model, log=None):
+@dataclass
+class Accepted:
+    """What was taken into the model.
+
+    Attributes:
+        found: candidate, with the amplitudes of its columns; `effect(amplitudes)` is its law, None without one.
+        score: log-likelihood ratio less what its amplitudes and its scan cost.
+        share: how often it is the likeliest on copies of the motion.
+        alternatives: other names with the same.
+        before, after: model without and with it, re-tuned.
+    """
+
+    found: Found
+    score: float
+    share: float
+    alternatives: list
+    before: Any
+    after: Any = None
+
+
+@dataclass
+class Outcome:
+    """What the search came to.
+
+    Attributes:
+        nominal: evidence of the given logs under the re-tuned model, before anything was added.
+        evidence: the same with all that was accepted: `model` holds what has a law, `extra` what has none.
+        both: given and confirm logs together, with all that was accepted; `evidence` without confirm logs.
+        accepted: what was added, in the order of its weight.
+        refused: (name, gains on given and confirm logs, what these can show) of what the logs contradict.
+        found: last candidates, the likeliest first.
+        shift: distance by which the zero of the confirm logs lies elsewhere, m.
+    """
+
+    nominal: Evidence
+    evidence: Evidence
+    both: Evidence
+    accepted: list
+    refused: list
+    found: list
+    shift: float = 0.0
+
+
+def search(given, confirm, model, log=None):
     width, q = model.axis.coulomb_width, model.encoder.resolution
     G = [ForceBalance(x, width, q) for x in given]
     C = [ForceBalance(x, width, q) for x in confirm]
-    extra, free, terms, refused = [], [], [], []
-    g_model = model
-    excluded, aligned = set(), False
-    for step in range(6):
+    extra, free, accepted, refused = [], [], [], []
+    g_model, nominal, shift = model, None, 0.0
+    excluded = set()
+    for step in range(STEPS):
         ctx = Evidence(G, model, g_model, list(extra), tuple(free)).prepare(2 if step == 0 else 3, listen=step == 0)
         g_model = ctx.model
         if step == 0:
+            nominal = ctx
             for b in C:
                 b.hear(b.residual(g_model), g_model.axis.mass)
+        if accepted:
+            accepted[-1].after = g_model
         at = len(ctx.paths)
         for n, f in enumerate(extra):
             k = len(f.amplitudes)
@@ -185,21 +232,24 @@ def run(given, confirm, model, log=None):
         found = [f for f in search_once(ctx) if f.name not in excluded]
         if log:
             log(f"   step {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f} s {f.score:.0f}" for f in found[:5]))
-        found = [f for f in found if f.T > max(4.0, 0.1 * found[0].T)][:SURVIVORS]
+        outcome = Outcome(nominal, ctx, ctx, accepted, refused, found, shift)
         both = ctx
         if C:
-            both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
+            both = outcome.both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
+        if step == STEPS - 1:
+            break
+        found = [f for f in found if f.T > max(4.0, 0.1 * found[0].T)][:SURVIVORS]
         found = closest(both, found)
         contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
         waves = [c for c in contenders if c.found.period is not None and c.found.T > 2.0 * c.ratio + THRESHOLD]
-        if C and waves and not aligned and model.cogging is None:
+        if C and waves and not shift and model.cogging is None:
             top = max(waves, key=lambda c: c.found.T)
             distance = shift_of_zero(both, top.found, len(G), top.ratio)
             if distance:
-                aligned, C = True, [b.moved(distance) for b in C]
+                shift, C = distance, [b.moved(distance) for b in C]
                 if log:
                     log(f"      zero of the confirm logs moved by {distance:.4g}")
-                both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
+                both = outcome.both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
                 contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
         if log:
             log(
@@ -226,7 +276,7 @@ def run(given, confirm, model, log=None):
         contenders.sort(key=lambda c: -c.score)
         if not contenders or contenders[0].score < THRESHOLD:
             if bursts(both) > BURST and not any(b.coarse for b in G + C):
-                terms.append((BURSTS, 0.0, 1.0, []))
+                accepted.append(Accepted(BURSTS, 0.0, 1.0, [], g_model, g_model))
             break
         part = shares(contenders)
         top = contenders[0]
@@ -234,7 +284,7 @@ def run(given, confirm, model, log=None):
             log("      shares: " + "; ".join(f"{c.found.name} {p:.2f}" for c, p in zip(contenders, part) if p > 0.01))
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:]) if p > SHARE]
         f = top.found
-        terms.append((f, top.score, float(part[0]), alternatives))
+        accepted.append(Accepted(f, top.score, float(part[0]), alternatives, g_model))
         if f.columns is None:
             free.append(f.effect)
         else:
@@ -245,19 +295,27 @@ def run(given, confirm, model, log=None):
                 g_model = g_model.replace(effects=(*g_model.effects, effect))
         if f.name not in REPEATED:
             excluded.add(f.name)
-    return verdict(terms, refused)
+    return outcome
 
 
-def verdict(terms, refused):
+def run(given, confirm, model, log=None):
+    """Names with what they are worth, for the bench."""
+    return verdict(search(given, confirm, model, log).accepted)
+
+
+def verdict(accepted):
     """Names with what they are worth."""
     effects, unlisted = [], None
-    for f, _, share, alternatives in terms:
-        names = list(dict.fromkeys([f.name, *(n for n, _ in alternatives), *f.others]))
+    for one in accepted:
+        f = one.found
+        names = list(dict.fromkeys([f.name, *(n for n, _ in one.alternatives), *f.others]))
         if f.name.startswith("~"):
             unlisted = unlisted or f.name
             continue
         others = [n for n in names[1:] if not n.startswith("~")]
-        effects.append({"name": f.name, "alternatives": others, "confidence": share, "parameters": {}, "where": None})
+        effects.append(
+            {"name": f.name, "alternatives": others, "confidence": one.share, "parameters": {}, "where": None}
+        )
     merged = {}
     for e in effects:
         merged.setdefault(e["name"], e)
