@@ -32,7 +32,7 @@ def main():
     answers.mkdir(exist_ok=True)
     with ProcessPoolExecutor(2) as pool:
         for name, result, seconds, steps in pool.map(one, [f"{base}/cases/{n}" for n in names or sorted(key)]):
-            (answers / f"{name}.json").write_text(json.dumps({"seconds": seconds, "result": result}))
+            (answers / f"{name}.json").write_text(json.dumps({"seconds": seconds, "result": result, "steps": steps}))
             hidden = [f"{e['name']} {e['shape']} {e['ratio']:.0f}" for e in key[name]["effects"]]
             found = [" or ".join([e["name"], *e["alternatives"]]) for e in result.get("effects", [])]
             verdict = result.get("verdict", result.get("error"))

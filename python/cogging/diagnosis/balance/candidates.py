@@ -10,9 +10,10 @@ from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.residuals import quiet_plant
-from cogging.diagnosis.balance.cells import dahl, hats, load_answer, splines
+from cogging.diagnosis.balance.cells import dahl, hats, load_answer, lost_motion, splines
 
 E = VOCABULARY
+LEAST_DELAY = 0.05  # samples: a smaller one is what time stamps themselves are off by
 
 
 @dataclass
@@ -225,21 +226,21 @@ def search_once(ctx, also=(), limit_time=None):
             ],
             8,
         )
-    grid = np.linspace(low, high, 33)
-    for w in (0.02, 0.05):
-        widths = w * length
-        table = [np.array([np.exp(-(((b.position - x) / widths) ** 2)) for x in grid[1:-1]]) for b in bs]
-        cs, _ = ctx.project([b.rows(t) for b, t in zip(bs, table)])
-        size = np.linalg.norm(cs, axis=1) + 1e-300
-        e = ctx.basis[2]
-        j = int(np.argmax(np.where(size > 0.2 * size.max(), ((cs @ e) / size) ** 2, 0)))
+    grid = np.linspace(low, high, 33)[1:-1]
+    for w in (0.01, 0.02, 0.05):
+        bumps = [np.array([np.exp(-(((b.position - x) / (w * length)) ** 2)) for x in grid]) for b in bs]
+        columns, before = ctx.project([b.rows(t) for b, t in zip(bs, bumps)])
+        size = np.linalg.norm(columns, axis=1)
+        heard = np.where(size > 0.2 * before.max(), (columns @ ctx.basis[2]) / (size + 1e-300), 0.0)
+        place = float(grid[np.argmax(heard**2)])
+        law("local_force", {"center": place, "width": w * length}, ["force"], [0.01 * force], 93, refine="center")
+    if model.units.position == "rad":
         put(
-            "local_force",
-            f"{grid[1 + j]:.4g} {widths:.3g}",
-            lambda c, x=grid[1 + j], widths=widths: [
-                np.exp(-(((b.position - x) / widths) ** 2))[None] for b in c.balances
-            ],
-            62,
+            "gravity",
+            "one turn",
+            lambda c: [-np.vstack([np.sin(b.position), np.cos(b.position)]) for b in c.balances],
+            1,
+            lambda a: E["gravity"].replace(moment=float(np.hypot(*a)), angle=float(np.arctan2(-a[1], a[0]))),
         )
     # friction ----------------------------------------------------------------------------------------
     unit_f = 1e-3 * max(model.axis.coulomb, 1e-3 * force)
@@ -301,7 +302,7 @@ def search_once(ctx, also=(), limit_time=None):
             ),
             8,
             lambda L: lambda a: E["presliding_friction"].replace(stiffness=float(model.axis.coulomb / L)),
-            amplitude_ok=lambda a: 0.3 < a[0] < 3,
+            amplitude_ok=lambda a: 0.5 < a[0] < 2.0,
         )
     # command -------------------------------------------------------------------------------------------
     shift = lambda c, b, d, tau: np.interp(b.time - tau, b.time, d) - d  # noqa: E731
@@ -312,7 +313,7 @@ def search_once(ctx, also=(), limit_time=None):
         lambda c: [-np.diff(d, prepend=d[0])[None] / b.step for b, d in zip(c.balances, c.drives)],
         1,
         lambda a: E["command_delay"].replace(delay=float(a[0])),
-        amplitude_ok=lambda a: a[0] > 0.25 * h,
+        amplitude_ok=lambda a: a[0] > LEAST_DELAY * h,
     )
     if t1 and "command_delay" in found:
         base = float(found["command_delay"].amplitudes[0])
@@ -323,7 +324,7 @@ def search_once(ctx, also=(), limit_time=None):
                 lambda c, t=f * base: [shift(c, b, d, t)[None] for b, d in zip(c.balances, c.drives)],
                 3,
                 lambda a, t=f * base: E["command_delay"].replace(delay=float(t * a[0])),
-                amplitude_ok=lambda a, t=f * base: a[0] * t > 0.25 * h,
+                amplitude_ok=lambda a, t=f * base: a[0] * t > LEAST_DELAY * h,
             )
             put(
                 "actuator_lag",
@@ -331,7 +332,7 @@ def search_once(ctx, also=(), limit_time=None):
                 lambda c, t=f * base: [lag(d, b.step, t)[None] for b, d in zip(c.balances, c.drives)],
                 3,
                 lambda a, t=f * base: E["actuator_lag"].replace(time_constant=float(t * a[0])),
-                amplitude_ok=lambda a, t=f * base: a[0] * t > 0.25 * h,
+                amplitude_ok=lambda a, t=f * base: a[0] * t > LEAST_DELAY * h,
             )
     peak = force
     for s in (0.95, 0.85, 0.7, 0.5, 0.3):
@@ -423,6 +424,18 @@ def search_once(ctx, also=(), limit_time=None):
                 amplitude_ok=lambda a: 0 < a[0] < 0.95,
                 refine=(f, lambda v, z=z: (mode_columns(v, z), mode(v, z), f"{v:.4g} Hz, damping {z}")),
             )
+    def play_columns(gap):
+        return lambda c: [
+            c.model.axis.mass
+            * np.gradient(lost_motion(np.cumsum(b.velocity) * b.step, b.velocity, a, b.step, gap), b.step)[None]
+            for b, a in zip(c.balances, c.accelerations)
+        ]
+
+    def play(gap):
+        return lambda values: E["backlash"].replace(gap=float(gap), mass_ratio=float(values[0]))
+
+    for gap in np.geomspace(max(4.0 * max(b.encoder_noise for b in bs), 1e-6), 3e-3, 12):
+        free("backlash", gap, play_columns, 12, play, amplitude_ok=lambda a: 0 < a[0] < 0.95)
     # time ------------------------------------------------------------------------------------------------
     windows(ctx, put)
     tones(ctx, g, put)
@@ -493,7 +506,8 @@ def search_once(ctx, also=(), limit_time=None):
                 return E[name].replace(period=period, sine=sign * float(a[0]), cosine=sign * float(a[1]))
 
             spatial.append((s, kappa))
-            near_known = name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known)
+            turns = [1.0 / (2 * np.pi)] if model.units.position == "rad" else []  # one turn: gravity
+            near_known = name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turns)
             if near_known:
                 continue
             put(name, f"{period:.4g}", make(kappa), N, effect, period=period)

@@ -10,9 +10,9 @@ import numpy as np
 
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance
-from cogging.diagnosis.balance.candidates import CELLS, NESTED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, NESTED, SHAPED, Found, search_once
 
-THRESHOLD = 16.0
+THRESHOLD = 12.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled
 RESAMPLED = 2000
@@ -129,15 +129,15 @@ def block_edges(ctx):
 
 
 def shares(contenders, seed=1):
-    """How often each candidate is the likeliest, and how often none is, when the motion is resampled block by block."""
+    """Probability of each candidate, none the last, averaged over motion that is resampled block by block."""
     rng = np.random.default_rng(seed)
     blocks = np.array([c.blocks for c in contenders])
     extra = np.array([c.score - c.blocks.sum() for c in contenders])
     n = blocks.shape[1]
     weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
-    scores = weights @ blocks.T + extra
-    best = np.argmax(np.hstack([scores, np.zeros((RESAMPLED, 1))]), axis=1)
-    return np.bincount(best, minlength=len(contenders) + 1)[:-1] / RESAMPLED
+    scores = np.hstack([weights @ blocks.T + extra, np.zeros((RESAMPLED, 1))])
+    odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
+    return np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1]
 
 
 def bursts(ctx):
@@ -275,7 +275,7 @@ def search(given, confirm, model, log=None):
         ]
         contenders.sort(key=lambda c: -c.score)
         if not contenders or contenders[0].score < THRESHOLD:
-            if bursts(both) > BURST and not any(b.coarse for b in G + C):
+            if not accepted and bursts(both) > BURST and not any(b.coarse for b in G + C):
                 accepted.append(Accepted(BURSTS, 0.0, 1.0, [], g_model, g_model))
             break
         part = shares(contenders)
@@ -284,6 +284,9 @@ def search(given, confirm, model, log=None):
             log("      shares: " + "; ".join(f"{c.found.name} {p:.2f}" for c, p in zip(contenders, part) if p > 0.01))
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:]) if p > SHARE]
         f = top.found
+        taken = [one.found.name for one in accepted]
+        if owner := next((n for n in CELLS.get(f.name, ()) if n in taken and f.name in SHAPED), None):
+            f = replace(f, name=owner, label="other shape", effect=None)  # what its plainest law lacks
         accepted.append(Accepted(f, top.score, float(part[0]), alternatives, g_model))
         if f.columns is None:
             free.append(f.effect)
@@ -295,6 +298,11 @@ def search(given, confirm, model, log=None):
                 g_model = g_model.replace(effects=(*g_model.effects, effect))
         if f.name not in REPEATED:
             excluded.add(f.name)
+    names = {one.found.name for one in accepted}
+    for one in accepted:  # what was found beside it is no alternative to it
+        apart = sum(p for name, p in one.alternatives if name in names)
+        one.alternatives = [(name, p) for name, p in one.alternatives if name not in names]
+        one.share = min(1.0, one.share / max(1.0 - apart, one.share))
     return outcome
 
 
