@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.diagnosis.balance.cells import dahl, hats, load_answer, lost_motion, splines
 
 E = VOCABULARY
+SHAPES = 6  # values of each number of the shape of an own effect
+SMALL = 1e-3  # size of an amplitude for which its column is made
 LEAST_DELAY = 0.05  # samples: a smaller one is what time stamps themselves are off by
 
 
@@ -129,7 +132,7 @@ def sharpen(f, x, step, rounds=7):
     return x, best
 
 
-def search_once(ctx, also=(), limit_time=None):
+def search_once(ctx, also):
     """The best shape of each name, and of each cell without one, what scores highest first."""
     bs = ctx.balances
     g = adjoint(ctx)
@@ -335,6 +338,7 @@ def search_once(ctx, also=(), limit_time=None):
                 amplitude_ok=lambda a, t=f * base: a[0] * t > LEAST_DELAY * h,
             )
     peak = force
+    whole = lambda a: 0.4 < a[0] < 2.5  # noqa: E731  the column is all of what a limit does, not a share of it
     for s in (0.95, 0.85, 0.7, 0.5, 0.3):
         L = s * peak
         free(
@@ -343,7 +347,7 @@ def search_once(ctx, also=(), limit_time=None):
             lambda L: lambda c: [(np.clip(b.command, -L, L) - b.command)[None] for b in c.balances],
             5,
             lambda L: lambda a: E["command_saturation"].replace(limit=float(L)),
-            amplitude_ok=positive,
+            amplitude_ok=whole,
         )
     for s in np.geomspace(0.003, 0.3, 6):
         W = s * peak
@@ -353,7 +357,7 @@ def search_once(ctx, also=(), limit_time=None):
             lambda W: lambda c: [-np.clip(b.command, -W, W)[None] for b in c.balances],
             6,
             lambda W: lambda a: E["command_dead_zone"].replace(width=float(W * a[0])),
-            amplitude_ok=lambda a: a[0] > 0.02,
+            amplitude_ok=whole,
         )
     for tau in np.geomspace(0.05, 2.0, 5) * duration:
         law(
@@ -427,14 +431,15 @@ def search_once(ctx, also=(), limit_time=None):
     def play_columns(gap):
         return lambda c: [
             c.model.axis.mass
-            * np.gradient(lost_motion(np.cumsum(b.velocity) * b.step, b.velocity, a, b.step, gap), b.step)[None]
+            * np.gradient(lost_motion(np.cumsum(b.velocity) * b.step, b.velocity, a * ~b.resting, b.step, gap), b.step)[None]
             for b, a in zip(c.balances, c.accelerations)
         ]
 
     def play(gap):
         return lambda values: E["backlash"].replace(gap=float(gap), mass_ratio=float(values[0]))
 
-    for gap in np.geomspace(max(4.0 * max(b.encoder_noise for b in bs), 1e-6), 3e-3, 12):
+    gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in bs), 2e-6), 3e-3, 12)
+    for gap in gaps:
         free("backlash", gap, play_columns, 12, play, amplitude_ok=lambda a: 0 < a[0] < 0.95)
     # time ------------------------------------------------------------------------------------------------
     windows(ctx, put)
@@ -533,6 +538,8 @@ def search_once(ctx, also=(), limit_time=None):
                 max(1, len(known)) if kappa in known else 3000,
                 None,
             )
+    for name, effect in also.items():
+        own_effect(ctx, put, name, effect, {"velocity": top, "distance": length, "time": duration, "force": force})
     # cells that bear no name ------------------------------------------------------------------------------
     put(
         "~gain of speed",
@@ -597,6 +604,8 @@ def search_once(ctx, also=(), limit_time=None):
             T, amp, k, columns, effect, label = store[x]
             if T > f.T:
                 f = replace(f, label=label, T=T, k=k, amplitudes=amp, columns=columns, effect=effect)
+            if f.name == "backlash" and np.exp(x) < 0.5 * gaps[0]:
+                continue  # a gap below all that is tried is none
         done.append(f)
     return sorted(with_cells(done), key=lambda f: -f.score)
 
@@ -638,6 +647,52 @@ def with_cells(found):
             by[best.name] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
         del by[cell]
     return list(by.values())
+
+
+def own_effect(ctx, put, own, effect, scales):
+    """An effect of the user's own: its amplitudes as columns, at each of a grid of its shapes."""
+    low, high = span(ctx)
+
+    def places(role):
+        space = np.geomspace if role["logarithmic"] else np.linspace
+        grid = space(role["low"], role["high"], SHAPES + 2)[1:-1] if role["neutral"] is not None else space(
+            role["low"], role["high"], SHAPES
+        )
+        return low + (high - low) * grid if role["quantity"] == "position" else scales.get(role["quantity"], 1.0) * grid
+
+    amplitudes = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
+    shapes = {
+        name: places(role)
+        for name, role in effect.ROLES.items()
+        if role["role"] == "shape" and not isinstance(getattr(effect, name), list)
+    }
+    grid = list(product(*shapes.values()))
+    for values in grid:
+        base = effect.replace(**dict(zip(shapes, map(float, values))))
+        units = []  # (field, entry of a list or None)
+        for name in amplitudes:
+            value = getattr(base, name)
+            units += [(name, k) for k in range(len(value))] if isinstance(value, list) else [(name, None)]
+
+        def filled(sizes, base=base, units=units):
+            fields = {name: [0.0] * len(getattr(base, name)) for name, k in units if k is not None}
+            for (name, k), size in zip(units, sizes):
+                if k is None:
+                    fields[name] = float(size)
+                else:
+                    fields[name][k] = float(size)
+            return base.replace(**fields)
+
+        def columns(c, units=units, filled=filled):
+            alone = [b.residual(c.model) for b in c.balances]
+            tables = [[] for _ in c.balances]
+            for one in np.eye(len(units)) * SMALL:
+                model = c.model.replace(effects=(*c.model.effects, filled(one)))
+                for table, b, r in zip(tables, c.balances, alone):
+                    table.append((r - b.residual(model)) / SMALL)
+            return [np.array(table) for table in tables]
+
+        put(own, ", ".join(f"{n} {v:.4g}" for n, v in zip(shapes, values)), columns, len(grid), filled)
 
 
 def law_pdf(ctx, put, added, nodes, unit, N):

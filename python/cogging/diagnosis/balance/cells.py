@@ -72,13 +72,13 @@ def lost_motion(x, v, a, step, gap):
     The load flies on where the motor no longer pushes it, and takes the motor's speed where it meets either side again.
 
     Args:
-        x, v, a: position, speed and acceleration of the motor, (n,).
+        x, v, a: position, speed and acceleration of the motor, (n,); 0 at rest.
         step: s, of the rows.
     """
     apart, free_until, side = np.zeros(len(x)), 0, float(np.sign(a[0]) or 1.0)
     longest = max(2, round(0.5 / step))  # a load that has not come back within half a second is no longer followed
     for i in np.flatnonzero(np.diff(np.sign(a))) + 1:
-        if i < free_until or side * a[i] > 0.0:
+        if i < free_until or side * a[i] >= 0.0:
             continue
         end = min(len(x), i + longest)
         way = side * (x[i:end] - x[i] - v[i] * step * np.arange(end - i))  # 0 where it left, -gap on the other side

@@ -23,6 +23,7 @@ BURST = 6.0  # deviations from which on noise comes and goes
 SHOWN = 10.0  # expected gain from which on logs can refute
 LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
 REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")
+COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has one
 
 
 BURSTS = Found("~noise in time", "", 0.0, 0, 1, np.zeros(0), None)
@@ -102,7 +103,7 @@ def shift_of_zero(both, f, given, joint):
     none = [np.zeros_like(t) for t in tables]
     apart = [np.vstack([t, z] if i < given else [z, t]) for i, (t, z) in enumerate(zip(tables, none))]
     best = both.maximised(apart)
-    here, there = (complex(*best.theta[at : at + 2][::-1]) for at in (-4, -2))
+    here, there = (complex(cosine, sine) for sine, cosine in best.theta[-4:].reshape(2, 2))
     alike = 0.5 < abs(there) / max(abs(here), 1e-300) < 2.0
     if not alike or (best.none.cost - best.cost) / best.inflation < joint + THRESHOLD + 2.0 * np.log(f.N):
         return 0.0
@@ -208,7 +209,7 @@ class Outcome:
     shift: float = 0.0
 
 
-def search(given, confirm, model, log=None):
+def search(given, confirm, model, log=None, also=None):
     width, q = model.axis.coulomb_width, model.encoder.resolution
     G = [ForceBalance(x, width, q) for x in given]
     C = [ForceBalance(x, width, q) for x in confirm]
@@ -229,7 +230,7 @@ def search(given, confirm, model, log=None):
             k = len(f.amplitudes)
             extra[n] = replace(f, amplitudes=ctx.null.theta[at : at + k])
             at += k
-        found = [f for f in search_once(ctx) if f.name not in excluded]
+        found = [f for f in search_once(ctx, also or {}) if f.name not in excluded]
         if log:
             log(f"   step {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f} s {f.score:.0f}" for f in found[:5]))
         outcome = Outcome(nominal, ctx, ctx, accepted, refused, found, shift)
@@ -297,7 +298,7 @@ def search(given, confirm, model, log=None):
             else:
                 g_model = g_model.replace(effects=(*g_model.effects, effect))
         if f.name not in REPEATED:
-            excluded.add(f.name)
+            excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
     names = {one.found.name for one in accepted}
     for one in accepted:  # what was found beside it is no alternative to it
         apart = sum(p for name, p in one.alternatives if name in names)
