@@ -290,7 +290,8 @@ def search_once(ctx, also):
             lambda c, p=p: [(-np.sign(b.velocity) * (np.abs(b.velocity) / top) ** p)[None] for b in c.balances],
             3,
         )
-    for L in np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in bs)), 3e-3, 8):
+    bristles = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in bs)), 3e-3, 8)
+    for L in bristles:
         free(
             "presliding_friction",
             L,
@@ -349,13 +350,13 @@ def search_once(ctx, also):
             lambda L: lambda a: E["command_saturation"].replace(limit=float(L)),
             amplitude_ok=whole,
         )
-    for s in np.geomspace(0.003, 0.3, 6):
+    for s in np.geomspace(3e-4, 0.3, 8):
         W = s * peak
         free(
             "command_dead_zone",
             W,
             lambda W: lambda c: [-np.clip(b.command, -W, W)[None] for b in c.balances],
-            6,
+            8,
             lambda W: lambda a: E["command_dead_zone"].replace(width=float(W * a[0])),
             amplitude_ok=whole,
         )
@@ -431,7 +432,7 @@ def search_once(ctx, also):
     def play_columns(gap):
         return lambda c: [
             c.model.axis.mass
-            * np.gradient(lost_motion(np.cumsum(b.velocity) * b.step, b.velocity, a * ~b.resting, b.step, gap), b.step)[None]
+            * np.gradient(lost_motion(a * ~b.resting, b.step, gap), b.step)[None]
             for b, a in zip(c.balances, c.accelerations)
         ]
 
@@ -439,6 +440,7 @@ def search_once(ctx, also):
         return lambda values: E["backlash"].replace(gap=float(gap), mass_ratio=float(values[0]))
 
     gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in bs), 2e-6), 3e-3, 12)
+    least = {"backlash": gaps[0], "presliding_friction": bristles[0]}
     for gap in gaps:
         free("backlash", gap, play_columns, 12, play, amplitude_ok=lambda a: 0 < a[0] < 0.95)
     # time ------------------------------------------------------------------------------------------------
@@ -604,8 +606,8 @@ def search_once(ctx, also):
             T, amp, k, columns, effect, label = store[x]
             if T > f.T:
                 f = replace(f, label=label, T=T, k=k, amplitudes=amp, columns=columns, effect=effect)
-            if f.name == "backlash" and np.exp(x) < 0.5 * gaps[0]:
-                continue  # a gap below all that is tried is none
+            if np.exp(x) < 0.5 * least.get(f.name, 0.0):
+                continue  # below all that is tried it is none
         done.append(f)
     return sorted(with_cells(done), key=lambda f: -f.score)
 
@@ -624,22 +626,17 @@ CELLS = {
     "~friction over speed": ("coulomb_change", "viscous_change", "quadratic_drag", "stribeck_friction"),
 }
 #: Cells whose whole shape the names may take: a spring, a bump or a profile of friction has any.
-SHAPED = {
-    "~force along travel": 0.3,
-    "~gain along travel": 0.3,
-    "~command": 0.3,
-    "~friction wave": 0.3,
-    "~force in time": 0.6,
-}
+SHAPED = ("~force along travel", "~gain along travel", "~command", "~friction wave", "~force in time")
+LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
 NESTED = 0.7  # share of a cell's ratio from which on a law inside it is told instead
 
 
 def with_cells(found):
     """A force of any shape along a coordinate bears the name of the law along it that explains most."""
     by = {f.name: f for f in found}
-    for cell, least in SHAPED.items():
+    for cell in SHAPED:
         members = sorted((by[n] for n in CELLS[cell] if n in by), key=lambda f: -f.T)
-        if cell not in by or not members or members[0].T < least * by[cell].T:
+        if cell not in by or not members or members[0].T < LIKE * by[cell].T:
             continue
         best = members[0]
         if by[cell].score > best.score:

@@ -66,25 +66,25 @@ def load_answer(a, step, antiresonance, damping):
     return lfilter([d + s, 2 * s, s - d], [1 + d + s, 2 * s - 2, 1 - d + s], a)
 
 
-def lost_motion(x, v, a, step, gap):
+def lost_motion(a, step, gap):
     """Speed of a motor relative to a load that it moves through a gap (m), m/s, (n,); 0 where they touch.
 
     The load flies on where the motor no longer pushes it, and takes the motor's speed where it meets either side again.
 
     Args:
-        x, v, a: position, speed and acceleration of the motor, (n,); 0 at rest.
+        a: acceleration of the motor, m/s^2, (n,); 0 at rest.
         step: s, of the rows.
     """
-    apart, free_until, side = np.zeros(len(x)), 0, float(np.sign(a[0]) or 1.0)
+    apart, free_until, side = np.zeros(len(a)), 0, float(np.sign(a[0]) or 1.0)
     longest = max(2, round(0.5 / step))  # a load that has not come back within half a second is no longer followed
     for i in np.flatnonzero(np.diff(np.sign(a))) + 1:
         if i < free_until or side * a[i] >= 0.0:
             continue
-        end = min(len(x), i + longest)
-        way = side * (x[i:end] - x[i] - v[i] * step * np.arange(end - i))  # 0 where it left, -gap on the other side
+        speed = np.cumsum(a[i : i + longest]) * step
+        way = side * np.cumsum(speed) * step  # 0 where the load left, -gap on the other side
         met = np.flatnonzero((way < -gap) | (way > 0.0))
-        j = i + int(met[0]) if len(met) else end
-        apart[i:j] = v[i:j] - v[i]
-        side = -side if len(met) and way[met[0]] < 0.0 else side
-        free_until = j
+        flight = int(met[0]) if len(met) else len(way)
+        apart[i : i + flight] = speed[:flight]
+        side = -side if len(met) and way[flight] < 0.0 else side
+        free_until = i + flight
     return apart

@@ -19,14 +19,10 @@ RESAMPLED = 2000
 STEPS = 6  # effects, at most, and a last look at what is left
 SURVIVORS = 24  # of the screen
 CLOSE = 7  # of these, whose noise filters are their own
-BURST = 6.0  # deviations from which on noise comes and goes
 SHOWN = 10.0  # expected gain from which on logs can refute
 LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
 REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has one
-
-
-BURSTS = Found("~noise in time", "", 0.0, 0, 1, np.zeros(0), None)
 
 
 @dataclass
@@ -141,31 +137,6 @@ def shares(contenders, seed=1):
     return np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1]
 
 
-def bursts(ctx):
-    """Largest excess of the power of what is left over 0.05 to 0.2 s, in deviations; rows near standstill do not count.
-
-    Held packets, lost counts and bursts have no force of their own: they show as noise that comes and goes.
-    """
-    worst, at = 0.0, 0
-    unit = ctx.null.rest / np.sqrt(ctx.null.variance)
-    for b, counted in zip(ctx.balances, ctx.counted):
-        n = int(counted.sum())
-        power, speed = np.minimum(unit[at : at + n] ** 2, 9.0), np.abs(b.velocity[:: b.every][counted])
-        at += n
-        fast = speed > 0.1 * speed.max()
-        for seconds in (0.05, 0.2):
-            size = round(seconds * b.rate)
-            count = n // size
-            whole = fast[: count * size].reshape(count, size).mean(axis=1) > 0.9
-            if whole.sum() < 8:
-                continue
-            level = power[: count * size].reshape(count, size).mean(axis=1)[whole]
-            middle = np.median(level)
-            spread = max(1.4826 * np.median(np.abs(level - middle)), np.std(power[fast]) / np.sqrt(size))
-            worst = max(worst, float((level.max() - middle) / spread))
-    return worst
-
-
 @dataclass
 class Accepted:
     """What was taken into the model.
@@ -276,8 +247,6 @@ def search(given, confirm, model, log=None, also=None):
         ]
         contenders.sort(key=lambda c: -c.score)
         if not contenders or contenders[0].score < THRESHOLD:
-            if not accepted and bursts(both) > BURST and not any(b.coarse for b in G + C):
-                accepted.append(Accepted(BURSTS, 0.0, 1.0, [], g_model, g_model))
             break
         part = shares(contenders)
         top = contenders[0]
@@ -335,7 +304,7 @@ def verdict(accepted):
             e["confidence"] = min(e["confidence"], 0.85)
     elif not effects:
         v = "no_gap"
-    elif all(e["confidence"] >= 0.9 for e in effects):
+    elif all(e["confidence"] >= 0.9 and not e["alternatives"] for e in effects):
         v = "named"
     else:
         v = "ambiguous"

@@ -198,7 +198,7 @@ class Evidence:
         """
         parts = self.nuisances if tables is None else [np.vstack([n, t]) for n, t in zip(self.nuisances, tables)]
         best, n = None, len(self.nuisances[0])
-        for taps in (self.plain, self.start if tables is None else self.null.taps):
+        for taps in (self.plain, self.start) if tables is None else (self.plain, self.null.taps, self.screen.taps):
             for k in range(3 if tables is None else 2):
                 theta, told = self.fitted(taps, parts)
                 if best is None or told.cost < best.cost:
@@ -374,11 +374,12 @@ def drive(b, model):
 
     What the loop makes of its own noise is in the command, and in the noise of later rows: a column made of that alarms
     without any cause. The command is regressed on what the model asks for along the reference, earlier and later.
+    So is the friction that slows the axis down: along the reference, no noise of the speed is in it.
     """
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
-    forces = b.forces([plant])[0]
     if b.reference is None:
+        forces = b.forces([plant])[0]
         slow = sosfiltfilt(butter(2, b.corner * b.step, output="sos"), b.command)
         return slow, (slow + forces) / model.axis.mass
     x, v, a = b.reference
@@ -394,7 +395,7 @@ def drive(b, model):
     table /= size[:, None]
     w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
     told = w @ table
-    return told, (told + forces) / model.axis.mass
+    return told, (told + along) / model.axis.mass
 
 
 def nuisance_columns(evidence):
@@ -419,7 +420,7 @@ def nuisance_columns(evidence):
     if given.uncertainty.get("coulomb_width") != 0.0:
         slowest = 2.0 * min(b.speed_noise for b in balances)
         fastest = max(np.abs(b.velocity).max() for b in balances)
-        widths = [float(w) for w in np.geomspace(slowest, max(12.0 * width, 4.0 * slowest, 0.3 * fastest), WIDTHS)]
+        widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, max(12.0 * width, 4.0 * slowest, 0.3 * fastest), WIDTHS))]
     laws = []
     for b in balances:
         if b.kept.get("friction", (None,))[0] != (width, widths):

@@ -77,13 +77,13 @@ class ForceBalance:
             1.4826 * float(np.median(np.abs(third))) / np.sqrt(20.0), quantum / np.sqrt(12.0), 1e-15
         )
         density = 2.0 * self.encoder_noise**2 / rate
-        moving = np.abs(velocity) > 0.1 * np.abs(velocity).max()
-        self.coarse = float(np.mean(np.diff(position)[1:][moving] == 0.0)) > 0.01  # readings repeat in motion
         self.band = float(
             np.clip((3.0 * (0.2 * max(width, 1e-9)) ** 2 / (4 * np.pi**2 * density)) ** (1 / 3), 30.0, 0.4 / self.step)
         )
         self.band = min(self.band, 0.4 / self.step)
-        self.velocity = self._low_pass(self.raw_velocity, self.band)
+        # what the axis was asked for is known without noise; its starts and stops are faster than any low-pass filter
+        asked = 0.0 if self.reference is None else self.reference[1]
+        self.velocity = asked + self._low_pass(self.raw_velocity - asked, self.band)
         self.speed_noise = float(np.sqrt(4 * np.pi**2 * density * self.band**3 / 3))
         size = 2 * max(1, round(0.5 * REST_TIME / self.step)) + 1
         moved = maximum_filter1d(self.position, size) - minimum_filter1d(self.position, size)
