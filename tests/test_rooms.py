@@ -30,12 +30,12 @@ DIAGNOSIS += [
     "location",
     "locate",
     "result",
+    "predictable",
     "search",
     "patched",
     "experiment",
     "naming",
     "limits",
-    "gaps",
     "assembly",
     "diagnose",
 ]

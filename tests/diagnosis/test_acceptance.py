@@ -7,8 +7,8 @@ from cogging import EFFECTS
 from cogging.diagnosis.candidates.movable import effect_parameters
 from cogging.diagnosis.discrepancy import Discrepancy, discrepancies, follows
 from cogging.diagnosis.evidence.null import nuisances
-from cogging.diagnosis.gaps import Measured, Yardstick
 from cogging.diagnosis.search.acceptance import excludes_none
+from cogging.diagnosis.search.gaps import Measured, Yardstick
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.replay import place_of_reading

@@ -51,7 +51,7 @@ def test_what_was_seen_is_a_gap_though_adding_it_does_not_pay(effect, confirm, m
 
     def refused_at_the_end(*arguments, **named):
         found = search(*arguments, **named)
-        monkeypatch.setattr("cogging.diagnosis.gaps.Measured.objection", lambda measured: "it grows")
+        monkeypatch.setattr("cogging.diagnosis.search.gaps.Measured.objection", lambda measured: "it grows")
         return found
 
     monkeypatch.setattr("cogging.diagnosis.diagnose.search", refused_at_the_end)

@@ -13,7 +13,6 @@ from cogging.diagnosis.entries import NamedEffect, ShapeTerm, Step
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.preparation import Prepared
 from cogging.diagnosis.experiment.separating import separating
-from cogging.diagnosis.gaps import Measured, gap_of, series_of
 from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.naming.large_names import map_note, named_large, unsettled
@@ -31,6 +30,7 @@ from cogging.diagnosis.residual.location_words import shape_text
 from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, Shape
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.search.empirical import NoTerm, with_term
+from cogging.diagnosis.search.gaps import Measured, gap_of, series_of
 from cogging.diagnosis.search.placebo import placebos
 from cogging.diagnosis.search.state import Added, Search, turns_of
 from cogging.diagnosis.search.tuning import with_nuisances_tuned

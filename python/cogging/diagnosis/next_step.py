@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from cogging.diagnosis.search.empirical import empirical_law
+from cogging.effects.effect import empirical_law
 
 if TYPE_CHECKING:
     from cogging.diagnosis.result import Diagnosis

@@ -519,6 +519,8 @@ class ReportThresholds:
     chance_percent: float = 2.0  # decades: a likelier chance is told in logs of 100 [drawn]
     chance_never: float = 6.0  # decades: a rarer one is told as practically never [drawn]
     answer_lines: int = 13  # lines: of the printed answer, at most, without the files written and what is next [drawn]
+    headline_lines: int = 2  # lines: of its headline, at most [drawn]
+    remarks: int = 3  # lines: of what cannot be told apart, has no name or was planned, at most [drawn]
     answer_width: int = 100  # characters: of such a line [drawn]
 
 

@@ -81,7 +81,8 @@ def allowance(model: Model, most: Mapping[str, float] | None = None) -> Allowanc
             exact.append(path)
             floors[path] = ceilings[path] = value
         elif stated is not None and value > 0.0:
-            floors[path] = max(0.0, value * (1.0 - ALLOWANCE.stated * stated), value / 1e3 if name == "mass" else 0.0)
+            least = value / ALLOWANCE.let_go if name == "mass" else 0.0
+            floors[path] = max(least, value * (1.0 - ALLOWANCE.stated * stated))
             ceilings[path] = value * (1.0 + ALLOWANCE.stated * stated)
         elif value > 0.0:
             floors[path], ceilings[path] = value / ALLOWANCE.unstated, value * ALLOWANCE.unstated

@@ -15,6 +15,7 @@ import numpy as np
 from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 from cogging.diagnosis.thresholds import REPORT
+from cogging.shown import shortened
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 def short_text(result: Diagnosis) -> str:
     """What a person acts on."""
-    head = [f"verdict: {result.verdict}", *_wrapped(f"{headline(result)}.")]
+    head = [f"verdict: {result.verdict}", *_wrapped(f"{headline(result)}.", REPORT.headline_lines)]
     if result.mismatch is not None:
         return "\n".join([*head, *_wrapped(str(result.mismatch["text"]))])
     if "gap_before" not in result.series:
@@ -31,14 +32,15 @@ def short_text(result: Diagnosis) -> str:
             [*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][: REPORT.answer_lines]
         )
     head += _gap_lines(result)
-    tail = [line for effect in result.effects if (line := apart_text(effect))][:2]
+    tail = [f"planned: {outcome.text()}" for outcome in result.planned[:1]]
+    tail += [line for effect in result.effects if (line := apart_text(effect))][:2]
     if result.unlisted is not None:
         tail.append(f"unlisted: {result.unlisted['shape']}")
         if "added" in result.unlisted:
             tail.append(f"  {term_text(result.unlisted['added'], result.gap.unit)}")
     if result.near_rest is not None:
         tail.append(result.near_rest.text())
-    tail += [f"planned: {outcome.text()}" for outcome in result.planned[:1]]
+    del tail[REPORT.remarks :]
     notes = f", notes ({len(result.notes)})" if result.notes else ""
     tail.append(f"more with --verbose: where the gap sits, what was tried, detection limits{notes}")
     rows = [*result.axis_lines(), *(_effect_line(result, effect) for effect in result.effects)]
@@ -52,7 +54,8 @@ def apart_text(effect: NamedEffect) -> str:
     """Which names these logs cannot tell apart, and whether that matters; empty where there is one name only."""
     if not effect.alternatives:
         return ""
-    names = f"{effect.name} or {', '.join(effect.alternatives)}: not told apart by these logs"
+    name, *others = (shortened(one, REPORT.name_longest) for one in (effect.name, *effect.alternatives))
+    names = f"{name} or {', '.join(others)}: not told apart by these logs"
     known = [effect.differs[name] for name in effect.alternatives if name in effect.differs]
     if not known:
         return names
@@ -81,7 +84,7 @@ def _effect_line(result: Diagnosis, effect: NamedEffect) -> str:
         else:
             told.append(f"{name} {quantity.value:.4g}{unit}{_interval(*quantity.ci95)}")
     more = f" (and {len(effect.further)} more terms)" if effect.further else ""
-    return f"  {effect.name}: {', '.join(told)}{more}"
+    return f"  {shortened(effect.name, REPORT.name_longest)}: {', '.join(told)}{more}"
 
 
 def _interval(low: Any, high: Any) -> str:
@@ -92,8 +95,8 @@ def _cut(line: str) -> str:
     return line if len(line) <= REPORT.answer_width else f"{line[: REPORT.answer_width - 4].rpartition(' ')[0]} ..."
 
 
-def _wrapped(text: str) -> list[str]:
-    return textwrap.wrap(text, REPORT.answer_width, break_on_hyphens=False)
+def _wrapped(text: str, lines: int | None = None) -> list[str]:
+    return textwrap.wrap(text, REPORT.answer_width, break_on_hyphens=False, max_lines=lines, placeholder=" ...")
 
 
 # All that a result holds ----------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.search.state import Search, turns_of
 from cogging.diagnosis.search.tuning import with_nuisances_tuned
-from cogging.effects.effect import VOCABULARY, Effect, Knots
+from cogging.effects.effect import empirical_law
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
@@ -19,17 +19,6 @@ from cogging.model.parameters import effect_paths, parameters_of
 
 class NoTerm(ValueError):
     """Why nothing was added."""
-
-
-def empirical_law(coordinate: str) -> tuple[Effect | None, Knots | None]:
-    """The effect that is a force at nodes of the user's own along a coordinate, and its knots there."""
-    for law in VOCABULARY.values():
-        for kind in law.KINDS:
-            if not isinstance(kind, Knots) or kind.coordinate != coordinate or "force" not in law.HOOKS:
-                continue
-            if law.ROLES[kind.nodes]["role"] == "setting":
-                return law, kind
-    return None, None
 
 
 def with_term(

@@ -16,10 +16,10 @@ from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.log_p_value import log_survival
 from cogging.diagnosis.evidence.null import limits_of, sources_of
 from cogging.diagnosis.evidence.score_test import ScoreTest
-from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.refit import movable, refitted
 from cogging.diagnosis.large.search import Large, LargeTerm, with_own_nuisances, without_term
 from cogging.diagnosis.search.confirmation import Confirmation, retuned
+from cogging.diagnosis.search.gaps import Yardstick
 from cogging.diagnosis.search.state import Added, State, Task
 from cogging.diagnosis.search.tuning import tuned_together
 from cogging.diagnosis.thresholds import LARGE

@@ -14,7 +14,6 @@ from cogging.diagnosis.evidence.allowance import allowance
 from cogging.diagnosis.evidence.evidence import Evidence
 from cogging.diagnosis.evidence.gather import gather
 from cogging.diagnosis.evidence.null import fit_null
-from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.large.search import Large, search_large
 from cogging.diagnosis.physical import physical_ceilings
@@ -32,6 +31,7 @@ from cogging.diagnosis.search.choice import (
 )
 from cogging.diagnosis.search.confirmation import Confirmation, confirmation, retuned
 from cogging.diagnosis.search.form_rivals import law_instead, with_forms
+from cogging.diagnosis.search.gaps import Yardstick
 from cogging.diagnosis.search.large_start import started, tuned_beside_large
 from cogging.diagnosis.search.refit import refit
 from cogging.diagnosis.search.state import Added, Choice, Scanned, Search, State, Task

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from cogging.diagnosis.candidates.findings import Finding
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.diagnosis.gaps import Yardstick
 from cogging.diagnosis.large.search import Large, LargeTerm
 from cogging.diagnosis.residual.shape import Shape
 from cogging.diagnosis.search.confirmation import Confirmation
+from cogging.diagnosis.search.gaps import Yardstick
 from cogging.effects.effect import Effect
 from cogging.estimation.gauss_newton import Estimate
 from cogging.estimation.innovations import Innovations
