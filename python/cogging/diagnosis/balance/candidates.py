@@ -632,18 +632,19 @@ NESTED = 0.7  # share of a cell's ratio from which on a law inside it is told in
 
 
 def with_cells(found):
-    """A force of any shape along a coordinate bears the name of the law along it that explains most."""
+    """A force of any shape along a coordinate bears the name of the law along it that explains most, beside that law."""
     by = {f.name: f for f in found}
+    out = dict(by)
     for cell in SHAPED:
-        members = sorted((by[n] for n in CELLS[cell] if n in by), key=lambda f: -f.T)
+        members = sorted((by[n] for n in CELLS[cell] if n in by and n != "constant_force"), key=lambda f: -f.T)
         if cell not in by or not members or members[0].T < LIKE * by[cell].T:
             continue
+        del out[cell]
         best = members[0]
         if by[cell].score > best.score:
             others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
-            by[best.name] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
-        del by[cell]
-    return list(by.values())
+            out[cell] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
+    return list(out.values())
 
 
 def own_effect(ctx, put, own, effect, scales):

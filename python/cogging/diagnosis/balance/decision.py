@@ -12,7 +12,7 @@ from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.diagnosis.balance.candidates import CELLS, NESTED, SHAPED, Found, search_once
 
-THRESHOLD = 12.0
+THRESHOLD = 20.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled
 RESAMPLED = 2000
@@ -246,6 +246,10 @@ def search(given, confirm, model, log=None, also=None):
             if max((by.get(n, 0.0) for n in CELLS.get(c.found.name, ())), default=0.0) < NESTED * c.ratio
         ]
         contenders.sort(key=lambda c: -c.score)
+        best_shape: dict = {}
+        for c in contenders:
+            best_shape.setdefault(c.found.name, c)
+        contenders = list(best_shape.values())
         if not contenders or contenders[0].score < THRESHOLD:
             break
         part = shares(contenders)
