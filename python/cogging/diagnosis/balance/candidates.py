@@ -14,6 +14,11 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.diagnosis.balance.cells import dahl, hats, load_answer, lost_motion, splines
 
 E = VOCABULARY
+GAINS = (  # what takes a part of the command away
+    *("force_constant_ripple", "force_constant_drift", "command_saturation", "command_dead_zone"),
+    *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
+)
+LARGEST_GAIN = 0.5  # of the command: no amplifier's gain is off by more; what opposes all of a command is a force
 SHAPES = 6  # values of each number of the shape of an own effect
 SMALL = 1e-3  # size of an amplitude for which its column is made
 LEAST_DELAY = 0.05  # samples: a smaller one is what time stamps themselves are off by
@@ -145,8 +150,11 @@ def search_once(ctx, also):
     found = {}
 
     def put(name, label, columns, N, effect=None, amplitude_ok=None, refine=None, period=None):
-        T, amp, k = ctx.score([b.rows(x) for b, x in zip(bs, columns(ctx))])
+        tables = columns(ctx)
+        T, amp, k = ctx.score([b.rows(x) for b, x in zip(bs, tables)])
         if amplitude_ok is not None and not amplitude_ok(amp):
+            return 0.0
+        if name in GAINS and any(np.std(amp @ x) > LARGEST_GAIN * np.std(d) for x, d in zip(tables, u)):
             return 0.0
         one = Found(name, label, T, k, N, amp, columns, effect, period=period, refine=refine)
         if name not in found or one.score > found[name].score:
@@ -338,14 +346,14 @@ def search_once(ctx, also):
                 lambda a, t=f * base: E["actuator_lag"].replace(time_constant=float(t * a[0])),
                 amplitude_ok=lambda a, t=f * base: a[0] * t > LEAST_DELAY * h,
             )
-    peak = force
+    peak = max(np.abs(d).max() for d in u)
     whole = lambda a: 0.4 < a[0] < 2.5  # noqa: E731  the column is all of what a limit does, not a share of it
     for s in (0.95, 0.85, 0.7, 0.5, 0.3):
         L = s * peak
         free(
             "command_saturation",
             L,
-            lambda L: lambda c: [(np.clip(b.command, -L, L) - b.command)[None] for b in c.balances],
+            lambda L: lambda c: [(np.clip(d, -L, L) - d)[None] for d in c.drives],
             5,
             lambda L: lambda a: E["command_saturation"].replace(limit=float(L)),
             amplitude_ok=whole,
@@ -355,7 +363,7 @@ def search_once(ctx, also):
         free(
             "command_dead_zone",
             W,
-            lambda W: lambda c: [-np.clip(b.command, -W, W)[None] for b in c.balances],
+            lambda W: lambda c: [-np.clip(d, -W, W)[None] for d in c.drives],
             8,
             lambda W: lambda a: E["command_dead_zone"].replace(width=float(W * a[0])),
             amplitude_ok=whole,
@@ -402,10 +410,9 @@ def search_once(ctx, also):
         ]
 
     def mode(f, z):
+        # driven by the command, the motor answers by mass_ratio / (1 - mass_ratio) of the load's answer at the resonance
         return lambda a: E["flexible_mode"].replace(
-            frequency=float(f / np.sqrt(1 - min(a[0], 0.9))),
-            damping_ratio=float(z / np.sqrt(1 - min(a[0], 0.9))),
-            mass_ratio=float(min(a[0], 0.9)),
+            frequency=float(f), damping_ratio=float(z), mass_ratio=float(a[0] / (1.0 + a[0]))
         )
 
     for z in (0.02, 0.1, 0.3):
@@ -426,7 +433,7 @@ def search_once(ctx, also):
                 mode_columns(f, z),
                 3 * len(fine),
                 mode(f, z),
-                amplitude_ok=lambda a: 0 < a[0] < 0.95,
+                amplitude_ok=positive,
                 refine=(f, lambda v, z=z: (mode_columns(v, z), mode(v, z), f"{v:.4g} Hz, damping {z}")),
             )
     def play_columns(gap):
@@ -519,7 +526,7 @@ def search_once(ctx, also):
                 continue
             put(name, f"{period:.4g}", make(kappa), N, effect, period=period)
             if name in ("cogging_harmonic", "force_constant_ripple"):
-                put(name, f"{period:.4g} with harmonics", wave_columns(kappa, mult, (1, 2, 3)), N)
+                put(name, f"{period:.4g} with harmonics", wave_columns(kappa, mult, (1, 2, 3)), N, period=period)
     spatial.sort(reverse=True)
     tried = known + [k for _, k in spatial[:3]]
     for kappa in tried:

@@ -99,7 +99,8 @@ def shift_of_zero(both, f, given, joint):
     none = [np.zeros_like(t) for t in tables]
     apart = [np.vstack([t, z] if i < given else [z, t]) for i, (t, z) in enumerate(zip(tables, none))]
     best = both.maximised(apart)
-    here, there = (complex(cosine, sine) for sine, cosine in best.theta[-4:].reshape(2, 2))
+    k = len(f.amplitudes)  # sine and cosine of the longest wave stand first
+    here, there = (complex(cosine, sine) for sine, cosine in best.theta[-2 * k :].reshape(2, k)[:, :2])
     alike = 0.5 < abs(there) / max(abs(here), 1e-300) < 2.0
     if not alike or (best.none.cost - best.cost) / best.inflation < joint + THRESHOLD + 2.0 * np.log(f.N):
         return 0.0

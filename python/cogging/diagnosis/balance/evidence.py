@@ -22,6 +22,7 @@ BAND = 1.3  # about a frequency, up and down, of whose power the noise filter ta
 LINES = 24  # of the spectrum, at least
 TAIL = 5.0  # degrees of freedom of Student's noise
 OUTLIER = 5.0  # deviations beyond which a row does not count in the noise filter
+LARGELY = 0.3  # of the command: what is left of it is no noise, and no noise filter is made of it
 TIMING = 0.25  # rows of a log by which friction may be late
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made
 
@@ -143,7 +144,11 @@ class Evidence:
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables)]
         for name in ("null", "screen", "basis"):
             self.__dict__.pop(name, None)
-        taps = self.taps_of(self.fitted(self.plain)[0])
+        theta = self.fitted(self.plain)[0]
+        left = np.hstack([(r - theta @ x)[m] for r, x, m in zip(self.residuals, self.nuisances, self.masks)])
+        command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks)])
+        self.largely = bool(np.std(left) > LARGELY * np.std(command))
+        taps = self.taps_of(theta)
         self.keep_positive(taps)
         self.start, self.theta = taps, self.fitted(taps)[0]
 
@@ -162,6 +167,9 @@ class Evidence:
         taps = []
         for r, x, m in zip(self.residuals, self.nuisances if parts is None else parts, self.masks):
             left = r - theta @ x
+            if self.largely:
+                taps.append(np.ones(1) / deviation(left[m]))
+                continue
             most = OUTLIER * deviation(left[m])
             one = noise_filter(np.clip(left, -most, most), m, self.rate)
             taps.append(one / deviation(oaconvolve(left, one)[: len(left)][m]))
@@ -366,6 +374,8 @@ def orthonormal(rows):
     return (vector[:, good] / np.sqrt(value[good])).T @ rows
 
 
+SLOW = 10.0  # Hz, below which the measured acceleration holds little noise
+IDLE = 4.0  # times the measured acceleration: a command that would cause more does not go into acceleration
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of 0.4 ms
 
 
@@ -381,7 +391,14 @@ def drive(b, model):
     if b.reference is None:
         forces = b.forces([plant])[0]
         slow = sosfiltfilt(butter(2, b.corner * b.step, output="sos"), b.command)
-        return slow, (slow + forces) / model.axis.mass
+        driven = (slow + forces) / model.axis.mass
+        sections = butter(2, SLOW * 2.0 * b.step, output="sos")
+        by_command, measured = sosfiltfilt(sections, driven), sosfiltfilt(sections, b.acceleration)
+        if np.std(by_command[b.keep > 0]) > IDLE * np.std(measured[b.keep > 0]):
+            # most of the command holds against a force that the model lacks: what the motion needs by the model drives
+            driven = driven - by_command + measured
+            slow = model.axis.mass * driven - forces
+        return slow, driven
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
