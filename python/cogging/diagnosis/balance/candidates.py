@@ -149,7 +149,7 @@ def search_once(ctx, also):
     model = ctx.model
     found = {}
 
-    def put(name, label, columns, N, effect=None, amplitude_ok=None, refine=None, period=None):
+    def put(name, label, columns, N, effect=None, amplitude_ok=None, refine=None, period=None, key=None):
         tables = columns(ctx)
         T, amp, k = ctx.score([b.rows(x) for b, x in zip(bs, tables)])
         if amplitude_ok is not None and not amplitude_ok(amp):
@@ -157,8 +157,8 @@ def search_once(ctx, also):
         if name in GAINS and any(np.std(amp @ x) > LARGEST_GAIN * np.std(d) for x, d in zip(tables, u)):
             return 0.0
         one = Found(name, label, T, k, N, amp, columns, effect, period=period, refine=refine)
-        if name not in found or one.score > found[name].score:
-            found[name] = one
+        if (key or name) not in found or one.score > found[key or name].score:
+            found[key or name] = one
         return one.T
 
     def added(make, unit):
@@ -526,7 +526,7 @@ def search_once(ctx, also):
                 continue
             put(name, f"{period:.4g}", make(kappa), N, effect, period=period)
             if name in ("cogging_harmonic", "force_constant_ripple"):
-                put(name, f"{period:.4g} with harmonics", wave_columns(kappa, mult, (1, 2, 3)), N, period=period)
+                put(name, f"{period:.4g} with harmonics", wave_columns(kappa, mult, (1, 2, 3)), N, period=period, key=f"{name}s")
     spatial.sort(reverse=True)
     tried = known + [k for _, k in spatial[:3]]
     for kappa in tried:
@@ -632,6 +632,12 @@ CELLS = {
     "~viscous along travel": ("viscous_change", "position_dependent_friction"),
     "~friction over speed": ("coulomb_change", "viscous_change", "quadratic_drag", "stribeck_friction"),
 }
+#: Names beside which a cell is not told, though no law inside it has them: in one direction these are the same.
+BESIDE = {
+    "~friction wave": ("cogging_harmonic",),
+    "~eddy": ("cogging_harmonic", "force_constant_ripple"),
+    "~reluctance": ("cogging_harmonic", "force_constant_ripple"),
+}
 #: Cells whose whole shape the names may take: a spring, a bump or a profile of friction has any.
 SHAPED = ("~force along travel", "~gain along travel", "~command", "~friction wave", "~force in time")
 LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
@@ -640,17 +646,17 @@ NESTED = 0.7  # share of a cell's ratio from which on a law inside it is told in
 
 def with_cells(found):
     """A force of any shape along a coordinate bears the name of the law along it that explains most, beside that law."""
-    by = {f.name: f for f in found}
-    out = dict(by)
+    by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
+    out = {(f.name, f.label): f for f in found}
     for cell in SHAPED:
         members = sorted((by[n] for n in CELLS[cell] if n in by and n != "constant_force"), key=lambda f: -f.T)
         if cell not in by or not members or members[0].T < LIKE * by[cell].T:
             continue
-        del out[cell]
+        del out[cell, by[cell].label]
         best = members[0]
         if by[cell].score > best.score:
             others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
-            out[cell] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
+            out[cell, ""] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
     return list(out.values())
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance
-from cogging.diagnosis.balance.candidates import CELLS, NESTED, SHAPED, Found, search_once
+from cogging.diagnosis.balance.candidates import BESIDE, CELLS, NESTED, SHAPED, Found, search_once
 
 THRESHOLD = 20.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
@@ -115,6 +115,11 @@ def released(ctx, path):
     return other.maximised()
 
 
+def inside(cell):
+    """Names that are said instead of a cell where they explain nearly as much."""
+    return (*CELLS.get(cell, ()), *BESIDE.get(cell, ()))
+
+
 def block_edges(ctx):
     """First rows of the blocks of motion, none over two logs."""
     size = round(BLOCK * ctx.balances[0].rate)
@@ -214,9 +219,9 @@ def search(given, confirm, model, log=None, also=None):
         found = [f for f in found if f.T > max(4.0, 0.1 * found[0].T)][:SURVIVORS]
         found = closest(both, found)
         contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
-        waves = [c for c in contenders if c.found.period is not None and c.found.T > 2.0 * c.ratio + THRESHOLD]
+        waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD]
         if C and waves and not shift and model.cogging is None:
-            top = max(waves, key=lambda c: c.found.T)
+            top = max(waves, key=lambda c: c.ratio)
             distance = shift_of_zero(both, top.found, len(G), top.ratio)
             if distance:
                 shift, C = distance, [b.moved(distance) for b in C]
@@ -240,11 +245,11 @@ def search(given, confirm, model, log=None, also=None):
                     if log:
                         log(f"      refused {c.found.name} {np.round(c.gains)} of {np.round(c.expected)}")
             contenders = [c for c in contenders if not c.refuted]
-        by = {c.found.name: c.ratio for c in contenders}
+        by = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
         contenders = [
             c
             for c in contenders
-            if max((by.get(n, 0.0) for n in CELLS.get(c.found.name, ())), default=0.0) < NESTED * c.ratio
+            if max((by.get(n, 0.0) for n in inside(c.found.name)), default=0.0) < NESTED * c.ratio
         ]
         contenders.sort(key=lambda c: -c.score)
         best_shape: dict = {}
