@@ -19,6 +19,7 @@ GAINS = (  # what takes a part of the command away
     *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
 )
 LARGEST_GAIN = 0.5  # of the command: no amplifier's gain is off by more; what opposes all of a command is a force
+DAMPINGS = (0.02, 0.1)  # of a resonance; one that hardly rings is a lag by another name
 SHAPES = 6  # values of each number of the shape of an own effect
 SMALL = 1e-3  # size of an amplitude for which its column is made
 LEAST_DELAY = 0.05  # samples: a smaller one is what time stamps themselves are off by
@@ -415,7 +416,7 @@ def search_once(ctx, also):
             frequency=float(f), damping_ratio=float(z), mass_ratio=float(a[0] / (1.0 + a[0]))
         )
 
-    for z in (0.02, 0.1, 0.3):
+    for z in DAMPINGS:
         fr = np.geomspace(lowest, highest, 18)
         size = np.linalg.norm(
             ctx.project(
