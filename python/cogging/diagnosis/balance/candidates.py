@@ -572,7 +572,9 @@ def search_once(ctx, also):
     put(
         "~gain along travel",
         "",
-        lambda c: [splines(b.position, low, high, 8) * d for b, d in zip(c.balances, c.drives)],
+        lambda c: [  # without a gain that is the same everywhere, which scales mass and friction
+            (splines(b.position, low, high, 8)[:-1] - 1.0 / 8.0) * d for b, d in zip(c.balances, c.drives)
+        ],
         1,
     )
     put("~command", "", lambda c: [np.vstack([d * np.abs(d), d**3, d**2]) for d in c.drives], 1)

@@ -129,8 +129,7 @@ class Evidence:
 
     def make(self):
         """Columns of the balance under the model, and the null."""
-        both = [drive(b, self.model) for b in self.balances]
-        self.drives, self.accelerations = [u for u, _ in both], [a for _, a in both]
+        self.drives, self.accelerations, self.blurs = zip(*(drive(b, self.model) for b in self.balances))
         self.paths, tables = nuisance_columns(self)
         made = [s.columns(self) for s in self.extra]
         tables = [np.vstack([t, *(s[i] for s in made)]) for i, t in enumerate(tables)]
@@ -380,7 +379,10 @@ LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of 0.4 ms
 
 
 def drive(b, model):
-    """The command as far as the motion asked for tells it, and what it accelerates the axis with, V and m/s^2 (n,).
+    """The command as far as the motion asked for tells it, what it accelerates the axis with, and friction's blur.
+
+    V, m/s^2 and V, (n,) each. The blur is what the model's forces along the measured motion have beyond those along the
+    reference: much of it is noise of the speed, which no scale of the forces may draw upon.
 
     What the loop makes of its own noise is in the command, and in the noise of later rows: a column made of that alarms
     without any cause. The command is regressed on what the model asks for along the reference, earlier and later.
@@ -398,7 +400,7 @@ def drive(b, model):
             # most of the command holds against a force that the model lacks: what the motion needs by the model drives
             driven = driven - by_command + measured
             slow = model.axis.mass * driven - forces
-        return slow, driven
+        return slow, driven, np.zeros_like(slow)
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -412,7 +414,7 @@ def drive(b, model):
     table /= size[:, None]
     w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
     told = w @ table
-    return told, (told + along) / model.axis.mass
+    return told, (told + along) / model.axis.mass, b.forces([plant])[0] - along
 
 
 def nuisance_columns(evidence):
@@ -461,6 +463,8 @@ def nuisance_columns(evidence):
     # friction may follow a bend of the contact instead of the speed: it is a part of a row late
     late = [np.diff(law[0], prepend=law[0][0]) / b.first for law, b in zip(laws, balances)]
     add("friction.late", TIMING * max(own, 1e-12), 0.0, late)
+    if any(np.any(blur) for blur in evidence.blurs):
+        add("friction.blur", np.inf, 0.0, list(evidence.blurs))
     for k, w in enumerate(widths, 1):
         add(f"width.{w:g}", max(own, 1e-12), 0.0, [law[0] - law[k] for law in laws])
 
