@@ -8,12 +8,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 
-from cogging import file_sets
+from cogging import outputs
 from cogging.diagnosis.evidence.null import fit_null
 from tests.fixtures.browser import browser  # noqa: F401 - a fixture, of which there can be one in a process
 from tests.fixtures.moving_axis import machine, record
 
-file_sets.synced = False  # thousands of files that no power failure matters to
+outputs.synced = False  # thousands of files that no power failure matters to
 
 
 def pytest_configure():

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import file_sets, files, outputs
+from cogging import files, outputs
 from cogging.cli.main import main
 from cogging.files import InputError
 from tests.fixtures.files import MODEL, REFERENCE
@@ -329,7 +329,7 @@ class TestWriting:
         """Even where somebody foresees the name."""
         victim = tmp_path / "victim"
         victim.write_text("mine")
-        monkeypatch.setattr(file_sets.secrets, "token_hex", lambda size: "0" * (2 * size))
+        monkeypatch.setattr(outputs.secrets, "token_hex", lambda size: "0" * (2 * size))
         outputs.write_text(tmp_path / "first", "x")
         (tmp_path / f".cogging-{'0' * 16}.part").symlink_to(victim)
         with pytest.raises(InputError, match="second: cannot be written: File exists"):

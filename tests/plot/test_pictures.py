@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
 import cogging
 from cogging.diagnosis.entries import Gap, Step
@@ -23,6 +22,7 @@ from cogging.plot.rows import UNITS
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import COLOURS, look, marker, named
 from cogging.plot.traces import gaps, trace
+from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
 FACTORS = {
     "ns": 1e9,

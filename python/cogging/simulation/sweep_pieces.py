@@ -14,11 +14,12 @@ from typing import IO, Any
 
 import numpy as np
 
-from cogging.file_locks import opened_alone, rewrite
-from cogging.file_sets import OF_OURS
 from cogging.files import InputError, require_file
-from cogging.outputs import target_of, write_bytes
+from cogging.outputs import PART_FILE, target_of, write_bytes
 from cogging.shown import quoted
+
+if sys.platform != "win32":
+    import fcntl
 
 Table = dict[str, Any]
 OTHERWISE = "remove it, or write to another file"
@@ -76,7 +77,19 @@ class Pieces:
                 what = f"must hold nothing but the pieces of a sweep, got {quoted(min(others))}"
                 raise InputError(f"{self._called}: {what}: {OTHERWISE}")
             with contextlib.suppress(FileNotFoundError):  # the folder has gone meanwhile, with a sweep that was done
-                return opened_alone(self._told, by_process=True)
+                flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+                descriptor = os.open(self._told, flags, 0o666)
+                file = os.fdopen(descriptor, "r+b", buffering=0)
+                try:
+                    require_file(self._told)
+                    if sys.platform != "win32":
+                        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # a forked worker has no part in it
+                    if os.path.samestat(os.fstat(descriptor), os.lstat(self._told)):
+                        return file
+                except BaseException:
+                    file.close()
+                    raise
+                file.close()
 
     def _begin(self) -> None:
         """Hold the sweep against that of the folder; a new one begins with none of what stands there."""
@@ -89,7 +102,7 @@ class Pieces:
                 return
             for path in self._finished():
                 path.unlink()
-            rewrite(self._lock, wanted)
+            self._lock.write(wanted)
             os.fsync(self._lock.fileno())
         except OSError as error:
             self.remove()
@@ -110,7 +123,7 @@ class Pieces:
         file = io.BytesIO()
         np.savez(file, **{name: _saved(values) for name, values in table.items()})  # type: ignore[arg-type]
         try:
-            write_bytes(self.folder / self._name(table["run"][0], file.getvalue()), file.getvalue(), synced=False)
+            write_bytes(self.folder / self._name(table["run"][0], file.getvalue()), file.getvalue(), sync=False)
         except InputError as error:
             raise InputError("; ".join(filter(None, (str(error), self.stands)))) from None
 
@@ -154,7 +167,7 @@ class Pieces:
         return sorted(path for path in self.folder.glob("*") if PIECE.fullmatch(path.name))
 
     def _is_own(self, path: Path) -> bool:
-        return bool(path == self._told or PIECE.fullmatch(path.name) or OF_OURS.fullmatch(path.name))
+        return bool(path == self._told or PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name))
 
     def _name(self, first: int, content: bytes) -> str:
         return f"{first:09d}-{hashlib.sha256(self._digest + content).hexdigest()}.npz"
