@@ -1,5 +1,6 @@
 """Linear algebra runs on one thread while the package computes: answers do not depend on how many there are."""
 
+import importlib
 import inspect
 import os
 import subprocess
@@ -25,6 +26,7 @@ def threads():
 
 @pytest.fixture
 def two_threads():
+    importlib.import_module("scipy.linalg")
     with threadpoolctl.threadpool_limits(2, user_api="blas"):
         if set(threads()) != {2}:
             pytest.skip("a BLAS whose threads cannot be set")

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from threadpoolctl import threadpool_limits
+import threadpoolctl
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -31,13 +31,24 @@ class OneThread:
     def __enter__(self) -> None:
         with self._lock:
             self._blocks += 1
-            self._limits.append(threadpool_limits(1, user_api="blas"))  # a BLAS may have been loaded since the last
+            _release_control()
+            # In each block: a BLAS may have been loaded since the last one.
+            self._limits.append(threadpoolctl.threadpool_limits(1, user_api="blas"))
 
     def __exit__(self, *error: object) -> None:
         with self._lock:
             self._blocks -= 1
+            _release_control()
             while self._limits and self._blocks == 0:
                 self._limits.pop().restore_original_limits()
+            _release_control()
+
+
+def _release_control() -> None:
+    """Let any thread set the number of threads of OpenBLAS: newer versions of threadpoolctl heed one at a time."""
+    release = getattr(threadpoolctl.OpenBLASController, "clear_controlling_thread", None)
+    if release is not None:
+        release(force=True)
 
 
 ONE_THREAD = OneThread()
