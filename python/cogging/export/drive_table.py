@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.export.drives.frame import Frame, ends, looked_at
+from cogging.export.drive_frame import Frame, ends, looked_at
 from cogging.shown import quoted
 
 BETWEEN = ("linear", "hold")

@@ -1,4 +1,4 @@
-"""What would explain Table I of Malaize and Levine 2009: `python -m cogging.papers.malaize2009.causes_study [DIR]`.
+"""What would explain Table I of Malaize and Levine 2009: `python -m studies.malaize2009.causes_study [DIR]`.
 
 Prints the map of causes, what else each does, what it gives to the other motor, how much a draw counts, the verdicts
 with their reasons, and on how many draws of unmodelled lines the spectrum proposes the printed periods first. With DIR
@@ -13,7 +13,6 @@ from pathlib import Path
 
 from cogging.outputs import write_bytes
 from cogging.papers.malaize2009.causes import CAUSES, explained
-from cogging.papers.malaize2009.causes_calibration import curve
 from cogging.papers.malaize2009.causes_figures import figure_causes
 from cogging.papers.malaize2009.causes_tables import held_out, spread_over_draws, what_else, what_explains
 from cogging.papers.malaize2009.setup import MOTORS
@@ -21,6 +20,7 @@ from cogging.papers.malaize2009.spectra import all_propose
 from cogging.papers.malaize2009.tables import accuracies_of_table_1
 from cogging.papers.result import png
 from cogging_command import run_command
+from studies.malaize2009.causes_calibration import curve
 
 
 def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:

@@ -1,4 +1,4 @@
-"""Calibrates Malaize and Levine 2009: `python -m cogging.papers.malaize2009.calibration [FILE]` (extra `design`).
+"""Calibrates Malaize and Levine 2009: `python -m studies.malaize2009.calibration [FILE]` (extra `design`).
 
 For each motor the amplitude of the cogging is found so that the PID has the accuracy of Table I, and the pole radius of
 the observer's design so that lambda* is that of Table I. The observer's accuracy takes no part. The result, with the
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+import cogging.papers.malaize2009
 from cogging.arrays import FloatArray
 from cogging.design.observer import design_observer
 from cogging.outputs import to_toml, write_text
@@ -62,5 +63,5 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    own = str(Path(__file__).with_name("gains.toml"))
+    own = str(Path(cogging.papers.malaize2009.__file__).with_name("gains.toml"))
     sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))

@@ -19,7 +19,11 @@ from cogging._core.references import Sampled
 from cogging.arrays import FloatArray
 from cogging.datasets import laas
 from cogging.datasets.laas import SPEED_LOOP, TURN, RotaryLog
-from cogging.datasets.laas_motor import (
+from cogging.mapping.fit import fit_map
+from cogging.mapping.result import MapFit
+from cogging.model.model import Model
+from cogging.simulation.run import simulate
+from studies.laas.motor import (
     Estimate,
     axis_from_acceleration,
     current_lateness,
@@ -28,10 +32,6 @@ from cogging.datasets.laas_motor import (
     speed_law,
     velocity_window,
 )
-from cogging.mapping.fit import fit_map
-from cogging.mapping.result import MapFit
-from cogging.model.model import Model
-from cogging.simulation.run import simulate
 
 SHOWN = 0.2  # s: what a run shows before is its start
 LEVELS = np.linspace(0.01, 0.99, 99)

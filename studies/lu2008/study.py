@@ -1,4 +1,4 @@
-"""What the setup of Lu et al. 2008 lacks, and how far its claim reaches: `python -m cogging.papers.lu2008.study`.
+"""What the setup of Lu et al. 2008 lacks, and how far its claim reaches: `python -m studies.lu2008.study`.
 
 Prints four things: what each assumption about the unreported setup, the shape of the map first, does to the maxima
 (amplitudes calibrated anew on the rms values each time), the share of random cogging maps on which C3 beats C2 beats
@@ -21,7 +21,6 @@ from cogging._core import (
     friction_slope_max,
 )
 from cogging.arrays import FloatArray
-from cogging.papers.lu2008.calibration import calibrate
 from cogging.papers.lu2008.claims import claim_table, errors_on_maps
 from cogging.papers.lu2008.condition import matrix_condition
 from cogging.papers.lu2008.setup import (
@@ -42,6 +41,7 @@ from cogging.papers.lu2008.setup import (
 )
 from cogging.papers.lu2008.shapes import FIRST_SHAPE, MapShape
 from cogging_command import run_command
+from studies.lu2008.calibration import calibrate
 
 MANY_MAPS = 200  # an axis
 #: Values of the shape that are tried, each alone.

@@ -1,4 +1,4 @@
-"""Calibrates the cogging maps of Lu et al. 2008: `python -m cogging.papers.lu2008.calibration [FILE]`.
+"""Calibrates the cogging maps of Lu et al. 2008: `python -m studies.lu2008.calibration [FILE]`.
 
 The paper prints no map. Five sets of conditions are found, which come with the package as maps.toml, bit for bit:
 
@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
+import cogging.papers.lu2008
 from cogging._core import CoggingModel, Plant, PointToPoint
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.lu2008.search import Fit, Responses, search
 from cogging.papers.lu2008.setup import (
     AXES,
     FIRST,
@@ -38,6 +38,7 @@ from cogging.papers.lu2008.setup import (
 )
 from cogging.papers.lu2008.shapes import FIRST_SHAPE, Amplitudes, MapShape
 from cogging_command import run_command
+from studies.lu2008.search import Fit, Responses, search
 
 START = (0.09, 0.06, 0.05)  # V: where the search begins, for both axes
 TOLERANCE = 0.002  # of the largest log-ratio of the three rms values
@@ -115,7 +116,7 @@ def maps_toml() -> str:
     }
     for section, name in HELD_OUT.items():
         document[section] = held_out_section(search([AXES[name]], [responses[name]]), name)
-    head = "# Assumed cogging maps (amplitudes in V, begin in rad), written by cogging.papers.lu2008.calibration.\n"
+    head = "# Assumed cogging maps (amplitudes in V, begin in rad), written by studies.lu2008.calibration.\n"
     return head + to_toml(document)
 
 
@@ -126,5 +127,5 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    own = str(Path(__file__).with_name("maps.toml"))
+    own = str(Path(cogging.papers.lu2008.__file__).with_name("maps.toml"))
     sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))

@@ -1,4 +1,4 @@
-"""What the printed numbers of Xu and Yao 2001 explain and what not: `python -m cogging.papers.xu2001.study [DIR]`.
+"""What the printed numbers of Xu and Yao 2001 explain and what not: `python -m studies.xu2001.study [DIR]`.
 
 Exploratory, never mixed with Table 1: which change of the controller's numbers brings the ARC columns near the
 printed ones, why the printed robust terms cannot run, and where ARC is better than the PID and where not. With DIR, a
@@ -30,8 +30,7 @@ from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
 from cogging.papers.result import png
-from cogging.papers.xu2001.calibration import ALL
-from cogging.papers.xu2001.conditions import Conditions, joint_conditions
+from cogging.papers.xu2001.conditions import ALL, Conditions, joint_conditions
 from cogging.papers.xu2001.exploration import changes, columns, explore, explore_conditions, gap
 from cogging.papers.xu2001.fast_motion import fast_motion_table
 from cogging.papers.xu2001.figures import figure_increment

@@ -1,4 +1,4 @@
-"""What robustness costs in Malaize and Levine 2009: `python -m cogging.papers.malaize2009.study [DIR]`.
+"""What robustness costs in Malaize and Levine 2009: `python -m studies.malaize2009.study [DIR]`.
 
 Prints lambda* over decay rate, pole radius and velocity range, the largest decay rates, what a gain that grows with
 the velocity adds, the decay of random machines inside the certificate, and the multiple of lambda* at which a

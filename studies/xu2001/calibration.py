@@ -1,4 +1,4 @@
-"""Calibrates what Xu and Yao 2001 do not report: `python -m cogging.papers.xu2001.calibration [FILE]`.
+"""Calibrates what Xu and Yao 2001 do not report: `python -m studies.xu2001.calibration [FILE]`.
 
 Everything is fitted to e_M, e_F, e_rms, u_rms, c_u of Table 1, in some 15 minutes of one core, and comes with the
 package as plant.toml, each fit with the error that it left:
@@ -12,19 +12,18 @@ package as plant.toml, each fit with the error that it left:
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cogging.papers.xu2001
 from cogging.outputs import to_toml, write_text
+from cogging.papers.xu2001.conditions import ALL, HELD_OUT, PID
 from cogging.papers.xu2001.conditions_fit import JOINT_LAW, LAWS, RATES, START, Fit, Problem, calibrate, start_of
-from cogging.papers.xu2001.setup import SETS
 from cogging_command import run_command
 
 PID_STARTS, JOINT_STARTS = 8, 3
-PID: Mapping[str, Sequence[str]] = {"PID": SETS}
-ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
 EARLIER_RUNS = 2  # of 0 to 4 the number that comes nearest: `earlier_runs` of plant.toml
 #: Where the joint search begins: what an earlier one had found, rounded. Held-out fits, which may not know that, begin
 #: where the plant's does, with the adaptation as printed.
@@ -54,11 +53,6 @@ READINGS: dict[str, tuple[float, Mapping[str, Any]]] = {
     "observer at -120 for -200": (1.0, {"observer_gain_1": 240.0, "observer_gain_2": 14400.0}),
 }
 EACH_RATE = "each of the three rates free"  # whether one factor serves all: from the printed rates, none is preferred
-#: Which numbers take part in a held-out fit; the others are predicted.
-HELD_OUT: dict[str, Mapping[str, Sequence[str]]] = {
-    "set_2": {"PID": ("1", "3"), "ARC": ("1", "3")},
-    "arc_sets_2_3": {"PID": SETS, "ARC": ("1",)},
-}
 MOST_EARLIER_RUNS = 4
 BRIEFLY = (5, 1)  # iterations of the fits that begin where another ended
 
@@ -120,7 +114,7 @@ def plant_toml() -> str:
 
 def text_of(document: Mapping[str, Any]) -> str:
     """A document as the file."""
-    head = "# What the paper does not report, by what it was fitted to, written by cogging.papers.xu2001.calibration.\n"
+    head = "# What the paper does not report, by what it was fitted to, written by studies.xu2001.calibration.\n"
     return head + to_toml(document)
 
 
@@ -131,5 +125,5 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    own = str(Path(__file__).with_name("plant.toml"))
+    own = str(Path(cogging.papers.xu2001.__file__).with_name("plant.toml"))
     sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))

@@ -1,4 +1,4 @@
-"""The papers' gains, tuned on their own setups: `python -m cogging.papers.tuning [FOLDER]`.
+"""The papers' gains, tuned on their own setups: `python -m studies.tuned_gains [FOLDER]`.
 
 The command may be no larger than with the printed gains, and at least half of the delay that they bear must be left.
 Gains are tuned on drawn machines (those of Lu et al. on fewer moves) and then compared with the printed ones on the

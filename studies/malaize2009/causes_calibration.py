@@ -1,4 +1,4 @@
-"""Calibrates conditions.toml: `python -m cogging.papers.malaize2009.causes_calibration [FILE]`.
+"""Calibrates conditions.toml: `python -m studies.malaize2009.causes_calibration [FILE]`.
 
 For each of CAUSES and each motor the size at which the observer has the accuracy of Table I, the PID's calibrated anew
 at every size; and the one share of unmodelled lines that serves both motors best, which Table I is shown under. Some
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+import cogging.papers.malaize2009
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
@@ -22,7 +23,7 @@ from cogging.papers.malaize2009.conditions import DRAWS, Conditions, drawn_accur
 from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, shipped
 from cogging_command import run_command
 
-OWN = Path(__file__).with_name("conditions.toml")
+OWN = Path(cogging.papers.malaize2009.__file__).with_name("conditions.toml")
 STEPS = 7  # sizes of a curve
 DIGITS = 3
 
@@ -115,7 +116,7 @@ def main(target: str, show: Callable[[str], None] = print) -> None:
     document: dict[str, Any] = {"table_1": calibrated_table_1()}
     show(f"Table I: {document['table_1']}")
     document |= {cause.field: calibrated_cause(cause, show) for cause in CAUSES}
-    head = "# Sizes (SI) and amplitudes (m/s^2), by python -m cogging.papers.malaize2009.causes_calibration.\n"
+    head = "# Sizes (SI) and amplitudes (m/s^2), by python -m studies.malaize2009.causes_calibration.\n"
     write_text(target, head + to_toml(document))
     show(f"{target} written")
 
