@@ -423,12 +423,12 @@ def nuisance_columns(evidence):
         widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, max(12.0 * width, 4.0 * slowest, 0.3 * fastest), WIDTHS))]
     laws = []
     for b in balances:
-        if b.kept.get("friction", (None,))[0] != (width, widths):
+        if b.cache.get("friction", (None,))[0] != (width, widths):
             v = b.fine[3]
             table = [np.arctan(v / width) * 2 / np.pi if width > 0 else np.sign(v)]
             table += [np.clip(v / w, -1.0, 1.0) for w in widths]
-            b.kept["friction"] = (width, widths), b.averaged(np.array(table))
-        laws.append(b.kept["friction"][1])
+            b.cache["friction"] = (width, widths), b.averaged(np.array(table))
+        laws.append(b.cache["friction"][1])
     # the residual is M a less the forces: more mass adds a
     axis = {
         "mass": [-a for a in evidence.accelerations],
@@ -442,7 +442,7 @@ def nuisance_columns(evidence):
             loose = u is None or path in evidence.free
             add(path, np.inf if loose else u * max(abs(stated), 1e-12), stated - getattr(model.axis, name), rows)
     # friction may follow a bend of the contact instead of the speed: it is a part of a row late
-    late = [np.diff(law[0], prepend=law[0][0]) / b.first for law, b in zip(laws, balances)]
+    late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances)]
     add("friction.late", TIMING * max(own, 1e-12), 0.0, late)
     for k, w in enumerate(widths, 1):
         add(f"width.{w:g}", max(own, 1e-12), 0.0, [law[0] - law[k] for law in laws])
