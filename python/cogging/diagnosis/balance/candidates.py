@@ -11,7 +11,7 @@ from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.residuals import quiet_plant
-from cogging.diagnosis.balance.cells import dahl, hats, load_answer, lost_motion, splines
+from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
 
 E = VOCABULARY
 GAINS = (  # what takes a part of the command away
@@ -406,7 +406,7 @@ def search_once(ctx, also):
     def mode_columns(f, z):
         seen = float(f < 1.1 * highest)
         return lambda c: [
-            seen * c.model.axis.mass * (a - load_answer(a, b.step, f, z))[None]
+            seen * c.model.axis.mass * (a - load_response(a, b.step, f, z))[None]
             for b, a in zip(c.balances, c.accelerations)
         ]
 
