@@ -70,7 +70,7 @@ def lost_motion(a: FloatArray, step: float, gap: float) -> FloatArray:
     """
     apart, free_until, side = np.zeros(len(a)), 0, float(np.sign(a[0]) or 1.0)
     longest = max(2, round(LONGEST_FLIGHT / step))
-    for i in np.flatnonzero(np.diff(np.sign(a))) + 1:
+    for i in (np.flatnonzero(np.diff(np.sign(a))) + 1).tolist():
         if i < free_until or side * a[i] >= 0.0:
             continue
         speed = np.cumsum(a[i : i + longest]) * step

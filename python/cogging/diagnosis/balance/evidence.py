@@ -125,7 +125,7 @@ def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArra
         prior = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
         scaled = x * np.sqrt(weight)
         gram = scaled @ scaled.T + np.diag(prior + 1e-12 * len(r))
-        w: FloatArray = np.linalg.solve(gram, x @ (weight * r) + prior * target)
+        w = np.asarray(np.linalg.solve(gram, x @ (weight * r) + prior * target), dtype=np.float64)
         rest = r - w @ x
         weight = (TAIL + 1.0) / (TAIL + rest**2 / variance)
         variance = float(weight @ rest**2) / len(rest)
