@@ -1,166 +1,83 @@
-"""From logs to a verdict."""
+"""Decision: the search for what a model lacks, on given and confirm logs together, one effect at a time.
+
+Each round looks for candidates in the given logs, ranks the best of them by the likelihood of all logs, drops what logs
+that can show it contradict, and adds the likeliest to the model, which is then re-tuned.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
-from cogging.diagnosis.balance.evidence import Evidence
-from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import BESIDE, CELLS, NESTED, SHAPED, Found, search_once
+from cogging.diagnosis.balance.evidence import Evidence, Maximum
+from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.effects.effect import Effect
+from cogging.logs.log import Log
+from cogging.model.model import Model
 
-THRESHOLD = 20.0
-SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
-BLOCK = 0.5  # s, of motion that is resampled
-RESAMPLED = 2000
-STEPS = 6  # effects, at most, and a last look at what is left
-SURVIVORS = 24  # of the screen
-CLOSE = 7  # of these, whose noise filters are their own
-SHOWN = 10.0  # expected gain from which on logs can refute
+THRESHOLD = 20.0  # score from which on a candidate is taken: above those of 36 drawn logs with nothing missing
+SHARE = 0.05  # probability from which on another name is an alternative
+BLOCK = 0.5  # s, of motion that is resampled: a stroke or so
+RESAMPLED = 2000  # motions
+ROUNDS = 6  # effects at most, and a last look at what is left
+SURVIVORS = 24  # candidates of a look that are compared on all logs
+CLOSE = 7  # of these that are compared with noise filters of their own
+FAINT = 0.1  # of the largest T: candidates below are not compared
+SHOWN = 10.0  # expected gain in 2 ln likelihood from which on logs can contradict a candidate
 LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
-REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")
+REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")  # may be found again
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has one
 
 
 @dataclass
 class Contender:
-    """A candidate on all logs: its log-likelihood ratio against none, and what it is worth on the confirm logs."""
+    """A candidate on all logs.
 
-    found: Any
+    Attributes:
+        found: the candidate.
+        ratio: gain in 2 ln likelihood over the model without it.
+        score: the same less what amplitudes and trials gain without any cause.
+        blocks: gain of each block of motion.
+        gains: of given and of confirm logs.
+        expected: what these would show if the candidate is right.
+    """
+
+    found: Found
     ratio: float
     score: float
-    blocks: Any = field(repr=False, default=None)
-    gains: tuple = (0.0, 0.0)  # on given and confirm logs
-    expected: tuple = (0.0, 0.0)  # of the same, if it is right
+    blocks: FloatArray = field(repr=False)
+    gains: tuple[float, float] = (0.0, 0.0)
+    expected: tuple[float, float] = (0.0, 0.0)
 
     @property
-    def refuted(self):
+    def is_contradicted(self) -> bool:
         """Logs that can show it show the contrary."""
-        return any(e > SHOWN and g < 0.0 for g, e in zip(self.gains, self.expected))
-
-
-def score_of(ratio, k, N, blocks):
-    """What is left of a log-likelihood ratio after paying for k amplitudes (blocks of motion count) and N trials."""
-    return ratio - k * max(np.log1p(max(ratio, 0.0) / k), np.log(blocks)) - 2 * np.log(max(N, 1))
-
-
-def contender(ctx, f, given):
-    """The candidate on all logs."""
-    if f.columns is None:
-        if f.effect not in ctx.paths:
-            return None
-        best = released(ctx, f.effect)
-        stated = getattr(ctx.given.axis, f.effect.removeprefix("axis."))
-        value = getattr(ctx.model.axis, f.effect.removeprefix("axis.")) + best.theta[ctx.paths.index(f.effect)]
-        if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
-            return None
-        best.none, inflation = ctx.null, 1.0
-    else:
-        best = ctx.maximised([b.rows(x) for b, x in zip(ctx.balances, f.columns(ctx))])
-        inflation = best.inflation
-    ratio = (best.none.cost - best.cost) / inflation
-    edges = block_edges(ctx)
-    by_row = (best.none.by_row() - best.by_row()) / inflation
-    one = Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), np.add.reduceat(by_row, edges))
-    if f.columns is not None:
-        first = sum(int(m.sum()) for m in ctx.counted[:given])
-        one.gains = float(by_row[:first].sum()), float(by_row[first:].sum())
-        told = best.told**2 / inflation
-        one.expected = float(told[:first].sum()), float(told[first:].sum())
-    return one
-
-
-def closest(both, found):
-    """Those of whom a closer look may find that they are the likeliest on all logs."""
-
-    def worth(f):
-        if f.columns is None:
-            return f.score
-        tables = [b.rows(x) for b, x in zip(both.balances, f.columns(both))]
-        ratio = both.glance(tables)
-        return score_of(ratio, max(f.k, 1), f.N, len(block_edges(both)))
-
-    return sorted(found, key=worth, reverse=True)[:CLOSE]
-
-
-def shift_of_zero(both, f, given, joint):
-    """Distance (m) by which the zero of the confirm logs lies elsewhere, as a wave of place tells it; 0 where it does not.
-
-    Args:
-        both: all logs.
-        f: wave that was found in the given logs.
-        given: how many of the logs are given.
-        joint: log-likelihood ratio of the wave with the same zero in all logs.
-    """
-    tables = [b.rows(x) for b, x in zip(both.balances, f.columns(both))]
-    none = [np.zeros_like(t) for t in tables]
-    apart = [np.vstack([t, z] if i < given else [z, t]) for i, (t, z) in enumerate(zip(tables, none))]
-    best = both.maximised(apart)
-    k = len(f.amplitudes)  # sine and cosine of the longest wave stand first
-    here, there = (complex(cosine, sine) for sine, cosine in best.theta[-2 * k :].reshape(2, k)[:, :2])
-    alike = 0.5 < abs(there) / max(abs(here), 1e-300) < 2.0
-    if not alike or (best.none.cost - best.cost) / best.inflation < joint + THRESHOLD + 2.0 * np.log(f.N):
-        return 0.0
-    return float(np.angle(here / there)) * f.period / (2 * np.pi)
-
-
-def released(ctx, path):
-    """The likeliest null without what is stated of one parameter."""
-    other = copy(ctx)
-    other.prior_sigma = ctx.prior_sigma.copy()
-    other.prior_sigma[ctx.paths.index(path)] = np.inf
-    return other.maximised()
-
-
-def inside(cell):
-    """Names that are said instead of a cell where they explain nearly as much."""
-    return (*CELLS.get(cell, ()), *BESIDE.get(cell, ()))
-
-
-def block_edges(ctx):
-    """First rows of the blocks of motion, none over two logs."""
-    size = round(BLOCK * ctx.balances[0].rate)
-    edges, at = [], 0
-    for m in ctx.counted:
-        n = int(m.sum())
-        edges += list(range(at, max(at + 1, at + n - size // 2), size))
-        at += n
-    return np.array(edges)
-
-
-def shares(contenders, seed=1):
-    """Probability of each candidate, none the last, averaged over motion that is resampled block by block."""
-    rng = np.random.default_rng(seed)
-    blocks = np.array([c.blocks for c in contenders])
-    extra = np.array([c.score - c.blocks.sum() for c in contenders])
-    n = blocks.shape[1]
-    weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
-    scores = np.hstack([weights @ blocks.T + extra, np.zeros((RESAMPLED, 1))])
-    odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
-    return np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1]
+        return any(e > SHOWN and g < 0.0 for g, e in zip(self.gains, self.expected, strict=True))
 
 
 @dataclass
 class Accepted:
-    """What was taken into the model.
+    """What was added to the model.
 
     Attributes:
         found: candidate, with the amplitudes of its columns; `effect(amplitudes)` is its law, None without one.
-        score: log-likelihood ratio less what its amplitudes and its scan cost.
-        share: how often it is the likeliest on copies of the motion.
+        score: gain in 2 ln likelihood less what amplitudes and trials gain without any cause.
+        share: probability that it is this one, over resampled motion.
         alternatives: other names with the same.
-        before, after: model without and with it, re-tuned.
+        before, after: re-tuned model without and with it.
     """
 
     found: Found
     score: float
     share: float
-    alternatives: list
-    before: Any
-    after: Any = None
+    alternatives: list[tuple[str, float]]
+    before: Model
+    after: Model | None = None
 
 
 @dataclass
@@ -171,151 +88,237 @@ class Outcome:
         nominal: evidence of the given logs under the re-tuned model, before anything was added.
         evidence: the same with all that was accepted: `model` holds what has a law, `extra` what has none.
         both: given and confirm logs together, with all that was accepted; `evidence` without confirm logs.
-        accepted: what was added, in the order of its weight.
-        refused: (name, gains on given and confirm logs, what these can show) of what the logs contradict.
-        found: last candidates, the likeliest first.
+        accepted: what was added, in that order.
+        refused: name, gains on given and confirm logs and what these can show, of what logs contradict.
+        found: last candidates, the highest score first.
         shift: distance by which the zero of the confirm logs lies elsewhere, m.
     """
 
     nominal: Evidence
     evidence: Evidence
     both: Evidence
-    accepted: list
-    refused: list
-    found: list
+    accepted: list[Accepted]
+    refused: list[tuple[str, tuple[float, float], tuple[float, float]]]
+    found: list[Found]
     shift: float = 0.0
 
 
-def search(given, confirm, model, log=None, also=None):
-    width, q = model.axis.coulomb_width, model.encoder.resolution
-    G = [ForceBalance(x, width, q) for x in given]
-    C = [ForceBalance(x, width, q) for x in confirm]
-    extra, free, accepted, refused = [], [], [], []
-    g_model, nominal, shift = model, None, 0.0
-    excluded = set()
-    for step in range(STEPS):
-        ctx = Evidence(G, model, g_model, list(extra), tuple(free)).prepare(2 if step == 0 else 3, listen=step == 0)
-        g_model = ctx.model
-        if step == 0:
-            nominal = ctx
-            for b in C:
-                b.hear(b.residual(g_model), g_model.axis.mass)
-        if accepted:
-            accepted[-1].after = g_model
-        at = len(ctx.paths)
-        for n, f in enumerate(extra):
-            k = len(f.amplitudes)
-            extra[n] = replace(f, amplitudes=ctx.null.theta[at : at + k])
-            at += k
-        found = [f for f in search_once(ctx, also or {}) if f.name not in excluded]
-        if log:
-            log(f"   step {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f} s {f.score:.0f}" for f in found[:5]))
-        outcome = Outcome(nominal, ctx, ctx, accepted, refused, found, shift)
-        both = ctx
-        if C:
-            both = outcome.both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
-        if step == STEPS - 1:
+def search(
+    given: Sequence[Log],
+    confirm: Sequence[Log],
+    model: Model,
+    also: Mapping[str, Effect] | None = None,
+    progress: Callable[[str], None] = lambda step: None,
+) -> Outcome:
+    """Search for what a model lacks.
+
+    Args:
+        given: logs that are searched.
+        confirm: logs of other motion: they rank what was found, and may contradict it.
+        model: stated model.
+        also: own effects by name.
+        progress: is called with what was found in each round, in a line.
+    """
+    width, quantum = model.axis.coulomb_width, model.encoder.resolution
+    balances = [ForceBalance(log, width, quantum) for log in given]
+    others = [ForceBalance(log, width, quantum) for log in confirm]
+    extra: list[Found] = []
+    free: list[str] = []
+    excluded: set[str] = set()
+    outcome: Outcome | None = None
+    current = model
+    for step in range(ROUNDS):
+        evidence = Evidence(balances, model, current, list(extra), tuple(free))
+        evidence.prepare(2 if step == 0 else 3, listen=step == 0)
+        current = evidence.model
+        found = [f for f in search_once(evidence, also or {}) if f.name not in excluded]
+        progress(f"round {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f}" for f in found[:5]))
+        if outcome is None:
+            for b in others:
+                b.set_corner(b.residual(current), current.axis.mass)
+            outcome = Outcome(evidence, evidence, evidence, [], [], found)
+        outcome.evidence = outcome.both = evidence
+        outcome.found = found
+        if outcome.accepted:
+            outcome.accepted[-1].after = current
+        extra = with_amplitudes(extra, evidence)
+        if others:
+            outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
+        if step == ROUNDS - 1:
             break
-        found = [f for f in found if f.T > max(4.0, 0.1 * found[0].T)][:SURVIVORS]
-        found = closest(both, found)
-        contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
-        waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD]
-        if C and waves and not shift and model.cogging is None:
-            top = max(waves, key=lambda c: c.ratio)
-            distance = shift_of_zero(both, top.found, len(G), top.ratio)
-            if distance:
-                shift, C = distance, [b.moved(distance) for b in C]
-                if log:
-                    log(f"      zero of the confirm logs moved by {distance:.4g}")
-                both = outcome.both = Evidence(G + C, model, g_model, list(extra), tuple(free)).prepare()
-                contenders = [c for f in found if (c := contender(both, f, len(G))) is not None]
-        if log:
-            log(
-                "      joint: "
-                + "; ".join(
-                    f"{c.found.name} {c.found.label} {c.ratio:.0f} s {c.score:.0f} ({c.gains[0]:.0f}/{c.expected[0]:.0f} {c.gains[1]:.0f}/{c.expected[1]:.0f})"
-                    for c in sorted(contenders, key=lambda t: -t.score)[:6]
-                )
-            )
-        contenders = [c for c in contenders if c.score > 0]
-        if C:
-            for c in contenders:
-                if c.refuted:
-                    refused.append((c.found.name, c.gains, c.expected))
-                    if log:
-                        log(f"      refused {c.found.name} {np.round(c.gains)} of {np.round(c.expected)}")
-            contenders = [c for c in contenders if not c.refuted]
-        by = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
-        contenders = [
-            c
-            for c in contenders
-            if max((by.get(n, 0.0) for n in inside(c.found.name)), default=0.0) < NESTED * c.ratio
-        ]
-        contenders.sort(key=lambda c: -c.score)
-        best_shape: dict = {}
+
+        # those that may be the likeliest on all logs, each with its own noise filter
+        compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
+        compared = closest(outcome.both, compared)
+        contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
+        if others and not outcome.shift and model.cogging is None:
+            waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD]
+            top = max(waves, key=lambda c: c.ratio, default=None)
+            outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
+            if outcome.shift:
+                others = [b.moved(outcome.shift) for b in others]
+                outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
+                contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
+
+        # what is contradicted goes, then cells beside a law that explains nearly as much, then all but the best shapes
+        contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
+        if others:
+            outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
+            contenders = [c for c in contenders if not c.is_contradicted]
+        ratios = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
+        said_instead = {
+            c.found.name: max((ratios.get(n, 0.0) for n in inside(c.found.name)), default=0.0) for c in contenders
+        }
+        contenders = [c for c in contenders if said_instead[c.found.name] < NESTED * c.ratio]
+        best: dict[str, Contender] = {}
         for c in contenders:
-            best_shape.setdefault(c.found.name, c)
-        contenders = list(best_shape.values())
+            best.setdefault(c.found.name, c)
+        contenders = list(best.values())
+        progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         if not contenders or contenders[0].score < THRESHOLD:
             break
+
         part = shares(contenders)
-        top = contenders[0]
-        if log:
-            log("      shares: " + "; ".join(f"{c.found.name} {p:.2f}" for c, p in zip(contenders, part) if p > 0.01))
-        alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:]) if p > SHARE]
-        f = top.found
-        taken = [one.found.name for one in accepted]
+        alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
+        f, taken = contenders[0].found, [one.found.name for one in outcome.accepted]
         if owner := next((n for n in CELLS.get(f.name, ()) if n in taken and f.name in SHAPED), None):
             f = replace(f, name=owner, label="other shape", effect=None)  # what its plainest law lacks
-        accepted.append(Accepted(f, top.score, float(part[0]), alternatives, g_model))
+        outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives, current))
+        effect = f.effect(f.amplitudes) if f.columns is not None and f.effect is not None else None
         if f.columns is None:
             free.append(f.effect)
+        elif effect is None or "state" in effect.HOOKS:
+            extra.append(f)
         else:
-            effect = f.effect(f.amplitudes) if f.effect is not None else None
-            if effect is None or "state" in effect.HOOKS:
-                extra.append(f)
-            else:
-                g_model = g_model.replace(effects=(*g_model.effects, effect))
+            current = current.replace(effects=(*current.effects, effect))
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
-    names = {one.found.name for one in accepted}
-    for one in accepted:  # what was found beside it is no alternative to it
-        apart = sum(p for name, p in one.alternatives if name in names)
-        one.alternatives = [(name, p) for name, p in one.alternatives if name not in names]
-        one.share = min(1.0, one.share / max(1.0 - apart, one.share))
+    assert outcome is not None
+    without_each_other(outcome.accepted)
     return outcome
 
 
-def run(given, confirm, model, log=None):
-    """Names with what they are worth, for the bench."""
-    return verdict(search(given, confirm, model, log).accepted)
+def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
+    """What was accepted without a law, with its amplitudes as they are fitted beside all else."""
+    at, out = len(evidence.paths), []
+    for f in extra:
+        k = len(f.amplitudes)
+        out.append(replace(f, amplitudes=evidence.null.theta[at : at + k]))
+        at += k
+    return out
 
 
-def verdict(accepted):
-    """Names with what they are worth."""
-    effects, unlisted = [], None
+def without_each_other(accepted: Sequence[Accepted]) -> None:
+    """Take from the alternatives of each effect what was found beside it."""
+    names = {one.found.name for one in accepted}
     for one in accepted:
-        f = one.found
-        names = list(dict.fromkeys([f.name, *(n for n, _ in one.alternatives), *f.others]))
-        if f.name.startswith("~"):
-            unlisted = unlisted or f.name
-            continue
-        others = [n for n in names[1:] if not n.startswith("~")]
-        effects.append(
-            {"name": f.name, "alternatives": others, "confidence": one.share, "parameters": {}, "where": None}
-        )
-    merged = {}
-    for e in effects:
-        merged.setdefault(e["name"], e)
-    effects = list(merged.values())
-    if unlisted:
-        v = "unlisted"
-        for e in effects:
-            e["confidence"] = min(e["confidence"], 0.85)
-    elif not effects:
-        v = "no_gap"
-    elif all(e["confidence"] >= 0.9 and not e["alternatives"] for e in effects):
-        v = "named"
-    else:
-        v = "ambiguous"
-    return {"verdict": v, "effects": effects, "unlisted": unlisted, "gap": {}}
+        apart = sum(p for name, p in one.alternatives if name in names)
+        one.alternatives = [(name, p) for name, p in one.alternatives if name not in names]
+        one.share = min(1.0, one.share / max(1.0 - apart, one.share))
+
+
+def inside(cell: str) -> tuple[str, ...]:
+    """Names that are said instead of a cell where they explain nearly as much."""
+    return (*CELLS.get(cell, ()), *BESIDE.get(cell, ()))
+
+
+def score_of(ratio: float, k: int, trials: int, blocks: int) -> float:
+    """What is left of a gain in 2 ln likelihood after paying for k amplitudes (blocks of motion count) and trials."""
+    return float(ratio - k * max(np.log1p(max(ratio, 0.0) / k), np.log(blocks)) - 2 * np.log(max(trials, 1)))
+
+
+def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
+    """The candidate on all logs, the first of which are given; None for a change that no machine can have."""
+    edges = block_edges(evidence)
+    if f.columns is None:
+        if f.effect not in evidence.paths:
+            return None
+        best, name = released(evidence, f.effect), f.effect.removeprefix("axis.")
+        stated = getattr(evidence.given.axis, name)
+        value = getattr(evidence.model.axis, name) + best.theta[evidence.paths.index(f.effect)]
+        if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
+            return None
+        ratio = evidence.null.cost - best.cost
+        by_row = evidence.null.by_row() - best.by_row()
+        blocks = np.add.reduceat(by_row, edges)
+        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), blocks)
+    best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
+    ratio = (best.none.cost - best.cost) / best.inflation
+    by_row = (best.none.by_row() - best.by_row()) / best.inflation
+    expected = best.told**2 / best.inflation
+    first = sum(int(m.sum()) for m in evidence.counted[:given])
+    return Contender(
+        f,
+        ratio,
+        score_of(ratio, max(f.k, 1), f.N, len(edges)),
+        np.add.reduceat(by_row, edges),
+        (float(by_row[:first].sum()), float(by_row[first:].sum())),
+        (float(expected[:first].sum()), float(expected[first:].sum())),
+    )
+
+
+def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
+    """Those of whom a closer look may find that they are the likeliest on all logs."""
+    blocks = len(block_edges(evidence))
+
+    def worth(f: Found) -> float:
+        if f.columns is None:
+            return f.score
+        tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
+        return score_of(evidence.quick_ratio(tables), max(f.k, 1), f.N, blocks)
+
+    return sorted(found, key=worth, reverse=True)[:CLOSE]
+
+
+def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> float:
+    """Distance (m) by which the zero of the confirm logs lies elsewhere, as a wave of place shows it; 0 where it does not.
+
+    Args:
+        evidence: all logs.
+        f: wave that was found in the given logs.
+        given: how many of the logs are given.
+        joint: gain in 2 ln likelihood of the wave with the same zero in all logs.
+    """
+    tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
+    none = [np.zeros_like(t) for t in tables]
+    pairs = enumerate(zip(tables, none, strict=True))
+    best = evidence.maximised([np.vstack([t, z] if i < given else [z, t]) for i, (t, z) in pairs])
+    k = len(f.amplitudes)  # sine and cosine of the longest wave stand first
+    here, there = (complex(cosine, sine) for sine, cosine in best.theta[-2 * k :].reshape(2, k)[:, :2])
+    alike = 0.5 < abs(there) / max(abs(here), 1e-300) < 2.0
+    gain = (best.none.cost - best.cost) / best.inflation
+    if not alike or f.period is None or gain < joint + THRESHOLD + 2.0 * np.log(f.N):
+        return 0.0
+    return float(np.angle(here / there)) * f.period / (2 * np.pi)
+
+
+def released(evidence: Evidence, path: str) -> Maximum:
+    """The likeliest model without what is stated of one parameter."""
+    other = copy(evidence)
+    other.prior_sigma = evidence.prior_sigma.copy()
+    other.prior_sigma[evidence.paths.index(path)] = np.inf
+    return other.maximised()
+
+
+def block_edges(evidence: Evidence) -> FloatArray:
+    """First rows of the blocks of motion, none over two logs."""
+    size = round(BLOCK * evidence.balances[0].rate)
+    edges: list[int] = []
+    at = 0
+    for m in evidence.counted:
+        n = int(m.sum())
+        edges += list(range(at, max(at + 1, at + n - size // 2), size))
+        at += n
+    return np.array(edges)
+
+
+def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
+    """Probability of each candidate, none being one of them, averaged over motion that is resampled block by block."""
+    rng = np.random.default_rng(seed)
+    blocks = np.array([c.blocks for c in contenders])
+    paid = np.array([c.score - c.blocks.sum() for c in contenders])
+    n = blocks.shape[1]
+    weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
+    scores = np.hstack([weights @ blocks.T + paid, np.zeros((RESAMPLED, 1))])
+    odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
+    return np.asarray(np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1])
