@@ -827,7 +827,7 @@ NESTED = 0.7  # share of a cell's ratio from which on a law inside it is named i
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:
-    """Candidates, where a force of any shape along a coordinate bears the name of the best law there, beside that law."""
+    """Candidates, where a force of any shape along a coordinate bears the name of the best law along it."""
     by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
     out = {(f.name, f.label): f for f in found}
     for cell in SHAPED:

@@ -11,6 +11,7 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import BESIDE, CELLS, NESTED, SHAPED, Found, search_once
@@ -160,29 +161,18 @@ def search(
                 outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
                 contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
 
-        # what is contradicted goes, then cells beside a law that explains nearly as much, then all but the best shapes
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
-        ratios = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
-        said_instead = {
-            c.found.name: max((ratios.get(n, 0.0) for n in inside(c.found.name)), default=0.0) for c in contenders
-        }
-        contenders = [c for c in contenders if said_instead[c.found.name] < NESTED * c.ratio]
-        best: dict[str, Contender] = {}
-        for c in contenders:
-            best.setdefault(c.found.name, c)
-        contenders = list(best.values())
+        contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         if not contenders or contenders[0].score < THRESHOLD:
             break
 
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
-        f, taken = contenders[0].found, [one.found.name for one in outcome.accepted]
-        if owner := next((n for n in CELLS.get(f.name, ()) if n in taken and f.name in SHAPED), None):
-            f = replace(f, name=owner, label="other shape", effect=None)  # what its plainest law lacks
+        f = owned(contenders[0].found, outcome.accepted)
         outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives, current))
         effect = f.effect(f.amplitudes) if f.columns is not None and f.effect is not None else None
         if f.columns is None:
@@ -196,6 +186,24 @@ def search(
     assert outcome is not None
     without_each_other(outcome.accepted)
     return outcome
+
+
+def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
+    """The best shape of each name, without cells beside a law that explains nearly as much; the best comes first."""
+    ratios = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
+    best: dict[str, Contender] = {}
+    for c in contenders:
+        names = (*CELLS.get(c.found.name, ()), *BESIDE.get(c.found.name, ()))
+        if max((ratios.get(name, 0.0) for name in names), default=0.0) < NESTED * c.ratio:
+            best.setdefault(c.found.name, c)
+    return list(best.values())
+
+
+def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
+    """The candidate, or what it shows the plainest law of an accepted effect to lack: another shape of that."""
+    taken = [one.found.name for one in accepted]
+    owner = next((name for name in CELLS.get(f.name, ()) if name in taken and f.name in SHAPED), None)
+    return f if owner is None else replace(f, name=owner, label="other shape", effect=None)
 
 
 def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
@@ -215,11 +223,6 @@ def without_each_other(accepted: Sequence[Accepted]) -> None:
         apart = sum(p for name, p in one.alternatives if name in names)
         one.alternatives = [(name, p) for name, p in one.alternatives if name not in names]
         one.share = min(1.0, one.share / max(1.0 - apart, one.share))
-
-
-def inside(cell: str) -> tuple[str, ...]:
-    """Names that are said instead of a cell where they explain nearly as much."""
-    return (*CELLS.get(cell, ()), *BESIDE.get(cell, ()))
 
 
 def score_of(ratio: float, k: int, trials: int, blocks: int) -> float:
@@ -271,7 +274,7 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
 
 
 def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> float:
-    """Distance (m) by which the zero of the confirm logs lies elsewhere, as a wave of place shows it; 0 where it does not.
+    """Distance (m) by which the zero of the confirm logs lies elsewhere by a wave of place; 0 where none shows.
 
     Args:
         evidence: all logs.
@@ -300,7 +303,7 @@ def released(evidence: Evidence, path: str) -> Maximum:
     return other.maximised()
 
 
-def block_edges(evidence: Evidence) -> FloatArray:
+def block_edges(evidence: Evidence) -> NDArray[np.intp]:
     """First rows of the blocks of motion, none over two logs."""
     size = round(BLOCK * evidence.balances[0].rate)
     edges: list[int] = []
@@ -309,7 +312,7 @@ def block_edges(evidence: Evidence) -> FloatArray:
         n = int(m.sum())
         edges += list(range(at, max(at + 1, at + n - size // 2), size))
         at += n
-    return np.array(edges)
+    return np.array(edges, dtype=np.intp)
 
 
 def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
