@@ -174,13 +174,7 @@ def search(
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)
         outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives, current))
-        effect = f.effect(f.amplitudes) if f.columns is not None and f.effect is not None else None
-        if f.columns is None:
-            free.append(f.effect)
-        elif effect is None or "state" in effect.HOOKS:
-            extra.append(f)
-        else:
-            current = current.replace(effects=(*current.effects, effect))
+        current = added_to(current, f, extra, free)
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
     assert outcome is not None
@@ -204,6 +198,18 @@ def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
     taken = [one.found.name for one in accepted]
     owner = next((name for name in CELLS.get(f.name, ()) if name in taken and f.name in SHAPED), None)
     return f if owner is None else replace(f, name=owner, label="other shape", effect=None)
+
+
+def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:
+    """The model with the law of a candidate; what has no law, or a state, is kept as columns, a change as a free path."""
+    if f.columns is None:
+        free.append(f.effect)
+        return model
+    effect = None if f.effect is None else f.effect(f.amplitudes)
+    if effect is None or "state" in effect.HOOKS:
+        extra.append(f)
+        return model
+    return model.replace(effects=(*model.effects, effect))
 
 
 def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
