@@ -201,7 +201,7 @@ def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
 
 
 def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:
-    """The model with the law of a candidate; what has no law, or a state, is kept as columns, a change as a free path."""
+    """The model with the law of a candidate; what has none, or a state, is kept as columns, a change as a free path."""
     if f.columns is None:
         free.append(f.effect)
         return model
