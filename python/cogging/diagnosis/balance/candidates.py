@@ -29,7 +29,7 @@ Law = Callable[[FloatArray], Effect | None]  # the effect of amplitudes (k,)
 # Sizes and limits of laws
 SMALL = 1e-2  # of the largest command: force for which the column of a law is made, on which it depends linearly
 UNIT = 1e-3  # the same of gains, errors of the reading and amplitudes of an own effect
-LEAST_DELAY = 0.05  # samples: time stamps themselves are off by as much
+LEAST_DELAY = 0.02  # samples: time stamps themselves are off by as much
 WHOLE = (0.4, 2.5)  # amplitude of a column that is all of what a limit of the command does, not a share of it
 BRISTLE = (0.5, 2.0)  # the same of presliding, which replaces all of Coulomb friction
 LOAD = (0.0, 0.95)  # share of the mass that may be a load
@@ -44,7 +44,7 @@ OWN_SHAPES = 6  # values of each number of the shape of an own effect
 PEAKS = 4  # of a spectrum along the travel that are tried for each kind of wave; tones: 3
 LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it in a hundred of thousands of lines
 LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
-WAVE_GRID = 4e-4  # m, of the grid of a spectrum along the travel, where the travel is short enough for it
+WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
 SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
 BAND_SHARE = 1e-3  # of the largest gain: a wave that is less in the band is not seen
 TONE_SHARE = 0.38  # of the rate of the rows: highest frequency of a tone, below the edge of the decimation
@@ -410,8 +410,8 @@ def command(s: Search) -> None:
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
 
     peak = max(float(np.abs(d).max()) for d in s.ctx.drives)
-    for share in (0.95, 0.85, 0.7, 0.5, 0.3):
-        s.varied("command_saturation", share * peak, saturation, 5, within(WHOLE))
+    for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, 0.3):
+        s.varied("command_saturation", share * peak, saturation, 7, within(WHOLE))
     for share in np.geomspace(3e-4, 0.3, 8):
         s.varied("command_dead_zone", share * peak, dead_zone, 8, within(WHOLE))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
@@ -609,10 +609,10 @@ def waves(s: Search) -> None:
             if name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turn):
                 continue
             period = 1 / kappa
-            columns = encoder_wave(kappa) if name == "encoder_periodic_error" else wave(s, kappa, name, (1,))
+            columns = wave(s, kappa, name, (1,))
             law = None if name.startswith("~") else wave_law(name, period)
             s.put(name, Shape(f"{period:.4g}", columns, law), trials, period=period)
-            if name in ("cogging_harmonic", "force_constant_ripple"):
+            if not name.startswith("~"):
                 several = Shape(f"{period:.4g} with harmonics", wave(s, kappa, name, (1, 2, 3)))
                 s.put(name, several, trials, period=period, family=f"{name}s")
     peaks.sort(reverse=True)
@@ -630,6 +630,8 @@ def wave_law(name: str, period: float) -> Law:
 
 def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
     """Sine and cosine of orders of a wavenumber (1/m) along the travel, times the multiplier of a kind of wave."""
+    if name == "encoder_periodic_error":
+        return encoder_wave(kappa, orders)
     w, peak = 2 * np.pi * kappa, s.force
     return driven(
         lambda b, d: np.vstack(
@@ -648,27 +650,26 @@ def modulated_wave(s: Search, kappa: float) -> Columns:
     return along(make)
 
 
-def encoder_wave(kappa: float) -> Columns:
-    """What a sine and a cosine of a wavenumber (1/m) in the reading feign, over their size."""
-    k, size = 2 * np.pi * kappa, 1e-4 / kappa
+def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
+    """What a sine and a cosine of orders of a wavenumber (1/m) in the reading feign, over their size."""
+    size = 1e-4 / kappa
 
-    def sine(x: FloatArray) -> Any:
-        return size * np.sin(k * x)
+    def feigned(c: Evidence, b: ForceBalance, a: FloatArray, k: float, turned: float) -> FloatArray:
+        def error(x: FloatArray) -> Any:
+            return size * np.sin(k * x + turned)
 
-    def cosine(x: FloatArray) -> Any:
-        return size * np.cos(k * x)
+        def slope(x: FloatArray) -> Any:
+            return k * size * np.cos(k * x + turned)
 
-    def make(c: Evidence, b: ForceBalance, a: FloatArray) -> FloatArray:
-        of_sine = reading_error(c, b, a, sine, lambda x: k * cosine(x), lambda x: -k * k * sine(x))
-        of_cosine = reading_error(c, b, a, cosine, lambda x: -k * sine(x), lambda x: -k * k * cosine(x))
-        return np.asarray(np.vstack([of_sine, of_cosine]) / size)
+        return reading_error(c, b, a, error, slope, lambda x: -k * k * error(x)) / size
 
-    return accelerated(make)
+    ks = [2 * np.pi * kappa * order for order in orders]
+    return accelerated(lambda c, b, a: np.vstack([feigned(c, b, a, k, turn) for k in ks for turn in (0.0, np.pi / 2)]))
 
 
 def wave_scan(s: Search, multipliers: Sequence[FloatArray]) -> tuple[list[tuple[float, float]], int]:
     """Wavenumbers (1/m) and scores of the highest peaks of multiplier * wave along the travel, and their number."""
-    n = int(2 ** np.ceil(np.log2(max(256, min(s.length / WAVE_GRID, 2**17) * 4))))
+    n = int(2 ** np.ceil(np.log2(8 * min(s.length / WAVE_GRID, 2**17))))
     dx = s.length / (n // 8)
     spectrum, kappa = travel_spectrum(s, multipliers, n, dx), np.fft.rfftfreq(n, dx)
     use = (kappa > LEAST_TURNS / s.length) & (kappa < 0.25 / dx) & (kappa < 1.0 / SHORTEST_WAVE)
