@@ -26,7 +26,6 @@ def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> NextS
         result=json_file(arguments) or "",
         patched=arguments.out or "",
         empirical=arguments.empirical,
-        planned=arguments.planned or "",
     )
     step = next_step(result, given)
     return replace(step, line=_lines(arguments, result, step)[step.kind]())
@@ -46,7 +45,7 @@ def _lines(arguments: argparse.Namespace, result: Diagnosis, step: NextStep) -> 
         "write_model": lambda: _again(arguments, **written),
         "confirm": lambda: _again(arguments, confirm=["OTHER_LOG.csv"], **written),
         "confirm_by_last": lambda: _again(arguments, logs=given, confirm=[last], **written),
-        "use": lambda: after_a_model(arguments.out or arguments.model, result.model, arguments.planned),
+        "use": lambda: after_a_model(arguments.out or arguments.model, result.model),
     }
 
 
@@ -72,7 +71,6 @@ def _again(
         files(arguments.logs if logs is None else logs),
         option("--model", arguments.model),
         option("--confirm", *others) if others else [],
-        option("--planned", arguments.planned),
         log_options(arguments),
         list(more),
         option("--json", json or arguments.json),

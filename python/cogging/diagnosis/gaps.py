@@ -13,7 +13,7 @@ from cogging._core import DivergedError
 from cogging.diagnosis.discrepancy import Discrepancy, discrepancies, floor_of, follows, has_balance, source_of
 from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.allowance import Allowance
-from cogging.diagnosis.evidence.running_controller import obeys
+from cogging.diagnosis.running_controller import obeys
 from cogging.diagnosis.large.balance import balances_of
 from cogging.diagnosis.large.search import with_own_nuisances
 from cogging.diagnosis.location import Location

@@ -208,7 +208,7 @@ class Outcome:
     shift: float = 0.0
 
 
-def search(given, confirm, model, log=None):
+def search(given, confirm, model, log=None, also=()):
     width, q = model.axis.coulomb_width, model.encoder.resolution
     G = [ForceBalance(x, width, q) for x in given]
     C = [ForceBalance(x, width, q) for x in confirm]
@@ -229,7 +229,7 @@ def search(given, confirm, model, log=None):
             k = len(f.amplitudes)
             extra[n] = replace(f, amplitudes=ctx.null.theta[at : at + k])
             at += k
-        found = [f for f in search_once(ctx) if f.name not in excluded]
+        found = [f for f in search_once(ctx, also) if f.name not in excluded]
         if log:
             log(f"   step {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f} s {f.score:.0f}" for f in found[:5]))
         outcome = Outcome(nominal, ctx, ctx, accepted, refused, found, shift)

@@ -7,11 +7,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cogging.arrays import FloatArray, Mask
-from cogging.diagnosis.thresholds import REPORT
 from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 
 Series = Mapping[str, Sequence[FloatArray]]
+BLOCK = 0.25  # s: closer rows say much the same; bands are computed from blocks
+EDGES, QUANTILES, EVEN = 41, 33, 17  # of bins in position and time; elsewhere by rows, and of equal width beside them
+NARROWEST = 1e-2  # of the whole range: no bin is narrower
+ROWS = 20  # of a bin: the mean of fewer is noise
+TRACE = 0.01  # s over which traces are averaged
 
 
 def rows_of(series: Series, name: str, direction: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -22,7 +26,7 @@ def rows_of(series: Series, name: str, direction: float = 0.0) -> tuple[FloatArr
         kept = np.asarray(series["mask"][i]) > 0
         if direction:
             kept = kept & (direction * np.asarray(series["velocity"][i]) > 0.0)
-        block = np.floor((series["time"][i] - series["time"][i][0]) / REPORT.band_block)
+        block = np.floor((series["time"][i] - series["time"][i][0]) / BLOCK)
         values.append(np.asarray(series[name][i])[kept])
         gaps.append(np.asarray(gap)[kept])
         blocks.append(block[kept] + offset)
@@ -33,14 +37,14 @@ def rows_of(series: Series, name: str, direction: float = 0.0) -> tuple[FloatArr
 def bins_of(values: FloatArray, name: str) -> FloatArray:
     """Edges of bins: of equal width in position and time, denser where there are more rows elsewhere."""
     if name in ("position", "time"):
-        return np.linspace(float(values.min()), float(values.max()), REPORT.bin_edges)
+        return np.linspace(float(values.min()), float(values.max()), EDGES)
     low, high = float(values.min()), float(values.max())
     both = np.union1d(
-        np.quantile(values, np.linspace(0.0, 1.0, REPORT.bin_quantiles)), np.linspace(low, high, REPORT.bin_edges_even)
+        np.quantile(values, np.linspace(0.0, 1.0, QUANTILES)), np.linspace(low, high, EVEN)
     )
     kept = [low]  # cruising fills many quantiles with one value: no bin is narrower than one percent
     for edge in both[1:]:
-        if edge - kept[-1] > REPORT.bin_width_min * (high - low):
+        if edge - kept[-1] > NARROWEST * (high - low):
             kept.append(float(edge))
     return np.array(kept) if len(kept) > 2 else np.linspace(low, high, 4)
 
@@ -57,7 +61,7 @@ def binned(
     sums = np.bincount(cell, gap, count * len(blocks)).reshape(count, -1)
     total = rows.sum(axis=1)
     middle = np.bincount(place, values, count)
-    kept = total >= REPORT.bin_rows  # the mean of fewer rows is noise
+    kept = total >= ROWS  # the mean of fewer rows is noise
     total, rows, sums, middle = total[kept], rows[kept], sums[kept], middle[kept] / total[kept]
     mean = sums.sum(axis=1) / total
     seen = (rows > 0).sum(axis=1)
@@ -80,7 +84,7 @@ def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
 
 def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
     """Running mean over `trace_window`."""
-    return moving_average(values, round(REPORT.trace_window / float(np.median(np.diff(time)))))
+    return moving_average(values, round(TRACE / float(np.median(np.diff(time)))))
 
 
 def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
@@ -88,7 +92,7 @@ def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
     moving = np.concatenate([[0], np.cumsum(mask > 0)])
     starts = np.arange(0, max(1, len(gap) - rows), max(1, rows // 4))
     share = moving[np.minimum(starts + rows, len(gap))] - moving[starts]
-    good = starts[share >= REPORT.liveliest_share * share.max()]
+    good = starts[share >= 0.95 * share.max()]
     first = int(good[len(good) // 2])
     return slice(first, first + rows)
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cogging.diagnosis.thresholds import PREPARATION
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.recovery import recover_controller
 from cogging.logs.log import Log
 from cogging.model.model import Model
+
+MISSED = 1e-3  # of the rms command: a stated controller that misses more has its gains refitted
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def _recovered(logs: Sequence[Log], model: Model) -> RunningController:
 def _with_gains_that_fit(check: ControllerCheck, model: Model) -> tuple[Model, str]:
     """The model with the gains that reproduce the command better, and a note; as it is where it is close enough."""
     valid = bool(check.fitted) and min(check.fitted.values()) >= 0.0  # a motion may leave a gain to chance
-    if not ((check.relative or 0.0) > PREPARATION.command_missed and valid and model.controller is not None):
+    if not ((check.relative or 0.0) > MISSED and valid and model.controller is not None):
         return model, ""
     fields = {k: v for k, v in check.fitted.items() if k in type(model.controller).FIELDS}
     note = (

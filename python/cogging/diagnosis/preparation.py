@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cogging.diagnosis.evidence.given_logs import Logs, read_logs
-from cogging.diagnosis.thresholds import PREPARATION
 from cogging.log_check.audit import audit
 from cogging.log_check.controller import check_controller
 from cogging.log_check.hints import hints
 from cogging.log_check.missing_rows import with_missing_rows
 from cogging.log_check.unit_check import check_against_model
-from cogging.logs.log import Log
+from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import without_pauses
 from cogging.logs.repeated_rows import counted_once, repeated, repeated_text
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
+
+ROWS_MIN = 500  # rows of a log: noise and friction are not told apart in fewer
+Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,8 @@ def prepared(
     if not given:
         raise ValueError("logs: must be at least 1, got 0")
     for name, log in zip((*called, *others_called), (*given, *others), strict=True):
-        if len(log) < PREPARATION.rows_min:
-            raise ValueError(f"{name}: rows: must be at least {PREPARATION.rows_min} to be diagnosed, got {len(log)}")
+        if len(log) < ROWS_MIN:
+            raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
     whole = _counted_once(given, called, others, others_called)
     notes = list(whole.notes)
@@ -77,8 +79,8 @@ def _counted_once(given: list[Log], called: list[str], others: list[Log], others
                 raise ValueError(
                     f"{name}: must be other motion than {first} to confirm anything, but {repeated_text(rows)} in it"
                 )
-    left, kept, said = counted_once(given, called, PREPARATION.rows_min)
-    others_left, others_kept, others_said = counted_once(others, others_called, PREPARATION.rows_min)
+    left, kept, said = counted_once(given, called, ROWS_MIN)
+    others_left, others_kept, others_said = counted_once(others, others_called, ROWS_MIN)
     names = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
     others_names = [name for name, rows in zip(others_called, others_kept, strict=True) if rows.any()]
     return Prepared(left, names, others_left, others_names, (*said, *others_said))
@@ -113,3 +115,18 @@ def _whole(log: Log, model: Model, name: str, notes: list[str]) -> Log:
     whole, also = with_missing_rows(whole, model)
     notes += [f"{name}: {text}" for text in (said, also) if text]
     return whole
+
+
+def read_logs(logs: Logs, names: Sequence[str] | None = None, kind: str = "log") -> tuple[list[Log], list[str]]:
+    """Read what is a file, and name each: as given, else after its file, else by its number.
+
+    Raises:
+        InputError: a file that cannot be read.
+        ValueError: another number of names than of logs.
+    """
+    if isinstance(logs, Log | str | os.PathLike):
+        logs = [logs]
+    if names is not None and len(names) != len(logs):
+        raise ValueError(f"names: must be one for each {kind}, got {len(names)} for {len(logs)}")
+    called = [f"{kind} {i + 1}" if isinstance(log, Log) else os.fspath(log) for i, log in enumerate(logs)]
+    return [log if isinstance(log, Log) else read_log(log) for log in logs], list(names or called)
