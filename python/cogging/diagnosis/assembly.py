@@ -12,7 +12,7 @@ from cogging.diagnosis.discrepancy import source_of
 from cogging.diagnosis.entries import NamedEffect, ShapeTerm, Step
 from cogging.diagnosis.evidence.allowance import Allowance
 from cogging.diagnosis.evidence.preparation import Prepared
-from cogging.diagnosis.experiment.separating import separating
+from cogging.diagnosis.separating import separating
 from cogging.diagnosis.gaps import Measured, gap_of, series_of
 from cogging.diagnosis.limits import limits
 from cogging.diagnosis.locate import location_of
