@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.evidence.given_logs import Logs
 from cogging.diagnosis.evidence.preparation import Prepared, prepared, whole_logs
 from cogging.diagnosis.evidence.running_controller import obeys, running_controller
-from cogging.diagnosis.experiment.expectation import Expectation
-from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
-from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
 from cogging.diagnosis.labelled import labelled
 from cogging.diagnosis.limits import unmeasured
 from cogging.diagnosis.physical import seconds_of_motion
@@ -38,10 +34,10 @@ from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
 
 #: Parts of a result that write in their model's or their plan's units by themselves, or have no words.
-IN_THEIR_OWN_UNITS = ("location", "series", "vocabulary", "planned")
+IN_THEIR_OWN_UNITS = ("location", "series", "vocabulary")
 
 
-@takes(logs=LOGS, model=MODEL, confirm=LOGS, planned=PLANNED)
+@takes(logs=LOGS, model=MODEL, confirm=LOGS)
 @np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
 @on_one_blas_thread(scipy=True)
 def diagnose(
@@ -53,7 +49,6 @@ def diagnose(
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
     also: Sequence[Custom] = (),
-    planned: ExperimentPlan | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
@@ -73,8 +68,6 @@ def diagnose(
             the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
         also: effects of your own (cogging.effects.Custom) that are tried beside the vocabulary: what stands of them
             bears their names.
-        planned: experiment that the logs are of (plan_experiment), or the reference file that it was written to: the
-            result then says what became of what it expected.
         progress: True shows a line of what is being done, a function is told each step in words.
 
     Returns:
@@ -91,11 +84,10 @@ def diagnose(
         >>> print(result.verdict, result.notes[-1])
         insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
-    expected = read_plan(planned)
     model, vocabulary = _with_vocabulary(model, also)
     ready = prepared(logs, model, confirm, names, confirm_names)
     require_rows("diagnose", [*ready.given, *ready.confirm])
-    told = _diagnosed(ready, model, vocabulary, expected, empirical=empirical, progress=progress)
+    told = _diagnosed(ready, model, vocabulary, empirical=empirical, progress=progress)
     return labelled(told, model.units, [*ready.names, *ready.confirm_names], apart=IN_THEIR_OWN_UNITS)
 
 
@@ -103,7 +95,6 @@ def _diagnosed(
     ready: Prepared,
     model: Model,
     vocabulary: Mapping[str, Effect],
-    expected: Sequence[Expectation],
     *,
     empirical: bool,
     progress: Progress,
@@ -131,7 +122,7 @@ def _diagnosed(
         except DivergedError as error:
             raise DivergedError("; ".join((str(error), *ready.notes))) from None
         begin("measuring the gap")
-        result = with_outcomes(assemble(found, ready, model), expected, found)
+        result = assemble(found, ready, model)
     wanted = empirical and result.unlisted is not None
     return with_empirical_term(result, found, model, ready) if wanted else result
 
