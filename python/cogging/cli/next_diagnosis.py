@@ -41,12 +41,17 @@ def _lines(arguments: argparse.Namespace, result: Diagnosis, step: NextStep) -> 
         "audit": lambda: _audit(arguments),
         "move": lambda: experiment(arguments.model),
         "write_result": lambda: _again(arguments, json=free_name("result.json")),
-        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json)),
+        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json), *_followed(arguments)),
         "write_model": lambda: _again(arguments, **written),
         "confirm": lambda: _again(arguments, confirm=["OTHER_LOG.csv"], **written),
         "confirm_by_last": lambda: _again(arguments, logs=given, confirm=[last], **written),
         "use": lambda: after_a_model(arguments.out or arguments.model, result.model),
     }
+
+
+def _followed(arguments: argparse.Namespace) -> list[str]:
+    """The logs whose motion is not to be proposed again."""
+    return ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
 
 
 def _audit(arguments: argparse.Namespace) -> str:

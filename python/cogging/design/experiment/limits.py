@@ -1,4 +1,4 @@
-"""What a machine may do in an experiment: the limits file."""
+"""What a machine may do in an experiment: the limits file, and what a run takes of it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from cogging._core import Sampled
 from cogging.calls import PATHS, takes, told_constructor
-from cogging.diagnosis.thresholds import MOTION
+from cogging.estimation.statistics import moving_average
 from cogging.file_schema import LIMITS, LIMITS_NEEDED
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.logs.log import Log
 from cogging.model.model import Model, is_number
 from cogging.shown import quoted
 from cogging.values import ByValue
+
+DURATION = (2.0, 600.0)  # s, of a motion: a shorter one leaves no rows between its turns
+JERK_RISE = 0.01  # s, in which the acceleration rises to its limit where no jerk is stated
+LASTING = 0.02  # s, over which a machine's acceleration is averaged: held commands and noise make it jump
 
 
 @told_constructor
@@ -53,11 +61,14 @@ class MotionLimits(ByValue):
             if not is_number(value) or not 0.0 < value <= LARGEST:
                 raise FieldError("", name, f"must be a number above 0, at most {LARGEST:g}, got {quoted(value)}")
             object.__setattr__(self, name, float(value))
-        if not MOTION.duration_min <= self.duration <= MOTION.duration_max:
-            rule = f"must be from {MOTION.duration_min:g} to {MOTION.duration_max:g} s"
+        if not DURATION[0] <= self.duration <= DURATION[1]:
+            rule = f"must be from {DURATION[0]:g} to {DURATION[1]:g} s"
             raise FieldError("", "duration", f"{rule}, got {quoted(self.duration)}")
-        if self.travel is not None:
-            object.__setattr__(self, "travel", _travel(self.travel))
+        if (ends := self.travel) is not None:
+            good = isinstance(ends, list | tuple) and len(ends) == 2 and all(is_number(end) for end in ends)
+            if not good or max(map(abs, ends)) > LARGEST or not ends[0] < ends[1]:
+                raise FieldError("", "travel", f"must be its lower and its upper end, m, got {quoted(ends)}")
+            object.__setattr__(self, "travel", (float(ends[0]), float(ends[1])))
 
     def _brief(self) -> str:
         place = "" if self.travel is None else f"{self.travel[0]:g} to {self.travel[1]:g} m, "
@@ -91,11 +102,7 @@ class MotionLimits(ByValue):
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> MotionLimits:
-        """Make limits of the fields of a limits file.
-
-        Raises:
-            FieldError: a ValueError that names field, rule and value.
-        """
+        """Make limits of the fields of a limits file; raises FieldError, which names field, rule and value."""
         refuse_unknown_keys(document, LIMITS, "")
         for name in LIMITS_NEEDED:
             if name not in document:
@@ -118,26 +125,36 @@ class MotionLimits(ByValue):
         if not (math.isfinite(travel[0]) and math.isfinite(travel[1])):
             raise FieldError("", "travel", "must be given where the model states none, got nothing")
         if not (low <= travel[0] and travel[1] <= high):
-            raise FieldError(
-                "",
-                "travel",
-                f"must be inside the model's, {low:g} to {high:g} {model.units.position}, got {list(travel)}",
-            )
+            rule = f"must be inside the model's, {low:g} to {high:g} {model.units.position}"
+            raise FieldError("", "travel", f"{rule}, got {list(travel)}")
         own = 0.0 if model.controller is None else model.controller.command_limit
         command = min(self.command or math.inf, own or math.inf)
-        jerk = self.acceleration / MOTION.jerk_rise if self.jerk is None else self.jerk
-        return MotionLimits(
-            self.velocity, self.acceleration, self.duration, travel, jerk, command if math.isfinite(command) else None
-        )
+        jerk = self.acceleration / JERK_RISE if self.jerk is None else self.jerk
+        known = travel, jerk, command if math.isfinite(command) else None
+        return MotionLimits(self.velocity, self.acceleration, self.duration, *known)
 
 
-def _travel(value: Any) -> tuple[float, float]:
-    """The travel as two numbers.
+def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
+    """Largest of each quantity of a reference and of a run along it, over its limit; above 1 the limit is exceeded.
 
-    Raises:
-        FieldError: it is none.
+    The machine's acceleration is the mean over 20 ms of what its true speed does; the jerk is the reference's alone:
+    each new command makes the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
     """
-    good = isinstance(value, list | tuple) and len(value) == 2 and all(is_number(end) for end in value)
-    if not good or not all(abs(end) <= LARGEST for end in value) or not value[0] < value[1]:
-        raise FieldError("", "travel", f"must be its lower and its upper end, m, got {quoted(value)}")
-    return float(value[0]), float(value[1])
+    asked = motion.samples
+    position = log.true_position if log.true_position is not None else log.position
+    velocity = log.true_velocity if log.true_velocity is not None else np.gradient(position, log.time)
+    window = max(1, round(LASTING / float(np.median(np.diff(log.time)))))
+    rows = {
+        "velocity": (asked["reference_velocity"], velocity),
+        "acceleration": (asked["reference_acceleration"], moving_average(np.gradient(velocity, log.time), window)),
+        "duration": (asked["time"],),
+        "jerk": (np.diff(asked["reference_acceleration"]) / np.diff(asked["time"]),),
+        "command": (log.command,),
+    }
+    stated = {name: getattr(limits, name) for name in rows if getattr(limits, name) is not None}
+    taken = {name: max(float(np.abs(each).max()) for each in rows[name]) / most for name, most in stated.items()}
+    if limits.travel is not None:
+        low, half = limits.travel[0], 0.5 * (limits.travel[1] - limits.travel[0])
+        stop = position + velocity * np.abs(velocity) / (2.0 * limits.acceleration)
+        taken["travel"] = float(np.abs(np.concatenate([position, stop]) - low - half).max()) / half
+    return taken
