@@ -6,12 +6,8 @@ import signal
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import pytest
-
 from cogging import file_sets
-from cogging.diagnosis.evidence.null import fit_null
 from tests.fixtures.browser import browser  # noqa: F401 - a fixture, of which there can be one in a process
-from tests.fixtures.moving_axis import machine, record
 
 file_sets.synced = False  # thousands of files that no power failure matters to
 
@@ -23,10 +19,3 @@ def pytest_configure():
         number = getattr(signal, name, None)  # not every system has all
         if number is not None and signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, answer)
-
-
-@pytest.fixture(scope="session")
-def quiet_evidence():
-    """Evidence of a log in which nothing is hidden."""
-    nominal = machine()
-    return fit_null([record(nominal, 3)], nominal)[1]

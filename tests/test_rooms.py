@@ -20,25 +20,11 @@ BASE |= {"file_locks", "file_sets", "files", "linear", "memory", "outputs", "pro
 BASE |= {"values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
-ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
+ROOMS += ["identification", "first_model", "diagnosis", "design", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
-DIAGNOSIS = ["labelled", "thresholds", "physical", "evidence", "candidates", "large", "residual", "discrepancy"]
-DIAGNOSIS += ["entries"]
-DIAGNOSIS += [
-    "next_step",
-    "report",
-    "location",
-    "locate",
-    "result",
-    "search",
-    "patched",
-    "experiment",
-    "naming",
-    "limits",
-    "gaps",
-    "assembly",
-    "diagnose",
-]
+DIAGNOSIS = ["balance", "places", "physical", "entries", "separating", "running_controller", "preparation", "next_step"]
+DIAGNOSIS += ["report", "location", "yardstick", "generic_force", "locate", "result", "fitted", "named_effects"]
+DIAGNOSIS += ["detection_limits", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 
 
@@ -140,9 +126,7 @@ def test_a_report_only_renders():
         name = todo.pop()
         seen.add(name)
         todo |= {used for used in GRAPH.get(name, ()) if used.startswith("cogging.diagnosis.")} - seen
-    held = {f"cogging.diagnosis.residual{name}" for name in ("", ".shape", ".location_words")}
-    held |= {"cogging.diagnosis.thresholds", "cogging.diagnosis.labelled"}
-    assert seen <= shown | held | {"cogging.diagnosis", "cogging.diagnosis.report"}
+    assert seen <= shown | {"cogging.diagnosis.places", "cogging.diagnosis", "cogging.diagnosis.report"}
     estimation = {used for name in seen for used in GRAPH.get(name, ()) if used.startswith("cogging.estimation")}
     assert estimation <= {"cogging.estimation.statistics"}  # the moving average of a drawn trace
 
@@ -156,7 +140,7 @@ def test_rooms_are_all_there():
 
 def test_importing_one_module_needs_no_other_first():
     """A module of every room, each in a process of its own."""
-    for name in ("cogging.model.intervals", "cogging.diagnosis.residual.shapes", "cogging.papers.xu2001.setup"):
+    for name in ("cogging.model.intervals", "cogging.diagnosis.places", "cogging.papers.xu2001.setup"):
         done = subprocess.run([sys.executable, "-c", f"import {name}"], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
 

@@ -16,11 +16,12 @@ from cogging.diagnosis.balance.decision import Outcome, search
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.detection_limits import limits, unmeasured
 from cogging.diagnosis.entries import Gap, Limit, Step
-from cogging.diagnosis.fitted import Term, empirical_term, terms_of, with_intervals
+from cogging.diagnosis.fitted import Term, terms_of, with_intervals
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
+from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.running_controller import running_controller

@@ -186,38 +186,3 @@ class Limit:
             return None
         told = {"parameter": self.parameter, "value": self.value, "unit": self.unit, "shape": dict(self.shape)}
         return told | ({"meaning": self.meaning} if self.meaning else {}) | {"smaller_shows": self.smaller_shows}
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of one thing that a planned experiment was to show.
-
-    Attributes:
-        name: of the effect; of a fit, the path of the parameter.
-        alternative: name that it was to be told from; empty where there is none.
-        unit: of the numbers; "sigma" of rivals.
-        expected: what the plan expected: standard deviations, a detection limit, or half of an interval.
-        measured: the same of these logs; below 0 where they speak for the alternative; None where they do not tell.
-        came_true: whether it came true; None where nothing was expected or nothing can be told.
-    """
-
-    name: str
-    alternative: str
-    unit: str
-    expected: float | None
-    measured: float | None
-    came_true: bool | None
-
-    def text(self) -> str:
-        """One line."""
-        if self.expected is None or self.measured is None:
-            return f"{self.name}{' and ' * bool(self.alternative)}{self.alternative}: these logs do not tell"
-        word = "it came true" if self.came_true else "it did not come true"
-        if not self.alternative:
-            unit = f" {self.unit}" if self.unit not in ("", "1") else ""
-            return f"{self.name}: {self.expected:.3g}{unit} expected, {self.measured:.3g}{unit} found: {word}"
-        for_ = self.name if self.measured > 0.0 else self.alternative
-        return (
-            f"{self.name} and {self.alternative}: {self.expected:.2g} sigma apart expected, "
-            f"{abs(self.measured):.2g} found, for {for_}: {word}"
-        )

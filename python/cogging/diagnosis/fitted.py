@@ -13,7 +13,8 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import hats
 from cogging.diagnosis.balance.decision import Accepted, Outcome
 from cogging.diagnosis.balance.evidence import Evidence
-from cogging.effects.effect import VOCABULARY, Effect, Knots
+from cogging.diagnosis.places import empirical_term
+from cogging.effects.effect import Effect
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
@@ -131,16 +132,3 @@ def curve_of(evidence: Evidence, column: Any, amplitudes: FloatArray) -> dict[st
                 most, best = share, {"coordinate": coordinate, "places": places.tolist(), "force": levels.tolist()}
                 break
     return best
-
-
-def empirical_term(curve: Mapping[str, Any] | None) -> Effect | None:
-    """The effect that is a force at nodes of the user's own along the coordinate of a curve; None where there is none."""
-    if curve is None or "places" not in curve:
-        return None
-    for law in VOCABULARY.values():
-        for kind in law.KINDS:
-            free = isinstance(kind, Knots) and law.ROLES[kind.nodes]["role"] == "setting"
-            if free and kind.coordinate == curve["coordinate"] and "force" in law.HOOKS:
-                force = np.reshape(curve["force"], (-1, len(curve["places"]))).mean(axis=0)  # of both directions
-                return law.replace(**{kind.nodes: list(curve["places"]), kind.levels: np.nan_to_num(force).tolist()})
-    return None

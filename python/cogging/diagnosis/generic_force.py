@@ -16,6 +16,7 @@ BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13, "tim
 LAGS = tuple(2**k for k in range(9))  # rows by which the drive is moved: what a memory of the actuator would do
 FOLDS, BLOCKS = 5, 20  # parts of the given logs, each predicted by the others; blocks of a log dealt to them in turn
 RIDGES = 10.0 ** (0.5 * np.arange(-8, 5))  # of a column's power, of which the parts choose one
+LASTING = 0.05  # of the power: where another coordinate predicts more, time is not told before it
 APART = 0.01  # of the range: places of a force are farther from each other
 LEAST = 1e-9  # of the largest column's power: what an empty one counts as
 
@@ -71,7 +72,9 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     for name in BENDS:
         share, force, deviation = _fit(sums, None if name == "time" else elsewhere, groups == name)
         curves.append(Curve(name, share, places[name], given.push * force, deviation))
-    curves.sort(key=lambda curve: -curve.share)
+    # whatever lasts is a function of time as well: that is told where no other coordinate says it
+    lasts = max(curve.share for curve in curves if curve.coordinate != "time") > LASTING
+    curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))
     lasting = groups != "time"
     there = None if elsewhere is None else _fit(sums, elsewhere, lasting)[0]
     weights = _weights(sums, groups != "", RIDGES[0])

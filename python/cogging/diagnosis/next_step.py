@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from cogging.diagnosis.fitted import empirical_term
+from cogging.diagnosis.places import empirical_term
 
 if TYPE_CHECKING:
     from cogging.diagnosis.result import Diagnosis

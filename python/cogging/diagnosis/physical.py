@@ -135,8 +135,3 @@ def _balance(log: Log, rows: int, level: float) -> FloatArray:
     speed, place = 0.5 * (x[2:] - x[:-2]) / step, (x[1:-1] - np.mean(x)) / max(float(np.ptp(x)), 1e-300)
     beside = [np.ones(len(speed)), speed, np.sign(speed), place, place**2, place**3]
     return np.array([*acts, *beside, (x[2:] - 2.0 * x[1:-1] + x[:-2]) / step**2])
-
-
-def physical_ceilings(logs: Sequence[Log]) -> dict[str, float]:
-    """What no parameter of the axis is above, by path."""
-    return {"axis.coulomb": moving_command(logs)}

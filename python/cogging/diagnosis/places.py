@@ -1,12 +1,15 @@
-"""A force that the model lacks, told over one coordinate: at which places, how much of the gap; and in words."""
+"""A force that the model lacks, over one coordinate: at which places, how much of the gap; in words, and as an effect."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.model.units import Units
 
 COORDINATE_UNITS = {
@@ -113,3 +116,16 @@ def length_text(value: float, units: Units) -> str:
 def share_text(share: float) -> str:
     """A share in whole percent."""
     return f"{100.0 * share:.0f} %" if share >= 0.01 else "under 1 %"
+
+
+def empirical_term(curve: Mapping[str, Any] | None) -> Effect | None:
+    """The effect that is a force at nodes of the user's own along the coordinate of a curve; None where there is none."""
+    if curve is None or not {"places", "force"} <= set(curve):
+        return None
+    for law in VOCABULARY.values():
+        for kind in law.KINDS:
+            free = isinstance(kind, Knots) and law.ROLES[kind.nodes]["role"] == "setting"
+            if free and kind.coordinate == curve["coordinate"] and "force" in law.HOOKS:
+                force = np.reshape(curve["force"], (-1, len(curve["places"]))).mean(axis=0)  # of both directions
+                return law.replace(**{kind.nodes: list(curve["places"]), kind.levels: np.nan_to_num(force).tolist()})
+    return None

@@ -130,8 +130,6 @@ def sharpen(f, x, step, rounds=7):
 
 def search_once(ctx, also=(), limit_time=None):
     """The best shape of each name, and of each cell without one, what scores highest first."""
-    from cogging.diagnosis.balance.own_laws import own_candidates
-
     bs = ctx.balances
     g = adjoint(ctx)
     u = ctx.drives
@@ -521,8 +519,8 @@ def search_once(ctx, also=(), limit_time=None):
                 max(1, len(known)) if kappa in known else 3000,
                 None,
             )
-    for own in also:
-        own_candidates(ctx, g, own, put)
+    for offer in also:
+        offer(ctx, g, put)
     # cells that bear no name ------------------------------------------------------------------------------
     put(
         "~gain of speed",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.diagnosis.balance.candidates import CELLS, NESTED, Found, search_once
+from cogging.diagnosis.balance.own_laws import own_candidates
 
 THRESHOLD = 16.0
 SHARE = 0.05  # of the resampled motions, from which on a name is an alternative
@@ -209,6 +211,7 @@ class Outcome:
 
 
 def search(given, confirm, model, log=None, also=()):
+    offers = [partial(own_candidates, law) for law in also]
     width, q = model.axis.coulomb_width, model.encoder.resolution
     G = [ForceBalance(x, width, q) for x in given]
     C = [ForceBalance(x, width, q) for x in confirm]
@@ -229,7 +232,7 @@ def search(given, confirm, model, log=None, also=()):
             k = len(f.amplitudes)
             extra[n] = replace(f, amplitudes=ctx.null.theta[at : at + k])
             at += k
-        found = [f for f in search_once(ctx, also) if f.name not in excluded]
+        found = [f for f in search_once(ctx, offers) if f.name not in excluded]
         if log:
             log(f"   step {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f} s {f.score:.0f}" for f in found[:5]))
         outcome = Outcome(nominal, ctx, ctx, accepted, refused, found, shift)

@@ -16,13 +16,13 @@ SHAPES = 125  # that are tried of one effect, at most
 PEAKS = 3  # of a wave's spectrum
 
 
-def own_candidates(ctx: Any, g: Any, law: Effect, put: Callable[..., float]) -> None:
+def own_candidates(law: Effect, ctx: Any, g: Any, put: Callable[..., float]) -> None:
     """Offer an effect at its shapes: `put(name, label, columns, N, effect, refine=, period=)`.
 
     Args:
+        law: the effect.
         ctx: evidence.
         g: what each row weighs in the score of a column (candidates.adjoint).
-        law: the effect, as it is when it does nothing.
         put: takes a candidate.
     """
     low, high = span(ctx)

@@ -28,11 +28,10 @@ def short_text(result: Diagnosis) -> str:
     if result.mismatch is not None:
         return "\n".join([*head, *_wrapped(str(result.mismatch["text"]))])
     if "gap_before" not in result.series:
-        return "\n".join(
-            [*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][: LINES]
-        )
+        return "\n".join([*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][:LINES])
     head += _gap_lines(result)
-    tail = [line for effect in result.effects if (line := apart_text(effect))][:2]
+    tail = [line for effect in result.effects if (line := apart_text(effect))]
+    tail = tail[: 2 if result.unlisted is None else 1]
     if result.unlisted is not None:
         tail.append(f"unlisted: {result.unlisted['shape']}")
         if "added" in result.unlisted:
@@ -52,8 +51,7 @@ def apart_text(effect: NamedEffect) -> str:
     """Which names these logs cannot tell apart, and whether that matters; empty where there is one name only."""
     if not effect.alternatives:
         return ""
-    names = f"{effect.name} or {', '.join(effect.alternatives)}: not told apart by these logs"
-    return names
+    return f"{effect.name} or {', '.join(effect.alternatives)}: not told apart by these logs"
 
 
 def _gap_lines(result: Diagnosis) -> list[str]:
