@@ -23,7 +23,7 @@ ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "est
 ROOMS += ["identification", "first_model", "diagnosis", "design", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["balance", "places", "physical", "entries", "separating", "running_controller", "preparation", "next_step"]
-DIAGNOSIS += ["report", "location", "yardstick", "generic_force", "locate", "result", "fitted", "named_effects"]
+DIAGNOSIS += ["report", "location", "yardstick", "generic_force", "locate", "result", "patched_model", "named_effects"]
 DIAGNOSIS += ["detection_limits", "diagnose"]
 FACE = {"__init__", "__main__"}  # they use rooms, and no room uses them
 

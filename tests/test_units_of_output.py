@@ -181,18 +181,6 @@ def test_an_axis_that_turns_is_asked_about_angles(log):
         cogging.check_against_model(in_degrees, travel)
 
 
-def test_names_paths_and_laws_stay_what_they_are():
-    """What is looked up again is no sentence, whatever letters it has."""
-    drawn = drawn_result(np.random.default_rng(3), "ambiguous", model=ROTARY)
-    result = labelled(drawn, UNITS, apart=IN_THEIR_OWN_UNITS)
-    assert [effect.name for effect in result.effects] == [effect.name for effect in drawn.effects]
-    assert [effect.alternatives for effect in result.effects] == [effect.alternatives for effect in drawn.effects]
-    assert list(result.limits) == list(drawn.limits)
-    assert [limit.parameter for limit in result.limits.values()] == [one.parameter for one in drawn.limits.values()]
-    assert result.model is drawn.model
-    assert result.verdict == drawn.verdict
-
-
 def test_refusals_are_in_the_units_of_the_model(log):
     long = cogging.Log(log.time, 1e3 * log.position, log.command)
     with pytest.raises(

@@ -9,7 +9,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from tests.fixtures.pid_axis import MODEL, PID, run
+from tests.fixtures.pid_axis import MODEL, PID, other, run
 
 effects = cogging.effects
 PACKAGE = Path(cogging.__file__).parent / "diagnosis"
@@ -30,7 +30,7 @@ HIDDEN = [
 @pytest.mark.parametrize("hidden", HIDDEN, ids=lambda effect: effect.NAME)
 def test_a_strong_effect_is_named_up_to_its_look_alikes(hidden, tmp_path):
     log = run(hidden, seed=2)
-    result = cogging.diagnose(log, MODEL)
+    result = cogging.diagnose(log, MODEL, confirm=other(hidden))
     assert result.verdict in ("named", "ambiguous")
     assert any(hidden.NAME in (effect.name, *effect.alternatives) for effect in result.effects), str(result)
     assert str(result) == result.text()

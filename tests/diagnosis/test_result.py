@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.entries import Gap
 from cogging.estimation import gauss_newton
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.replay import Replay

@@ -103,7 +103,9 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
     for name, none in told.items():
         law = vocabulary[name]
         mine = [i for i, (one, _, _) in enumerate(of) if one == name]
-        kind = "wave" if kind_of(law, Wave) else "shape" if any(r["role"] == "shape" for r in law.ROLES.values()) else ""
+        kind = (
+            "wave" if kind_of(law, Wave) else "shape" if any(r["role"] == "shape" for r in law.ROLES.values()) else ""
+        )
         least = needed(2 if kind == "wave" else 1, TRIALS[kind], blocks)
         told[name] = _solved(none, law, [(of[i][1], of[i][2], float(lambdas[i])) for i in mine], least)
     return told | _change_limits(evidence, blocks)
@@ -150,7 +152,9 @@ def _solved(none: Limit, law: Effect, seen: list[tuple[float, dict[str, Any], fl
     if not enough:
         most = max(seen, key=lambda one: one[2])[0]
         unit = "" if none.unit == "1" else f" {none.unit}"
-        return replace(none, why=f"it would have to be {'beyond' if size.grows else 'below'} {most:.3g}{unit}", shape=shape)
+        return replace(
+            none, why=f"it would have to be {'beyond' if size.grows else 'below'} {most:.3g}{unit}", shape=shape
+        )
     return replace(none, value=float(min(enough) if size.grows else max(enough)), why="", shape=shape)
 
 
@@ -178,15 +182,17 @@ def _looked_at(evidence: Evidence, law: Effect, size: Size) -> Iterator[tuple[fl
         if role["logarithmic"] and first > 0.0:
             value = first * (last / first) ** part
         offset = low if role["quantity"] == "position" else 0.0
-        return offset + value * scales.get(role["quantity"], 1.0)
+        return float(offset + value * scales.get(role["quantity"], 1.0))
 
     for part in PARTS if not size.of_shape else PARTS[1:2]:
         shape = {field: between(role, part) for field, role in ranges.items() if field not in lists}
-        spread = {field: value for field, value in shape.items()}
+        spread = dict(shape)
         if size.of_shape:
             role = law.ROLES[size.field]
             amounts = np.geomspace(max(role["low"], 1e-3 * role["high"]), role["high"], SIZES)
-            if role["quantity"] == "stiffness":  # the rise of friction takes from a few readings to a part of the travel
+            if (
+                role["quantity"] == "stiffness"
+            ):  # the rise of friction takes from a few readings to a part of the travel
                 noise = min(b.encoder_noise for b in balances)
                 amounts = model.axis.coulomb / np.geomspace(12.0 * noise, 0.03 * length, SIZES) / length
                 scales["stiffness"] = length

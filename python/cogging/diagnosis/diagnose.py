@@ -16,10 +16,10 @@ from cogging.diagnosis.balance.decision import Outcome, search
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.detection_limits import limits, unmeasured
 from cogging.diagnosis.entries import Gap, Limit, Step
-from cogging.diagnosis.fitted import Term, terms_of, with_intervals
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
+from cogging.diagnosis.patched_model import Term, terms_of, with_intervals
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -165,37 +165,10 @@ def _result(
     final, terms = terms_of(found, stated)
     nominal = found.nominal.model
 
-    # 1. the gap of the re-tuned model, then with one term more at a time; by the balance where no replay follows the logs
-    sequence = [nominal, *_one_by_one(terms, final)]
-    try:
-        given = [yardstick.on_given(model) for model in sequence]
-        if replay and min(one.rms for one in given) > FOLLOWED * max(predicted(given[-1]).noise, 1e-300):
-            raise DivergedError("the replayed loop does not follow the logs closely enough to measure with")
-        confirm = [yardstick.on_confirm(model) for model in sequence]
-    except (DivergedError, ValueError) as error:
-        if not replay:
-            raise
-        notes.append(f"{error}: the gap is that of the force balance")
-        yardstick = yardstick.by_balance()
-        given = [yardstick.on_given(model) for model in sequence]
-        confirm = [yardstick.on_confirm(model) for model in sequence]
-
-    # 2. what does not enter the model: what is unphysical, not certain, or makes the gap larger
-    held_out: dict[int, str] = {}
-    refused: dict[int, str] = {}
-    noise = predicted(given[0], confirm[0]).share < NOISE if terms else False
-    for place, term in enumerate(terms):
-        if term.accepted.found.name.startswith("~"):
-            continue
-        why = "" if term.effect is None else unphysical(stated.replace(effects=[term.effect]), 0, logs.given)
-        if why:
-            refused[place] = why
-        elif not term.certain:
-            held_out[place] = "its interval includes zero"
-        elif growth(given[place], given[place + 1]):
-            held_out[place] = f"with it the gap goes from {given[place].rms:.4g} to {given[place + 1].rms:.4g} {units.command}"
-        elif (one := confirm[place]) is not None and (two := confirm[place + 1]) is not None and growth(one, two):
-            held_out[place] = f"with it the gap on the other motion goes from {one.rms:.4g} to {two.rms:.4g} {units.command}"
+    # 1. the gap of the re-tuned model, then with one term more at a time; what of these does not enter the model
+    yardstick, given, confirm = _measured(yardstick, [nominal, *_one_by_one(terms, final)], notes)
+    held_out, refused = _objections(terms, given, confirm, logs, stated)
+    noise = predicted(given[0], confirm[0]).share < NOISE if held_out else False
     contradicted = held_out if noise and yardstick.replay else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
     if out:
@@ -213,7 +186,7 @@ def _result(
         notes.append("all that was found, together, makes the gap larger: the model is left without it")
         final, after, after_there, patched = nominal, before, before_there, False
 
-    # 3. what is left, what is called what, and what has no name
+    # 2. what is left, what is called what, and what has no name
     rest = predicted(after, after_there)
     command = np.concatenate([rows["command"][mask] for rows, mask in zip(after.rows, after.masks, strict=True)])
     rms = float(np.sqrt(np.mean(command**2))) if len(command) else 0.0
@@ -231,7 +204,9 @@ def _result(
         after.rms / rms if rms > 0.0 else None,
         rest.elsewhere,
     )
-    shares = [None if k in out else (given[k].rms ** 2 - given[k + 1].rms ** 2) / given[0].rms ** 2 for k in range(len(terms))]
+    shares = [
+        None if k in out else (given[k].rms ** 2 - given[k + 1].rms ** 2) / given[0].rms ** 2 for k in range(len(terms))
+    ]
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
     left_out = {kept.index(k): why for k, why in held_out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)
@@ -265,6 +240,48 @@ def _result(
     )
 
 
+def _measured(
+    yardstick: Yardstick, models: Sequence[Model], notes: list[str]
+) -> tuple[Yardstick, list[Discrepancy], list[Discrepancy | None]]:
+    """What each model leaves of given and confirm logs; by the balance, with a note, where no replay follows them."""
+    try:
+        given = [yardstick.on_given(model) for model in models]
+        if yardstick.replay and min(one.rms for one in given) > FOLLOWED * max(predicted(given[-1]).noise, 1e-300):
+            raise DivergedError("the replayed loop does not follow the logs closely enough to measure with")
+        return yardstick, given, [yardstick.on_confirm(model) for model in models]
+    except (DivergedError, ValueError) as error:
+        if not yardstick.replay:
+            raise
+        notes.append(f"{error}: the gap is that of the force balance")
+        return _measured(yardstick.by_balance(), models, notes)
+
+
+def _objections(
+    terms: Sequence[Term],
+    given: Sequence[Discrepancy],
+    confirm: Sequence[Discrepancy | None],
+    logs: Prepared,
+    stated: Model,
+) -> tuple[dict[int, str], dict[int, str]]:
+    """By place, why a term does not enter the model, and why another is none that a machine can have."""
+    held_out: dict[int, str] = {}
+    refused: dict[int, str] = {}
+    unit = stated.units.command
+    for place, term in enumerate(terms):
+        if term.accepted.found.name.startswith("~"):
+            continue
+        why = "" if term.effect is None else unphysical(stated.replace(effects=[term.effect]), 0, logs.given)
+        if why:
+            refused[place] = why
+        elif not term.certain:
+            held_out[place] = "its interval includes zero"
+        for which, gaps in (("", given), (" on the other motion", confirm)):
+            one, two = gaps[place], gaps[place + 1]
+            if one is not None and two is not None and place not in refused and growth(one, two):
+                held_out.setdefault(place, f"with it the gap{which} goes from {one.rms:.4g} to {two.rms:.4g} {unit}")
+    return held_out, refused
+
+
 def _one_by_one(terms: Sequence[Term], final: Model) -> list[Model]:
     """The models with one term more at a time, each re-tuned; what has no parameters in the fit comes as it stands."""
     models: list[Model] = []
@@ -284,7 +301,9 @@ def _without(final: Model, terms: Sequence[Term], found: Outcome, stated: Model)
     """The patched model without some terms, re-tuned."""
     gone = {term.path for term in terms}
     effects = [effect for path, effect in effect_paths(final.effects) if path not in gone]
-    axis = {path.removeprefix("axis."): getattr(found.nominal.model.axis, path[5:]) for path in gone if path[:5] == "axis."}
+    axis = {
+        path.removeprefix("axis."): getattr(found.nominal.model.axis, path[5:]) for path in gone if path[:5] == "axis."
+    }
     free = tuple(path for path in found.evidence.free if path not in gone)
     smaller = final.replace(effects=tuple(effects), axis=final.axis.replace(**axis))
     evidence = Evidence(found.evidence.balances, stated, smaller, [], free).prepare(1)
@@ -357,7 +376,10 @@ def _ledger(
         told.append(Step(name, True, reason, score, given[k].rms, given[k + 1].rms, *there))
     for name, gains, expected in found.refused:
         logs = ("given", "other")
-        against = [f"{g:.0f} on the {which} motion, {e:.0f} expected" for g, e, which in zip(gains, expected, logs, strict=True)]
+        against = [
+            f"{g:.0f} on the {which} motion, {e:.0f} expected"
+            for g, e, which in zip(gains, expected, logs, strict=True)
+        ]
         reason = f"logs that can show it show the contrary: gains of 2 ln likelihood are {'; '.join(against)}"
         told.append(Step(name.lstrip("~"), False, reason, float(sum(gains)), None, None, None, None))
     return told

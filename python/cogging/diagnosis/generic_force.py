@@ -23,7 +23,7 @@ LEAST = 1e-9  # of the largest column's power: what an empty one counts as
 
 @dataclass(frozen=True)
 class Curve:
-    """A force along one coordinate: what it predicts of the power that is left, 0 to 1, and the force at its places, V."""
+    """A force (V) at places of one coordinate, and what it predicts of the power that is left, 0 to 1."""
 
     coordinate: str
     share: float
@@ -89,7 +89,7 @@ def _places(name: str, given: Discrepancy) -> FloatArray:
     share = np.linspace(0.0, 1.0, BENDS[name])
     if name in ("position", "time"):
         return np.unique(seen.min() + np.ptp(seen) * share)
-    kept = []
+    kept: list[float] = []
     for place in np.quantile(seen, share):  # cruising fills many quantiles with nearly one value
         if not kept or place - kept[-1] > APART * np.ptp(seen):
             kept.append(place)
@@ -100,7 +100,10 @@ def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArra
     """Coordinate of each column, columns, and what is left, over rows in motion."""
     tables = []
     for rows, mask in zip(gap.rows, gap.masks, strict=True):
-        parts = {name: hats(rows[name][mask], at) if len(at) > 1 else np.zeros((1, mask.sum())) for name, at in places.items()}
+        parts = {
+            name: hats(rows[name][mask], at) if len(at) > 1 else np.zeros((1, mask.sum()))
+            for name, at in places.items()
+        }
         forward = rows["velocity"][mask] > 0.0
         parts["position"] = np.vstack([parts["position"] * forward, parts["position"] * ~forward])
         drive = rows["acceleration"]

@@ -104,8 +104,8 @@ def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Locati
         )
     shapes.sort(key=lambda shape: shape.log_p_value)
     series = {name: [rows[name] for rows in gap.rows] for name in gap.rows[0]}
-    series |= {"gap": list(gap.series), "mask": list(gap.masks)}
-    return Location(tuple(shapes), tuple(_waves(evidence, gap.rms)), gap.rms, evidence.model, series)
+    series |= {"gap": list(gap.series), "mask": [mask.astype(float) for mask in gap.masks]}
+    return Location(tuple(shapes), tuple(_waves(evidence, gap)), gap.rms, evidence.model, series)
 
 
 def _places(evidence: Evidence, name: str) -> np.ndarray:
@@ -117,7 +117,7 @@ def _places(evidence: Evidence, name: str) -> np.ndarray:
     return places if len(places) > 1 else np.array([values.min() - 1.0, values.max() + 1.0])
 
 
-def _waves(evidence: Evidence, rms: float) -> list[Wave]:
+def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
     """Waves of force in place and in time, the strongest first."""
     weighed, balances = adjoint(evidence), evidence.balances
     low = min(float(b.position.min()) for b in balances)
@@ -131,7 +131,7 @@ def _waves(evidence: Evidence, rms: float) -> list[Wave]:
         number, _ = sharpen(lambda k: abs(pulls @ np.exp(2j * np.pi * k * places)), number, 0.25 / travel)
         found.append(("spatial period", number, 1.0 / number, "m", [b.position for b in balances], trials))
     size = int(2 ** np.ceil(np.log2(2 * max(len(g) for g in weighed))))
-    loud = sum(np.abs(np.fft.rfft(g, size)) ** 2 for g in weighed)
+    loud = np.sum([np.abs(np.fft.rfft(g, size)) ** 2 for g in weighed], axis=0)
     rate = np.fft.rfftfreq(size, balances[0].step)
     loud[(rate < TURNS / duration) | (rate > 0.4 * evidence.rate)] = 0.0
     for _ in range(WAVES):
@@ -144,11 +144,15 @@ def _waves(evidence: Evidence, rms: float) -> list[Wave]:
     for coordinate, number, value, unit, along, trials in found:
         turns = [2.0 * np.pi * number * one for one in along]
         tables = [b.rows(np.vstack([np.sin(t), np.cos(t)])) for b, t in zip(balances, turns, strict=True)]
-        statistic, amplitudes, freedom = evidence.score(tables)
+        statistic, _, freedom = evidence.score(tables)
         chance = float(chi2.logsf(statistic, max(freedom, 1)) + np.log(trials))
-        amplitude = float(np.hypot(*amplitudes))
         if chance < TOLD:
-            share = min(1.0, 0.5 * amplitude**2 / rms**2)
+            name = "position" if coordinate == "spatial period" else "time"
+            place = np.concatenate([rows[name][mask] for rows, mask in zip(gap.rows, gap.masks, strict=True)])
+            left = np.concatenate([row[mask] for row, mask in zip(gap.series, gap.masks, strict=True)])
+            turn = np.array([np.ones(len(place)), *(f(2.0 * np.pi * number * place) for f in (np.sin, np.cos))])
+            amplitude = float(np.hypot(*np.linalg.lstsq(turn.T, left, rcond=None)[0][1:]))
+            share = min(1.0, 0.5 * amplitude**2 / gap.rms**2)
             told.append(Wave(coordinate, float(value), unit, amplitude, chance, share))
     told.sort(key=lambda wave: -wave.share)
     return [wave for wave in told if wave.share >= SHADOW * told[0].share]

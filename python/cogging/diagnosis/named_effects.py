@@ -12,8 +12,8 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.decision import verdict
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.entries import Gap, NamedEffect, Value
-from cogging.diagnosis.fitted import Term
 from cogging.diagnosis.generic_force import Predicted
+from cogging.diagnosis.patched_model import Term
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
 from cogging.effects.effect import Effect, laws_of
 from cogging.model.model import Model
@@ -141,7 +141,10 @@ def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
     if "state" in hooks:
         slow = evidence.model.axis.coulomb_width
         return {"coordinate": "velocity", "range": [-slow, slow]}
-    return {"coordinate": "frequency", "range": [DYNAMIC, 0.5 / float(np.median(np.diff(evidence.balances[0].log.time)))]}
+    return {
+        "coordinate": "frequency",
+        "range": [DYNAMIC, 0.5 / float(np.median(np.diff(evidence.balances[0].log.time)))],
+    }
 
 
 def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> dict[str, Any]:
@@ -168,7 +171,9 @@ def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> dict[st
 # What has no name -----------------------------------------------------------------------------------------------------
 
 
-def unlisted(terms: Sequence[Term], rest: Predicted, gap: Gap, units: Units, *, confirmed: bool) -> dict[str, Any] | None:
+def unlisted(
+    terms: Sequence[Term], rest: Predicted, gap: Gap, units: Units, *, confirmed: bool
+) -> dict[str, Any] | None:
     """What no effect explains: an accepted cell without a name, or a rest that is neither small nor noise; None else.
 
     Args:
@@ -183,7 +188,11 @@ def unlisted(terms: Sequence[Term], rest: Predicted, gap: Gap, units: Units, *, 
         if cell.name.startswith("~"):
             words = cell.name[1:]
             coordinate = next((along for word, along in ALONG.items() if word in words), "position")
-            entry = {"coordinate": coordinate, "shape": f"{words}: of a law that no known effect has", "share": None}
+            entry: dict[str, Any] = {
+                "coordinate": coordinate,
+                "shape": f"{words}: of a law that no known effect has",
+                "share": None,
+            }
             if term.curve is not None:
                 places, force = np.array(term.curve["places"]), np.array(term.curve["force"])
                 coordinate = str(term.curve["coordinate"])

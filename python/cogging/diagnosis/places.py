@@ -1,4 +1,4 @@
-"""A force that the model lacks, over one coordinate: at which places, how much of the gap; in words, and as an effect."""
+"""A force that the model lacks, over one coordinate: where, how much of the gap; in words, and as an effect."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, Mask
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.model.units import Units
 
@@ -75,7 +75,7 @@ def ranges(shape: Shape, units: Units) -> str:
     return "; ".join(told) or "spread over its whole range, strong nowhere"
 
 
-def _runs(force: FloatArray, strong: FloatArray) -> list[tuple[int, int]]:
+def _runs(force: FloatArray, strong: Mask) -> list[tuple[int, int]]:
     """First and last place of the strongest runs of one sign, the strongest first."""
     signs = np.sign(force) * strong
     edges = np.flatnonzero(np.diff(signs)) + 1
@@ -119,13 +119,14 @@ def share_text(share: float) -> str:
 
 
 def empirical_term(curve: Mapping[str, Any] | None) -> Effect | None:
-    """The effect that is a force at nodes of the user's own along the coordinate of a curve; None where there is none."""
+    """The effect that is a force at nodes along the coordinate of a curve; None where there is none."""
     if curve is None or not {"places", "force"} <= set(curve):
         return None
     for law in VOCABULARY.values():
         for kind in law.KINDS:
-            free = isinstance(kind, Knots) and law.ROLES[kind.nodes]["role"] == "setting"
-            if free and kind.coordinate == curve["coordinate"] and "force" in law.HOOKS:
+            if not isinstance(kind, Knots) or law.ROLES[kind.nodes]["role"] != "setting":
+                continue
+            if kind.coordinate == curve["coordinate"] and "force" in law.HOOKS:
                 force = np.reshape(curve["force"], (-1, len(curve["places"]))).mean(axis=0)  # of both directions
                 return law.replace(**{kind.nodes: list(curve["places"]), kind.levels: np.nan_to_num(force).tolist()})
     return None

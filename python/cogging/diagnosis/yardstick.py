@@ -52,7 +52,7 @@ class Discrepancy:
 
     @property
     def push(self) -> float:
-        """Towards where a force pushes that is missing where this is positive: a command more than replayed works against it."""
+        """Which way a missing force pushes where this is positive: a command more than replayed works against it."""
         return -1.0 if self.signal == REPLAYED else 1.0
 
 
@@ -105,9 +105,9 @@ class Yardstick:
 
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
         if not self.replay:
-            rows = tuple(_motion(b, b.time[:: b.every], slice(None, None, b.every)) for b in balances)
+            along = tuple(_motion(b, b.time[:: b.every], slice(None, None, b.every)) for b in balances)
             left = tuple(b._low_pass(b.residual(model) * b.keep, b.corner)[:: b.every] for b in balances)
-            return Discrepancy(BALANCED, left, rows, tuple(b.mask for b in balances))
+            return Discrepancy(BALANCED, left, along, tuple(b.mask for b in balances))
         series, rows, masks, errors = [], [], [], []
         for log, b in zip(logs, balances, strict=True):
             run = Replay(_moved(log, shift), model).run(model)
@@ -159,7 +159,7 @@ def _motion(b: Any, time: FloatArray, rows: slice | None = None) -> dict[str, Fl
 
 
 def growth(before: Discrepancy, after: Discrepancy) -> bool:
-    """Whether a gap grows by more than chance: two deviations of what blocks of the logs say, 2 % of its power at most."""
+    """Whether a gap grows by more than chance: two deviations of what blocks say, 2 % of its power at most."""
     gains = []
     for old, new, mask in zip(before.series, after.series, before.masks, strict=True):
         gains += [float(part.sum()) for part in np.array_split(new[mask] ** 2 - old[mask] ** 2, BLOCKS)]

@@ -1,4 +1,4 @@
-"""Effects of a user's own as candidates: what the core says that they do along the motion, at a grid of their shapes."""
+"""Effects of a user's own as candidates: what the core says that they do along the motion, at a grid of shapes."""
 
 from __future__ import annotations
 
@@ -107,7 +107,8 @@ def _columns(law: Effect, fields: dict[str, float], amplitudes: list[str], force
         erring = [at(small * row) for row in np.eye(len(parts))]
         none = [b.residual(c.model) for b in c.balances]
         with_each = [
-            np.array([b.residual(c.model.replace(effects=(*c.model.effects, one))) for one in erring]) for b in c.balances
+            np.array([b.residual(c.model.replace(effects=(*c.model.effects, one))) for one in erring])
+            for b in c.balances
         ]
         return [(before - after) / small for before, after in zip(none, with_each, strict=True)]
 

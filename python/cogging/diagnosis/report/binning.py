@@ -39,9 +39,7 @@ def bins_of(values: FloatArray, name: str) -> FloatArray:
     if name in ("position", "time"):
         return np.linspace(float(values.min()), float(values.max()), EDGES)
     low, high = float(values.min()), float(values.max())
-    both = np.union1d(
-        np.quantile(values, np.linspace(0.0, 1.0, QUANTILES)), np.linspace(low, high, EVEN)
-    )
+    both = np.union1d(np.quantile(values, np.linspace(0.0, 1.0, QUANTILES)), np.linspace(low, high, EVEN))
     kept = [low]  # cruising fills many quantiles with one value: no bin is narrower than one percent
     for edge in both[1:]:
         if edge - kept[-1] > NARROWEST * (high - low):

@@ -11,8 +11,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.report.binning import QUANTILES, Series, binned, bins_of, envelope, liveliest, rows_of, smoothed, spectrum
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape
+from cogging.diagnosis.report.binning import (
+    QUANTILES,
+    Series,
+    binned,
+    bins_of,
+    envelope,
+    liveliest,
+    rows_of,
+    smoothed,
+    spectrum,
+)
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.units import Units
 

@@ -70,9 +70,7 @@ def pictures_of(result: Diagnosis) -> dict[str, list[Picture]]:
     if result.location is not None:
         told["shapes"] = shape_pictures(result.location)
         waves = [wave.value for wave in result.location.waves if wave.coordinate == "spatial period"]
-        told["folded"] = [
-            _folded(gaps, units, period, sign) for period in waves[: PERIODS] for sign in (1.0, -1.0)
-        ]
+        told["folded"] = [_folded(gaps, units, period, sign) for period in waves[:PERIODS] for sign in (1.0, -1.0)]
     # Of a way that the axis did not move there is nothing to see.
     return {part: [one for one in pictures if NO_MOTION not in one.finding] for part, pictures in told.items()}
 
@@ -84,7 +82,7 @@ def shape_pictures(location: Location) -> list[Picture]:
     def drawn(shape: Shape) -> Picture:
         return picture(lambda axes: draw_shape(axes, shape, units), f"Missing: {shape_text(shape, units)}.")
 
-    return [drawn(shape) for shape in location.significant[: SHAPES]]
+    return [drawn(shape) for shape in location.significant[:SHAPES]]
 
 
 def curve_picture(effect: NamedEffect, units: Units) -> Picture | None:

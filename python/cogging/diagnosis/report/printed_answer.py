@@ -1,4 +1,4 @@
-"""The printed answer: at most 15 lines of 100 characters with what the command adds, and with `verbose` all that a result holds.
+"""The printed answer: at most 15 lines with what the command adds, and with `verbose` all that a result holds.
 
 Verdict, what the gap is made of, what is left of it, the parameters old and new, and what cannot be told apart. The
 command adds the files that it has written and the next command.

@@ -96,13 +96,13 @@ def meaning(result: Diagnosis) -> list[str]:
         told[0] = "Beside what was found, something stands out of the noise that no known effect explains."
     doubts = [doubt for effect in result.effects if (doubt := doubt_text(effect, result.vocabulary))]
     more = len(doubts) - IN_HEADLINE
-    told += doubts[: IN_HEADLINE]
+    told += doubts[:IN_HEADLINE]
     return [*told, f"{more} more {'is' if more == 1 else 'are'} told below."] if more > 0 else told
 
 
 def names_text(effects: Sequence[NamedEffect]) -> str:
     """The names of effects in their order, each as sure as it is, with its share of the gap; beyond a few, how many."""
-    told, more = effects[: IN_HEADLINE], effects[IN_HEADLINE :]
+    told, more = effects[:IN_HEADLINE], effects[IN_HEADLINE:]
     phrases = [name_text(one) if is_sure(one) else f"something that is {_doubted(one)}" for one in told]
     phrases = [f"{phrase}{_share_text(one)}" for phrase, one in zip(phrases, told, strict=True)]
     open_ones = "" if all(map(is_sure, more)) else ", not all of them sure"
@@ -120,9 +120,7 @@ def is_sure(effect: NamedEffect) -> bool:
 
 def name_text(effect: NamedEffect) -> str:
     """The name as words for a headline, with what its law has of its own."""
-    return shortened(plain(effect.name), LONGEST) + (
-        " of a shape of its own" if effect.shape else ""
-    )
+    return shortened(plain(effect.name), LONGEST) + (" of a shape of its own" if effect.shape else "")
 
 
 def _doubted(effect: NamedEffect) -> str:

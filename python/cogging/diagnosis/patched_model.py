@@ -114,7 +114,7 @@ def _excludes_zero(values: FloatArray, block: FloatArray) -> bool:
 
 
 def curve_of(evidence: Evidence, column: Any, amplitudes: FloatArray) -> dict[str, Any] | None:
-    """Force (V) over one coordinate of a sum of columns, where a function of that coordinate gives it back; else None."""
+    """Force (V) over one coordinate of a sum of columns, where a function of it gives that back; else None."""
     forces = [amplitudes @ rows for rows in column.columns(evidence)]
     kept = [b.keep > 0 for b in evidence.balances]
     force = np.concatenate([row[mask] for row, mask in zip(forces, kept, strict=True)])
