@@ -130,6 +130,7 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
     for number, _ in peaks:
         number, _ = sharpen(lambda k: abs(pulls @ np.exp(2j * np.pi * k * places)), number, 0.25 / travel)
         found.append(("spatial period", number, 1.0 / number, "m", [b.position for b in balances], trials))
+    times = np.concatenate([b.time for b in balances])
     size = int(2 ** np.ceil(np.log2(2 * max(len(g) for g in weighed))))
     loud = np.sum([np.abs(np.fft.rfft(g, size)) ** 2 for g in weighed], axis=0)
     rate = np.fft.rfftfreq(size, balances[0].step)
@@ -138,8 +139,10 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
         number = float(rate[int(np.argmax(loud))])
         if number > 0.0 and loud.max() > 0.0:
             trials = int(duration * 0.4 * evidence.rate)
+            loudest = number
+            number, _ = sharpen(lambda f: abs(pulls @ np.exp(2j * np.pi * f * times)), number, 0.25 / duration)
             found.append(("frequency", number, number, "Hz", [b.time for b in balances], trials))
-            loud[np.abs(rate - number) < 1.0 / duration] = 0.0
+            loud[np.abs(rate - loudest) < 1.0 / duration] = 0.0
     told: list[Wave] = []
     for coordinate, number, value, unit, along, trials in found:
         turns = [2.0 * np.pi * number * one for one in along]

@@ -97,7 +97,8 @@ class Yardstick:
             effects=model.effects,
         )
         balances = self.found.both.balances[len(self.given) :]
-        return Evidence(balances, known, model).prepare(ROUNDS).model
+        tuned: Model = Evidence(balances, known, model).prepare(ROUNDS).model
+        return tuned
 
     def by_balance(self) -> Yardstick:
         """The same without a replay."""

@@ -5,39 +5,30 @@ Each drawing says in words what it shows, for those who cannot see it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape
-from cogging.diagnosis.report.binning import (
-    QUANTILES,
-    Series,
-    binned,
-    bins_of,
-    envelope,
-    liveliest,
-    rows_of,
-    smoothed,
-    spectrum,
-)
+from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.units import Units
+from cogging.plot.gaps import Rows, binned, joined
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect
 
+Series = Mapping[str, Sequence[FloatArray]]
 #: The largest of a curve and where it is; None where nothing stands out.
 Extreme = tuple[float, float] | None
 COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
-
-
 FEWEST = 100  # rows: fewer are no such motion
 SHOWN = 4.0  # median deviations of a shape: larger bars are cut
 POINTS = 4000  # of a trace: more cannot be seen
 MILLI = 0.1  # m: shorter periods are drawn in mm
+TRACE = 0.01  # s over which traces are averaged
 NO_MOTION = "no such motion"  # of a way that the axis did not move
 PANELS = (  # coordinate, what the axis is called, its unit, direction of motion
     ("position", "position, moving forward", "m", "forward"),
@@ -53,16 +44,23 @@ def direction_of(way: str) -> float:
     return {"forward": 1.0, "backward": -1.0}.get(way, 0.0)
 
 
+def moving(series: Series, direction: float) -> Rows:
+    """Rows in motion one way, or both (0), of all logs."""
+    ways = zip(series["mask"], series["velocity"], strict=True)
+    kept = [(np.asarray(m) > 0) & ((direction == 0.0) | (direction * np.asarray(v) > 0.0)) for m, v in ways]
+    return joined({**series, "mask": kept}, "gap")
+
+
 def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: float = 0.0) -> dict[str, Extreme]:
     """Mean gap in bins of a coordinate, with 95 % bands from blocks of rows; its largest by label, beyond its band."""
     told = {}
     axes.axhline(0.0, color="black", linewidth=0.6)
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
-        values, gap, block = rows_of(series, name, direction)
-        if len(values) < FEWEST:
+        rows = moving(series, direction)
+        if len(rows.residual) < FEWEST:
             axes.text(0.5, 0.5, NO_MOTION, transform=axes.transAxes, ha="center")
             continue
-        places, mean, half = binned(values, gap, block, bins_of(values, name))
+        places, mean, half = binned(rows, name)
         axes.fill_between(places, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
         axes.plot(places, mean, color=colour, linewidth=1.4, label=label)
         told[label] = extreme(places, mean, half)
@@ -133,17 +131,17 @@ def draw_folded(
     axes.axhline(0.0, color="black", linewidth=0.6)
     scale, unit = (1e3, "mm") if period < MILLI else (1.0, "m")
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
-        position, gap, block = rows_of(series, "position")
-        along = sign * rows_of(series, "velocity")[0] > 0.0
+        rows = moving(series, sign)
         told[label] = None
-        if not along.any():
+        if not len(rows.residual):
             continue
-        edges = np.linspace(0.0, period, QUANTILES)
-        place, mean, half = binned(position[along] % period, gap[along], block[along], edges)
+        place, mean, half = binned(
+            Rows(rows.residual, {"place": rows.coordinates["position"] % period}, rows.block), "place"
+        )
         axes.fill_between(scale * place, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
         axes.plot(scale * place, mean, color=colour, linewidth=1.4, label=label)
-        if len(mean):
-            told[label] = 2.0 * float(np.abs(np.mean(mean * np.exp(-2j * np.pi * place / period))))
+        if np.isfinite(mean).any():
+            told[label] = 2.0 * float(np.abs(np.nanmean(mean * np.exp(-2j * np.pi * place / period))))
     axes.set(ylabel=f"mean gap {'forward' if sign > 0.0 else 'backward'} ({units.of('V')})")
     axes.set(xlabel=f"position within {scale * period:.4g} {units.of(unit)}")
     return told
@@ -183,3 +181,45 @@ def draw_shape(panel: Any, shape: Shape, units: Units) -> None:
         ylabel=f"missing ({units.command})",
         title=f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
     )
+
+
+# Rows as they are drawn -----------------------------------------------------------------------------------------------
+
+
+def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and amplitude density (per √Hz), averaged over half-overlapping Hann windows of an eighth."""
+    step = float(np.median(np.diff(time)))
+    length = max(256, 2 * (len(values) // 16))
+    length = min(length, len(values))
+    window = np.hanning(length)
+    parts = [values[first : first + length] for first in range(0, len(values) - length + 1, max(1, length // 2))]
+    power = np.mean([np.abs(np.fft.rfft(window * (part - part.mean()))) ** 2 for part in parts], axis=0)
+    density = np.sqrt(2.0 * power * step / float((window**2).sum()))
+    return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
+
+
+def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
+    """Running mean over TRACE."""
+    return moving_average(values, round(TRACE / float(np.median(np.diff(time)))))
+
+
+def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
+    """A stretch of that many rows in the middle of the log in which the axis moves most of the time."""
+    moving = np.concatenate([[0], np.cumsum(mask > 0)])
+    starts = np.arange(0, max(1, len(gap) - rows), max(1, rows // 4))
+    share = moving[np.minimum(starts + rows, len(gap))] - moving[starts]
+    good = starts[share >= 0.95 * share.max()]
+    first = int(good[len(good) // 2])
+    return slice(first, first + rows)
+
+
+def envelope(time: FloatArray, values: FloatArray, few: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Smallest and largest of every `few` rows, so that a long trace loses no peak; nan where all are nan."""
+    if few < 2:
+        return time, values, values
+    end = len(time) // few * few
+    rows = values[:end].reshape(-1, few)
+    missing = np.isnan(rows).all(axis=1)
+    low = np.where(missing, np.nan, np.min(np.where(np.isnan(rows), np.inf, rows), axis=1))
+    high = np.where(missing, np.nan, np.max(np.where(np.isnan(rows), -np.inf, rows), axis=1))
+    return time[:end].reshape(-1, few).mean(axis=1), low, high

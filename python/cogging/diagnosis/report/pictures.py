@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from cogging.diagnosis.places import Shape, length_text, quantity_text, shape_text
-from cogging.diagnosis.report.binning import Series
 from cogging.diagnosis.report.figures import (
     NO_MOTION,
     PANELS,
     Extreme,
+    Series,
     direction_of,
     draw_curve,
     draw_folded,
