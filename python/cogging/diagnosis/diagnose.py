@@ -185,6 +185,7 @@ def _result(
     if patched and (growth(before, after) or (before_there and after_there and growth(before_there, after_there))):
         notes.append("all that was found, together, makes the gap larger: the model is left without it")
         final, after, after_there, patched = nominal, before, before_there, False
+        out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}
 
     # 2. what is left, what is called what, and what has no name
     rest = predicted(after, after_there)
@@ -208,7 +209,7 @@ def _result(
         None if k in out else (given[k].rms ** 2 - given[k + 1].rms ** 2) / given[0].rms ** 2 for k in range(len(terms))
     ]
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
-    left_out = {kept.index(k): why for k, why in held_out.items() if k in kept}
+    left_out = {kept.index(k): why for k, why in out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)
     without_name = unlisted([terms[k] for k in kept], rest, gap, units, confirmed=bool(logs.confirm))
     if without_name is None and refused and not effects:
