@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,7 @@ class Yardstick:
         given, confirm: given and confirm logs.
         stated: model as it was read, with the controller that was running.
         replay: whether the loop is replayed.
+        tuned: models as they were re-tuned to the confirm logs, by the model: whatever is measured.
     """
 
     found: Outcome
@@ -72,6 +73,7 @@ class Yardstick:
     confirm: Sequence[Log]
     stated: Model
     replay: bool
+    tuned: dict[int, tuple[Model, Model]] = field(default_factory=dict)
 
     def on_given(self, model: Model) -> Discrepancy:
         """What a model leaves of the given logs.
@@ -86,7 +88,9 @@ class Yardstick:
         if not self.confirm:
             return None
         balances = self.found.both.balances[len(self.given) :]
-        return self._of(self.confirm, balances, self.there(model), self.found.shift)
+        if id(model) not in self.tuned:
+            self.tuned[id(model)] = model, self.there(model)
+        return self._of(self.confirm, balances, self.tuned[id(model)][1], self.found.shift)
 
     def there(self, model: Model) -> Model:
         """The model re-tuned to the confirm logs as far as its statement allows; what was found of it stays."""
@@ -102,7 +106,7 @@ class Yardstick:
 
     def by_balance(self) -> Yardstick:
         """The same without a replay."""
-        return Yardstick(self.found, self.given, self.confirm, self.stated, replay=False)
+        return replace(self, replay=False)
 
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
         if not self.replay:
