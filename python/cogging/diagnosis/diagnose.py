@@ -296,9 +296,9 @@ def _objections(
             continue
         if not term.certain:
             held_out[place] = "its interval includes zero"
-        for measured in (fitted, replayed) if replayed is not None else (fitted,):
-            for which, gaps in zip(("", " on the other motion"), measured, strict=True):
-                one, two = gaps[place], gaps[place + 1]
+        for measured in [fitted] if replayed is None else [fitted, replayed]:
+            both = (("", measured[0][place : place + 2]), (" on the other motion", measured[1][place : place + 2]))
+            for which, (one, two) in both:
                 if one is None or two is None:
                     continue
                 if two.rms**2 > CONTRADICTED * one.rms**2 or (measured is fitted and growth(one, two)):
