@@ -168,7 +168,7 @@ def _result(
 
     # 1. the gap of the re-tuned model, then with one term more at a time; what of these does not enter the model
     sequence = [nominal, *_one_by_one(terms, final)]
-    fitted = _gaps(yardstick.by_balance(), sequence)
+    fitted = _gaps(yardstick.as_fitted(), sequence)
     replayed = _replayed(yardstick, sequence, notes) if replay else None
     held_out, refused = _objections(terms, fitted, replayed, logs, stated)
     shown = replayed is not None and not any(growth(a, b) for a, b in _ends_of(replayed))
@@ -177,7 +177,7 @@ def _result(
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
     if replayed is None or (not shown and len(held_out) + len(refused) < len(terms)):
         yardstick = yardstick.by_balance()
-    given, confirm = replayed if replayed is not None and yardstick.replay else fitted
+    given, confirm = replayed if replayed is not None and yardstick.replay else _gaps(yardstick, sequence)
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
     if out:
@@ -191,7 +191,8 @@ def _result(
         final = nominal
     after = before if not patched else given[-1] if not out else yardstick.on_given(final)
     after_there = before_there if not patched else confirm[-1] if not out else yardstick.on_confirm(final)
-    if patched and (growth(before, after) or (before_there and after_there and growth(before_there, after_there))):
+    ends = [(before, after)] + ([(before_there, after_there)] if before_there and after_there else [])
+    if patched and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
         notes.append("all that was found, together, makes the gap larger: the model is left without it")
         final, after, after_there, patched = nominal, before, before_there, False
         out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}

@@ -27,6 +27,7 @@ PLACES = 12  # at which a force of any shape in one coordinate is tested
 WAVES = 4  # periods, and as many frequencies, that are looked at
 TURNS = 4.0  # in the travel or the log: coordinates tell slower waves
 SHADOW = 0.1  # of the strongest wave's share: weaker ones are its shadows
+SMALL = 1e-3  # of the rms command: what is left of less is that of integration and rounding
 ROUNDS = 3  # of re-tuning
 
 
@@ -80,6 +81,8 @@ def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Locati
         rest: what a generic force predicts of that.
     """
     shapes = []
+    command = np.concatenate([rows["command"][mask] for rows, mask in zip(gap.rows, gap.masks, strict=True)])
+    nothing = gap.rms < SMALL * float(np.sqrt(np.mean(command**2)))
     for curve in rest.curves:
         name, tables = curve.coordinate, []
         for b, u in zip(evidence.balances, evidence.drives, strict=True):
@@ -98,14 +101,14 @@ def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Locati
                 curve.force,
                 curve.deviation,
                 statistic,
-                min(chance, 0.0),
+                0.0 if nothing else min(chance, 0.0),
                 curve.share,
             )
         )
     shapes.sort(key=lambda shape: shape.log_p_value)
     series = {name: [rows[name] for rows in gap.rows] for name in gap.rows[0]}
     series |= {"gap": list(gap.series), "mask": [mask.astype(float) for mask in gap.masks]}
-    return Location(tuple(shapes), tuple(_waves(evidence, gap)), gap.rms, evidence.model, series)
+    return Location(tuple(shapes), () if nothing else tuple(_waves(evidence, gap)), gap.rms, evidence.model, series)
 
 
 def _places(evidence: Evidence, name: str) -> np.ndarray:
