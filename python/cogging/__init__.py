@@ -40,9 +40,9 @@ from cogging.log_check.recovery import RecoveredController, recover_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
-from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
-from cogging.diagnosis.experiment.limits import MotionLimits
-from cogging.diagnosis.experiment.plan import plan_experiment
+from cogging.design.experiment.plan import ExperimentPlan
+from cogging.design.experiment.limits import MotionLimits
+from cogging.design.experiment.plan import plan_experiment
 from cogging.diagnosis.locate import locate_gap
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.design.predicted_error import ErrorPrediction

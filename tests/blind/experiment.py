@@ -125,12 +125,11 @@ def ask(seed: int, index: int) -> dict[str, Any] | None:
     for number, (arm, motion) in enumerate(motions(case, plan, seed + index).items()):
         try:
             log = record(case, motion, moments, [seed, index, number])
-            planned = plan if arm == "proposed" else None
-            result = cogging.diagnose([old, log], model, planned=planned)
+            result = cogging.diagnose([old, log], model)
         except ArithmeticError as error:
             answer[arm] = {"error": str(error), "settled": False, "held": False, "wrong": False}
             continue
-        answer[arm] = told(result, name) | {"outcomes": [vars(outcome) for outcome in result.planned]}
+        answer[arm] = told(result, name)
     return answer
 
 

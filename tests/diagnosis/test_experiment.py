@@ -4,8 +4,6 @@ import json
 
 import numpy as np
 import pytest
-
-import cogging
 from cogging.diagnosis.candidates.findings import profiled
 from cogging.diagnosis.candidates.scan import scan
 from cogging.diagnosis.evidence.null import fit_null, nuisances, sources_of
@@ -14,6 +12,8 @@ from cogging.diagnosis.experiment.motion import Element, planned
 from cogging.diagnosis.experiment.narrowing import Narrowing
 from cogging.diagnosis.experiment.rivals import Found, found_in
 from cogging.diagnosis.experiment.separation import Separation, pooled, within
+
+import cogging
 from cogging.effects.effect import VOCABULARY
 from cogging.estimation.gauss_newton import fit
 from cogging.files import FieldError, InputError

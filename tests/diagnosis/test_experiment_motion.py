@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-
-import cogging
 from cogging.diagnosis.experiment.feasibility import taken_of
 from cogging.diagnosis.experiment.motion import KINDS, Element, dictionary, planned
 from cogging.diagnosis.experiment.proposal import Machine
+
+import cogging
 from cogging.files import FieldError, InputError
 
 GOOD = {"travel": [0.0, 0.4], "velocity": 0.5, "acceleration": 5.0, "jerk": 400.0, "duration": 5.0, "command": 3.0}

@@ -35,9 +35,6 @@ def add_parser(commands: Commands) -> None:
     command.add_argument(
         "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
     )
-    command.add_argument(
-        "--planned", metavar="REF.toml", help="the planned experiment that a log is of: what became of what it expected"
-    )
     add_log_options(command)
     group = command.add_argument_group(COMES_OUT)
     group.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
@@ -55,13 +52,10 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Diagnose the logs, write what was asked for, print the verdict."""
     from cogging.diagnosis.diagnose import diagnose
-    from cogging.diagnosis.experiment.experiment_plan import plan_path
     from cogging.model.model import Model
 
     outputs = {"--json": json_file(arguments), "--report": arguments.report, "--out": arguments.out}
     inputs = [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])]
-    if arguments.planned is not None:
-        inputs += [arguments.planned, plan_path(arguments.planned)]
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
@@ -73,7 +67,6 @@ def run(arguments: argparse.Namespace) -> None:
             names=[printable(path) for path in arguments.logs],
             confirm_names=[printable(path) for path in arguments.confirm],
             empirical=arguments.empirical,
-            planned=arguments.planned,
             progress=begin,
         )
         files = {}

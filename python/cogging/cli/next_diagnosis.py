@@ -26,7 +26,6 @@ def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> NextS
         result=json_file(arguments) or "",
         patched=arguments.out or "",
         empirical=arguments.empirical,
-        planned=arguments.planned or "",
     )
     step = next_step(result, given)
     return replace(step, line=_lines(arguments, result, step)[step.kind]())
@@ -42,12 +41,17 @@ def _lines(arguments: argparse.Namespace, result: Diagnosis, step: NextStep) -> 
         "audit": lambda: _audit(arguments),
         "move": lambda: experiment(arguments.model),
         "write_result": lambda: _again(arguments, json=free_name("result.json")),
-        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json)),
+        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json), *_followed(arguments)),
         "write_model": lambda: _again(arguments, **written),
         "confirm": lambda: _again(arguments, confirm=["OTHER_LOG.csv"], **written),
         "confirm_by_last": lambda: _again(arguments, logs=given, confirm=[last], **written),
-        "use": lambda: after_a_model(arguments.out or arguments.model, result.model, arguments.planned),
+        "use": lambda: after_a_model(arguments.out or arguments.model, result.model),
     }
+
+
+def _followed(arguments: argparse.Namespace) -> list[str]:
+    """The logs whose motion is not to be proposed again."""
+    return ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
 
 
 def _audit(arguments: argparse.Namespace) -> str:
@@ -72,7 +76,6 @@ def _again(
         files(arguments.logs if logs is None else logs),
         option("--model", arguments.model),
         option("--confirm", *others) if others else [],
-        option("--planned", arguments.planned),
         log_options(arguments),
         list(more),
         option("--json", json or arguments.json),

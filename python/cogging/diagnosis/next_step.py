@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from cogging.effects.effect import empirical_law
+from cogging.diagnosis.places import empirical_term
 
 if TYPE_CHECKING:
     from cogging.diagnosis.result import Diagnosis
@@ -24,7 +24,6 @@ class GivenFiles:
         result: where the result was written as JSON; empty where it was not.
         patched: where the patched model was written; empty where it was not.
         empirical: whether what no effect explains was to be added to it.
-        planned: planned experiment that the logs are of; empty where there was none.
     """
 
     logs: Sequence[str] = ("LOG.csv",)
@@ -33,7 +32,6 @@ class GivenFiles:
     result: str = ""
     patched: str = ""
     empirical: bool = False
-    planned: str = ""
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,7 @@ def _take_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
 
 def _look_where_it_sits(result: Diagnosis, files: GivenFiles) -> NextStep:
     words = "What is left has no name: look at where it sits, and repeat the motion with that alone changed"
-    if result.unlisted is not None and empirical_law(str(result.unlisted["coordinate"]))[0] is None:
+    if result.unlisted is not None and empirical_term(result.unlisted) is None:
         if not result.effects:
             return _move_more(result, files, words + ". ")
         return _adopt(files, _is_confirmed(result, files), words + ". To work with what was found, write the model")
@@ -136,11 +134,6 @@ def _tell_apart(result: Diagnosis, files: GivenFiles) -> NextStep:
     words = "No other name fits as well, but these logs do not make it sure: a motion that shows more of it will"
     if any(effect.alternatives for effect in result.effects):
         words = "Measure what tells the candidates apart"
-    if files.planned:  # the same motion again would say the same again
-        words = (
-            "The planned motion did not make the names sure: for such motion either serves. Write the likelier model"
-        )
-        return _adopt(files, _is_confirmed(result, files), words)
     if not files.result:
         words += ". Write the result as a file: cogging experiment computes the motion from it."
         return NextStep("write_result", words, _diagnose(files, "--json", "RESULT.json"))
@@ -156,9 +149,6 @@ def _state_the_controller(result: Diagnosis, files: GivenFiles) -> NextStep:
 
 def _move_more(result: Diagnosis, files: GivenFiles, words: str = "") -> NextStep:
     words += "Move the axis over its travel, in both directions, at several speeds, for ten seconds or more. "
-    if files.planned:
-        words += "The planned motion is not in these logs as it was computed: see what they hold."
-        return NextStep("audit", words, _line("audit", *files.logs, *files.confirm, "--model", files.model))
     return NextStep("move", words + "A motion within the limits of the machine can be computed.", _experiment(files))
 
 

@@ -8,21 +8,31 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.thresholds import PHYSICAL, PREPARATION
 from cogging.effects.effect import Effect, laws_of
 from cogging.logs.log import Log
 from cogging.model.model import Model
+
+PERIODS = 3.0  # of a tone or a resonance, that the time of motion holds: fewer are a drift
+LEVELS = 20  # of the command, at which is seen whether what is beyond them acts
+AVERAGED = (1, 2, 4, 8, 16, 32)  # rows over which commands and readings are averaged
+FEWEST = 40  # times the rows averaged, that a log has at least
+OBEYED = 0.5  # of what a V up to a level does, that a V beyond it does if there is no limit
+CERTAIN = 8.0  # deviations by which what is beyond a level acts
+AT_END = 1e-3  # relative: so near to an end a parameter stands at it
+PLACES = 60  # of the travel, at which the level of friction is looked at
+PUSHES = 0.02  # of the largest command: so far below nothing friction may come out
+STEPS, MOVES = 2000, 0.01  # into which a log is cut; share of the largest mean speed from which the axis moves in one
 
 
 def ends(logs: Sequence[Log], role: Mapping[str, Any]) -> tuple[float, float]:
     """Lowest and highest value that logs allow a parameter of an effect (see cogging.effects, ROLES).
 
-    No resonance or tone of fewer than PHYSICAL.periods in the time of motion is told from a drift, and none that is
+    No resonance or tone of fewer than PERIODS in the time of motion is told from a drift, and none that is
     damped more than its effect says rings; a command that was obeyed is below the limit of commands; and no friction is
     above the largest command that moved the axis.
     """
     if role["quantity"] == "frequency":
-        return PHYSICAL.periods / max(max(map(seconds_of_motion, logs)), 1e-300), np.inf
+        return PERIODS / max(max(map(seconds_of_motion, logs)), 1e-300), np.inf
     if role["quantity"] == "command" and role["neutral"] == np.inf:
         return obeyed_command(logs), np.inf
     if role["quantity"] == "one" and role["role"] == "shape":
@@ -41,7 +51,7 @@ def at_end(effect: Effect, logs: Sequence[Log]) -> str:
         least, most = ends(logs, role)
         values = np.ravel(np.asarray(getattr(effect, name), dtype=float))
         for value, end, room in ((values.min(initial=np.inf), least, 1.0), (values.max(initial=-np.inf), most, -1.0)):
-            if np.isfinite(end) and room * (value - end) <= PHYSICAL.stands_at * abs(end):
+            if np.isfinite(end) and room * (value - end) <= AT_END * abs(end):
                 return f"its {name} runs to {value:.4g}, the end of what these logs allow"
     return ""
 
@@ -52,26 +62,21 @@ def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
     laws = [laws_of(effect) for effect in model.effects if "friction_level" in effect.HOOKS]
     if said or not laws:
         return said
-    place = np.concatenate([np.quantile(log.position, np.linspace(0.0, 1.0, PHYSICAL.friction_places)) for log in logs])
+    place = np.concatenate([np.quantile(log.position, np.linspace(0.0, 1.0, PLACES)) for log in logs])
     top = max(float(np.ptp(log.position)) / seconds_of_motion(log) for log in logs)
     x, v = np.tile(place, 2), np.repeat([-top, top], len(place))
     levels = np.array([law.friction_level_at(position=x, velocity=v) for law in laws])
     least = model.axis.coulomb + float(levels.sum(axis=0).min())
-    if least < -PHYSICAL.friction_pushes * moving_command(logs):
+    if least < -PUSHES * moving_command(logs):
         return f"its friction falls to {least:.4g}: it would push the axis"
     return ""
 
 
 def seconds_of_motion(log: Log) -> float:
     """Time in which the mean speed over some rows is above a hundredth of the largest."""
-    step = max(1, len(log) // PREPARATION.motion_steps)
+    step = max(1, len(log) // STEPS)
     steps, moved = np.diff(log.time[::step]), np.abs(np.diff(log.position[::step]))
-    return float(steps[moved / steps > PREPARATION.motion_speed * float((moved / steps).max())].sum())
-
-
-def physical_ceilings(logs: Sequence[Log]) -> dict[str, float]:
-    """What no parameter of the axis is above, by path."""
-    return {"axis.coulomb": moving_command(logs)}
+    return float(steps[moved / steps > MOVES * float((moved / steps).max())].sum())
 
 
 def moving_command(logs: Sequence[Log]) -> float:
@@ -86,10 +91,10 @@ def obeyed_command(logs: Sequence[Log]) -> float:
     direction: what is beyond a limit would do nothing. All is averaged over as many rows as show most of the command.
     """
     largest = max(float(np.abs(log.command).max()) for log in logs)
-    rows = max(PHYSICAL.averaged, key=lambda one: _weights(logs, one, np.inf)[2])
-    for level in largest * np.linspace(1.0, 0.0, PHYSICAL.levels, endpoint=False)[1:]:
+    rows = max(AVERAGED, key=lambda one: _weights(logs, one, np.inf)[2])
+    for level in largest * np.linspace(1.0, 0.0, LEVELS, endpoint=False)[1:]:
         below, beyond, certain = _weights(logs, rows, float(level))
-        if beyond > PHYSICAL.obeyed * below > 0.0 and certain > PHYSICAL.certain:
+        if beyond > OBEYED * below > 0.0 and certain > CERTAIN:
             return float(level)
     return 0.0
 
@@ -100,11 +105,11 @@ def _weights(logs: Sequence[Log], rows: int, level: float) -> tuple[float, float
     For an infinite level the same of the whole command. The acceleration is the second difference of positions `rows`
     apart, which is that of the same triangular mean of whatever acts.
     """
-    parts = [_balance(log, rows, level) for log in logs if len(log) > PHYSICAL.fewest * rows]
+    parts = [_balance(log, rows, level) for log in logs if len(log) > FEWEST * rows]
     if not parts:
         return 0.0, 0.0, 0.0
     table = np.concatenate(parts, axis=1)
-    if np.count_nonzero(table[0]) < PHYSICAL.fewest:
+    if np.count_nonzero(table[0]) < FEWEST:
         return 0.0, 0.0, 0.0
     size = np.sqrt(np.mean(table**2, axis=1))
     table = table[size > 0.0] / size[size > 0.0, None]

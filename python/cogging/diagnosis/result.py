@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from cogging import plot
-from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
+from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.next_step import NextStep
 from cogging.diagnosis.report.page import html
@@ -43,16 +43,13 @@ class Diagnosis(ByValue):
         where_text: lines on that place, one a coordinate, the likeliest first.
         ledger: effects that were tried.
         notes: sentences on what else was seen.
-        placebo: gains of terms that explain nothing.
-        series: rows for the figures by name: `logs`, the `given` model, and of each log time, position, velocity,
+        series: rows for the figures by name: the `given` model, and of each log time, position, velocity,
             acceleration, command (V, without the gap where that is part of it), gap_before, gap_after (V) and mask
             (rows in motion).
         vocabulary: effects that were tried, as they are when they do nothing, by name.
         limits: smallest size of each effect that these logs would have shown with a chance of 95 %; empty where
             nothing was measured.
         mismatch: column of a log that was read as something it is not, and what to do: of a data_mismatch, else None.
-        planned: what became of a planned experiment, one entry an expectation of it; empty without a plan.
-        near_rest: friction near rest that is not the model's, of a law that these logs cannot tell; None else.
     """
 
     verdict: str
@@ -66,13 +63,10 @@ class Diagnosis(ByValue):
     where_text: tuple[str, ...] = ()
     ledger: tuple[Step, ...] = ()
     notes: tuple[str, ...] = ()
-    placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mismatch: Mapping[str, Any] | None = None
-    planned: tuple[Outcome, ...] = ()
-    near_rest: NearRest | None = None
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -91,12 +85,9 @@ class Diagnosis(ByValue):
             "separating_experiment": self.separating_experiment,
             "limits": {name: limit.to_dict() for name, limit in self.limits.items()},
             "unseen": {name: limit.why for name, limit in self.limits.items() if limit.value is None},
-            "near_rest": None if self.near_rest is None else self.near_rest.to_dict(),
             "where": list(self.where_text),
             "ledger": [vars(step) for step in self.ledger],
-            "placebo": [vars(entry) for entry in self.placebo],
             "notes": list(self.notes),
-            "planned": [vars(outcome) for outcome in self.planned],
         }
         return {name: finite(value) for name, value in told.items()}
 
@@ -208,5 +199,5 @@ class Diagnosis(ByValue):
         return plot.residual(self, units=units, ax=ax).figure
 
     def text(self, *, verbose: bool = False) -> str:
-        """The result for the screen: what to act on, in 13 lines at most; `verbose`: all that it holds."""
+        """The result for the screen: what to act on, in 15 lines at most; `verbose`: all that it holds."""
         return full_text(self) if verbose else short_text(self)

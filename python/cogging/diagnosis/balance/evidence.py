@@ -79,6 +79,7 @@ class Maximum:
         taps: noise filter of each log.
         r, x: rows and columns behind the filter, the latter scaled to 1.
         prior: deviation and mean of each scaled amplitude.
+        size: by which columns are scaled, (p,).
         none: the same rows without the columns that were added.
         inflation: largest ratio of the variance of a score to what independent rows would have.
         told: what the added columns explain of each row, in deviations, (n,).
@@ -96,6 +97,7 @@ class Maximum:
     r: FloatArray = field(init=False)
     x: FloatArray = field(init=False)
     prior: tuple[FloatArray, FloatArray] = field(init=False)
+    size: FloatArray = field(init=False)
     none: Maximum = field(init=False)
     inflation: float = field(init=False, default=1.0)
     told: FloatArray = field(init=False)
@@ -277,6 +279,7 @@ class Evidence:
         best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
         best.cost += best.unit.sum()
         best.theta, best.taps, best.r, best.x, best.prior = best.w / size, taps, r, x, (sigma, target)
+        best.size = size
         return best
 
     def maximised(self, tables: Sequence[FloatArray] | None = None) -> Maximum:
@@ -388,7 +391,6 @@ class Evidence:
             costs.append(base.cost - float(along @ along) / base.variance)
         return min(self.null.cost, self.screen.cost) - min(costs)
 
-    glance = quick_ratio
 
     @cached_property
     def null(self) -> Maximum:

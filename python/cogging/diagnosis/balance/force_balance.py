@@ -220,8 +220,6 @@ class ForceBalance:
         density = 2.0 * self.encoder_noise**2 * self.step / self.thinning
         self.corner = float(np.clip(np.sqrt(np.sqrt(low / density) / mass) / (2 * np.pi), *CORNERS))
 
-    hear = set_corner
-
     @cached_property
     def fine(self) -> SubSteps:
         """The motion in so many sub-steps that the speed changes by no more than `width` in one."""

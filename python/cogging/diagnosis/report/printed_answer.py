@@ -1,4 +1,4 @@
-"""The printed answer: at most 13 lines of 100 characters, and with `verbose` all that a result holds.
+"""The printed answer: at most 15 lines with what the command adds, and with `verbose` all that a result holds.
 
 Verdict, what the gap is made of, what is left of it, the parameters old and new, and what cannot be told apart. The
 command adds the files that it has written and the next command.
@@ -14,37 +14,34 @@ import numpy as np
 
 from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
-from cogging.diagnosis.thresholds import REPORT
-from cogging.shown import shortened
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect
     from cogging.diagnosis.result import Diagnosis
 
+LINES, WIDTH = 13, 100  # of the printed answer; files written and what is next take two lines more
+
 
 def short_text(result: Diagnosis) -> str:
     """What a person acts on."""
-    head = [f"verdict: {result.verdict}", *_wrapped(f"{headline(result)}.", REPORT.headline_lines)]
+    head = [f"verdict: {result.verdict}", *_wrapped(f"{headline(result)}.")]
     if result.mismatch is not None:
         return "\n".join([*head, *_wrapped(str(result.mismatch["text"]))])
     if "gap_before" not in result.series:
-        return "\n".join(
-            [*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][: REPORT.answer_lines]
-        )
+        return "\n".join([*head, *[line for note in result.notes[-2:] for line in _wrapped(note)]][:LINES])
     head += _gap_lines(result)
-    tail = [f"planned: {outcome.text()}" for outcome in result.planned[:1]]
-    tail += [line for effect in result.effects if (line := apart_text(effect))][:2]
+    tail = [line for effect in result.effects if (line := apart_text(effect))]
+    tail = tail[: 2 if result.unlisted is None else 1]
     if result.unlisted is not None:
         tail.append(f"unlisted: {result.unlisted['shape']}")
         if "added" in result.unlisted:
             tail.append(f"  {term_text(result.unlisted['added'], result.gap.unit)}")
-    if result.near_rest is not None:
-        tail.append(result.near_rest.text())
-    del tail[REPORT.remarks :]
+        if "not_added" in result.unlisted:
+            tail.append(f"  {result.unlisted['not_added']}")
     notes = f", notes ({len(result.notes)})" if result.notes else ""
     tail.append(f"more with --verbose: where the gap sits, what was tried, detection limits{notes}")
     rows = [*result.axis_lines(), *(_effect_line(result, effect) for effect in result.effects)]
-    room = REPORT.answer_lines - len(head) - len(tail)
+    room = LINES - len(head) - len(tail)
     if len(rows) > room:
         rows = [*rows[: room - 1], f"  and {len(rows) - room + 1} more"]
     return "\n".join(map(_cut, [*head, *rows, *tail]))
@@ -54,13 +51,7 @@ def apart_text(effect: NamedEffect) -> str:
     """Which names these logs cannot tell apart, and whether that matters; empty where there is one name only."""
     if not effect.alternatives:
         return ""
-    name, *others = (shortened(one, REPORT.name_longest) for one in (effect.name, *effect.alternatives))
-    names = f"{name} or {', '.join(others)}: not told apart by these logs"
-    known = [effect.differs[name] for name in effect.alternatives if name in effect.differs]
-    if not known:
-        return names
-    matters = "it matters" if max(known) >= REPORT.share_hardly else "either will do for such motion"
-    return f"{names}; here they differ by {percent(max(known))} of the gap: {matters}"
+    return f"{effect.name} or {', '.join(effect.alternatives)}: not told apart by these logs"
 
 
 def _gap_lines(result: Diagnosis) -> list[str]:
@@ -84,7 +75,7 @@ def _effect_line(result: Diagnosis, effect: NamedEffect) -> str:
         else:
             told.append(f"{name} {quantity.value:.4g}{unit}{_interval(*quantity.ci95)}")
     more = f" (and {len(effect.further)} more terms)" if effect.further else ""
-    return f"  {shortened(effect.name, REPORT.name_longest)}: {', '.join(told)}{more}"
+    return f"  {effect.name}: {', '.join(told)}{more}"
 
 
 def _interval(low: Any, high: Any) -> str:
@@ -92,18 +83,18 @@ def _interval(low: Any, high: Any) -> str:
 
 
 def _cut(line: str) -> str:
-    return line if len(line) <= REPORT.answer_width else f"{line[: REPORT.answer_width - 4].rpartition(' ')[0]} ..."
+    return line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rpartition(' ')[0]} ..."
 
 
-def _wrapped(text: str, lines: int | None = None) -> list[str]:
-    return textwrap.wrap(text, REPORT.answer_width, break_on_hyphens=False, max_lines=lines, placeholder=" ...")
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, break_on_hyphens=False)
 
 
 # All that a result holds ----------------------------------------------------------------------------------------------
 
 
 def full_text(result: Diagnosis) -> str:
-    """The result with its ledger, placebo terms, limits and notes."""
+    """The result with its ledger, limits and notes."""
     lines = [f"verdict: {result.verdict}", *([headline(result)] if result.effects else []), *result.axis_lines()]
     if result.mismatch is not None:
         lines.append(f"  {result.mismatch['text']}")
@@ -113,21 +104,16 @@ def full_text(result: Diagnosis) -> str:
         lines.append(f"  unlisted: {result.unlisted['shape']}")
         if "added" in result.unlisted:
             lines.append(f"    {term_text(result.unlisted['added'], result.gap.unit)}")
-    if result.near_rest is not None:
-        lines += [f"  {result.near_rest.text()}", f"    what would: {result.near_rest.experiment}"]
     g = result.gap
     as_read = "" if g.given is None else f"{g.given:.4g} {g.unit} as given, "
     lines.append(f"gap ({g.signal}): {as_read}{g.before:.4g} re-tuned, {g.after:.4g} after, floor {g.floor:.4g}")
     lines += _gap_lines(result) if "gap_before" in result.series else []
     lines += _under("where the gap sits:", result.where_text)
     lines += _under("ledger:", [step_text(step, g.unit) for step in result.ledger])
-    placebos = [f"{p.name}: T = {p.statistic:.1f}, {_number(p.confirm_gain)}" for p in result.placebo]
-    lines += _under("placebo terms, T here and gain of 2 ln likelihood on the confirm logs:", placebos)
     if result.separating_experiment:
         lines.append(f"what would tell them apart: {result.separating_experiment}")
         lines.append("  (cogging experiment computes a motion for the limits of your machine)")
     lines += limit_lines(result.limits)
-    lines += [f"planned: {outcome.text()}" for outcome in result.planned]
     lines += [f"note: {note}" for note in result.notes]
     return "\n".join(lines)
 
@@ -144,8 +130,8 @@ def _effect_lines(result: Diagnosis, effect: NamedEffect) -> list[str]:
         shared = f"{percent(effect.confidence)} that it is {name}; {shared_text(effect, result.vocabulary)}"
         lines = [f"  {name} or {', '.join(others)}: confidence {effect.confidence:.2f}{share}", f"    {shared}"]
         lines.append(f"    {apart_text(effect)}")
-    if effect.shape_term is not None:
-        lines.append(f"    {other_shape_text(effect.shape_term)}")
+    if effect.shape:
+        lines.append(f"    {other_shape_text(effect, result.model.units)}")
     for quantity, p in effect.parameters.items():
         low, high = map(_number, p.ci95)
         lines.append(f"    {quantity} = {_number(p.value)} {p.unit}, 95 % {low} to {high}")
