@@ -20,10 +20,10 @@ BASE |= {"file_locks", "file_sets", "files", "linear", "memory", "outputs", "pro
 BASE |= {"values"}
 #: The rooms in their order: packages, and one module.
 ROOMS = ["plot", "model", "logs", "simulation", "file_schema", "log_check", "estimation", "mapping", "friction"]
-ROOMS += ["identification", "first_model", "design", "diagnosis", "export", "papers", "datasets", "cli"]
+ROOMS += ["identification", "first_model", "diagnosis", "design", "export", "papers", "datasets", "cli"]
 #: The same within `diagnosis`.
 DIAGNOSIS = ["labelled", "thresholds", "physical", "evidence", "candidates", "large", "residual", "discrepancy"]
-DIAGNOSIS += ["entries"]
+DIAGNOSIS += ["entries", "balance", "separating"]
 DIAGNOSIS += [
     "next_step",
     "report",
@@ -32,7 +32,6 @@ DIAGNOSIS += [
     "result",
     "search",
     "patched",
-    "experiment",
     "naming",
     "limits",
     "gaps",

@@ -100,8 +100,8 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
     """Effects against their alternatives: noncentrality of the one beside the other refitted, either way round.
 
     lambda = min over shapes and sizes of b, and over what is re-tuned, of |a - b|^2, whitened: 2 ln of the likelihood
-    of the right one over the other has the mean lambda (Atkinson and Fedorov 1975). The other one is taken to be as it
-    would look most alike on the survey.
+    of the right one over the other has the mean lambda (Atkinson and Fedorov 1975). The other one is taken to look
+    as much alike as it can on the survey, and to be as loud there.
     """
     alike: dict[tuple[str, str], tuple[FloatArray, int, FloatArray]] = {}
 
@@ -125,7 +125,9 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
                         a = first[1].sum(axis=0)
                         scale = np.full(len(first[1]), np.sqrt(LOUD) / max(float(np.linalg.norm(a)), 1e-300))
                         a = scale @ first[1]
-                    alike[one.name, name] = (scale, *explained(second, a)[1:])
+                    taken, number, amplitudes = explained(second, a)
+                    amplitudes *= np.sqrt(float(a @ a) / max(taken, 1e-12))
+                    alike[one.name, name] = scale, number, amplitudes
                 scale, number, amplitudes = alike[one.name, name]
                 signals = scale @ first[1] if len(scale) else first[0][0], amplitudes @ second[number]
                 blocks = max(2, round(run.motion.end / BLOCK))
@@ -247,10 +249,14 @@ def fit(machine: Machine, given: Model, model: Model, survey: Run) -> Goal:
     known = parameters_of(model, together=True)
 
     def information(run: Run) -> tuple[list[str], FloatArray]:
+        """Parameters, and what a run tells of them beside the friction law that is free too."""
         evidence = Look(machine, run, given, model).evidence
         rows = evidence.filtered(evidence.nuisances, evidence.screen.taps) * evidence.basis[0]
-        kept = [i for i, path in enumerate(evidence.paths) if path in known]
-        return [evidence.paths[i] for i in kept], np.asarray(rows[kept] @ rows[kept].T)
+        own = np.array([path in known for path in evidence.paths])
+        gram = rows @ rows.T + np.diag(np.where(own, 0.0, evidence.prior_sigma**-2.0))
+        beside = np.linalg.lstsq(gram[np.ix_(~own, ~own)], gram[np.ix_(~own, own)], rcond=None)[0]
+        told = gram[np.ix_(own, own)] - gram[np.ix_(own, ~own)] @ beside
+        return [path for path in evidence.paths if path in known], np.asarray(told)
 
     paths, first = information(survey)
     ends = np.array([model.intervals.get(path, (-np.inf, np.inf)) for path in paths]).reshape(-1, 2)

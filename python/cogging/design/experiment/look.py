@@ -9,12 +9,13 @@ from itertools import islice, product
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.design.experiment.limits import MotionLimits, taken_of
 from cogging.design.experiment.motion import Element, planned
-from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.evidence import Evidence, deviation, noise_filter
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect, Knots, Place, SplineKnots, Travel, Wave, kind_of
 from cogging.estimation.residuals import quiet
@@ -24,6 +25,7 @@ from cogging.model.model import Model
 
 RATE = 2000.0  # Hz, of a reference's samples at most: it is cubic between them
 SCALES = (1.0, 0.7, 0.5, 0.35, 0.2)  # of speed and acceleration, until the limits hold
+NOISES = 8  # copies of the survey from which the noise is known
 SHAPES = 12  # of an effect, at most, at which it is looked for
 COUNT = 6  # amplitudes along the travel, of an effect that has a list of them
 CHANGES = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}  # fields of the axis
@@ -41,11 +43,40 @@ class Run:
 
 @dataclass(frozen=True)
 class Machine:
-    """What runs a motion: a controller (None: the model's), limits with travel and jerk, and the seed of the noise."""
+    """What runs a motion.
+
+    Attributes:
+        controller: controller; None: the model's.
+        limits: with travel and jerk (MotionLimits.of).
+        seed: of the noise.
+        corner: of the balance, Hz (ForceBalance.corner).
+        taps: filter that makes the noise of the balance white.
+    """
 
     controller: AnyController | None
     limits: MotionLimits
     seed: int
+    corner: float = 0.0
+    taps: FloatArray | None = None
+
+    def listening(self, model: Model, survey: Run) -> Machine:
+        """The machine with the noise of its balance: of copies of the survey, for that of one log is not known well."""
+        rows, masks, balance = [], [], None
+        for copy in range(NOISES):
+            log = replace(self, seed=self.seed + copy).log(model, survey.motion)
+            if log is None:
+                continue
+            balance, before = ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution), balance
+            residual = balance.residual(model)
+            if before is None:
+                balance.hear(residual, model.axis.mass)
+            else:
+                balance.corner = before.corner
+            rows.append(balance.rows(residual)[0])
+            masks.append(balance.mask)
+        left, mask = np.concatenate(rows), np.concatenate(masks)
+        taps = noise_filter(left, mask, balance.rate)
+        return replace(self, corner=balance.corner, taps=taps / deviation(lfilter(taps, 1.0, left)[mask]))
 
     def log(self, model: Model, motion: Sampled) -> Log | None:
         """The log of a model on a motion; None where the loop diverges or leaves the travel."""
@@ -83,8 +114,9 @@ class Look:
     def __init__(self, machine: Machine, run: Run, given: Model, model: Model) -> None:
         self.machine, self.run, self.model = machine, run, model
         self.balance = ForceBalance(run.log, model.axis.coulomb_width, model.encoder.resolution)
-        self.balance.hear(self.balance.residual(model), model.axis.mass)
+        self.balance.corner = machine.corner
         self.evidence = Evidence([self.balance], given, model).prepare()
+        self.evidence.screen = self.evidence.fitted([machine.taps])[1]
 
     def columns(self, shapes: Sequence[Shape]) -> list[FloatArray]:
         """Whitened columns of each shape, freed of what is re-tuned, for amplitudes of 1, (k, m)."""
@@ -183,7 +215,7 @@ def shapes(law: Effect | str, model: Model, limits: MotionLimits, near: Effect |
     for shape in islice(product(*values.values()), SHAPES):
         parts: list[Effect | str] = []
         try:
-            base = law.replace(**fixed, **dict(zip(values, shape, strict=True)))
+            base = law.replace(**fixed, **nothing, **dict(zip(values, shape, strict=True)))
             for more, (name, unit), row in product(joint, amplitudes.items(), np.eye(COUNT if many else 1)):
                 amplitude = list(map(float, unit * row)) if many else unit
                 parts.append(base.replace(**{**more, **nothing, name: amplitude}))
