@@ -61,29 +61,26 @@ class Machine:
 
     def listening(self, model: Model, survey: Run) -> Machine:
         """The machine with the noise of its balance: of copies of the survey, for that of one log is not known well."""
-        rows, masks, balance = [], [], None
-        for copy in range(NOISES):
-            log = replace(self, seed=self.seed + copy).log(model, survey.motion)
-            if log is None:
-                continue
-            balance, before = ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution), balance
-            residual = balance.residual(model)
-            if before is None:
-                balance.hear(residual, model.axis.mass)
-            else:
-                balance.corner = before.corner
-            rows.append(balance.rows(residual)[0])
-            masks.append(balance.mask)
-        left, mask = np.concatenate(rows), np.concatenate(masks)
-        taps = noise_filter(left, mask, balance.rate)
-        return replace(self, corner=balance.corner, taps=taps / deviation(lfilter(taps, 1.0, left)[mask]))
+        logs = [survey.log, *(replace(self, seed=self.seed + n).log(model, survey.motion) for n in range(1, NOISES))]
+        width, resolution = model.axis.coulomb_width, model.encoder.resolution
+        balances = [ForceBalance(log, width, resolution) for log in logs if log is not None]
+        balances[0].hear(balances[0].residual(model), model.axis.mass)
+        for balance in balances[1:]:
+            balance.corner = balances[0].corner
+        left = np.concatenate([balance.rows(balance.residual(model))[0] for balance in balances])
+        mask = np.concatenate([balance.mask for balance in balances])
+        taps = noise_filter(left, mask, balances[0].rate)
+        taps = np.asarray(taps / deviation(lfilter(taps, 1.0, left)[mask]))
+        return replace(self, corner=float(balances[0].corner), taps=taps)
 
     def log(self, model: Model, motion: Sampled) -> Log | None:
         """The log of a model on a motion; None where the loop diverges or leaves the travel."""
         controller = model.make_controller() if self.controller is None else self.controller
-        options = {"seed": self.seed, "steps_per_sample": model.steps_per_sample}
+        plant, steps = model.plant(), model.steps_per_sample
         try:
-            return Log.of(closed_loop(model.plant(), controller, motion, duration=motion.end, **options))
+            return Log.of(
+                closed_loop(plant, controller, motion, duration=motion.end, seed=self.seed, steps_per_sample=steps)
+            )
         except (DivergedError, ValueError):
             return None
 

@@ -347,24 +347,13 @@ def found_in(result: Mapping[str, Any] | None, model: Model, vocabulary: Mapping
             if not isinstance(one, str) or one not in known:
                 rule = f"must be an effect of the vocabulary, got {quoted(one)}{nearest(str(one), known)}"
                 raise FieldError(place, key, rule)
-        table, values = entry.get("parameters", {}), {}
-        if not isinstance(table, Mapping):
-            raise FieldError(place, "parameters", f"must be a table, got {quoted(table)}")
-        fields, place = (["change"] if name in CHANGES else vocabulary[name].FIELDS), f"{place}.parameters"
-        for key, told in table.items():
-            value = told.get("value") if isinstance(told, Mapping) else told
-            if key not in fields:
-                raise FieldError(place, key, f"is no field of {name}{nearest(key, fields)}")
-            if value is None:
-                continue
-            if not all(map(is_number, value if isinstance(value, list) else [value])):
-                raise FieldError(place, key, f"must have a number as its value, got {quoted(value)}")
-            values[key] = list(map(float, value)) if isinstance(value, list) else float(value)
+        fields = ["change"] if name in CHANGES else list(vocabulary[name].FIELDS)
+        values = _values(entry.get("parameters", {}), f"{place}.parameters", name, fields)
         alternatives = tuple(one for one in others if one != name)
         if name in CHANGES:
             change = values.get("change")
             if not isinstance(change, float) or change <= -1.0:
-                raise FieldError(place, "change", f"must be a number above -1, got {quoted(change)}")
+                raise FieldError(f"{place}.parameters", "change", f"must be a number above -1, got {quoted(change)}")
             found.append(Found(name, None, change, alternatives))
             continue
         if (ends := kind_of(vocabulary[name], Travel)) is not None:
@@ -372,5 +361,22 @@ def found_in(result: Mapping[str, Any] | None, model: Model, vocabulary: Mapping
         try:
             found.append(Found(name, vocabulary[name].replace(**values), 0.0, alternatives))
         except (TypeError, ValueError) as error:
-            raise FieldError(f"effects[{number}]", "parameters", str(error)) from None
+            raise FieldError(place, "parameters", str(error)) from None
     return found
+
+
+def _values(table: Any, place: str, name: str, fields: Sequence[str]) -> dict[str, Any]:
+    """Values of parameters by field; those that are not known are left out."""
+    if not isinstance(table, Mapping):
+        raise FieldError("", place, f"must be a table, got {quoted(table)}")
+    values: dict[str, Any] = {}
+    for key, told in table.items():
+        value = told.get("value") if isinstance(told, Mapping) else told
+        if key not in fields:
+            raise FieldError(place, key, f"is no field of {name}{nearest(key, fields)}")
+        if value is None:
+            continue
+        if not all(map(is_number, value if isinstance(value, list) else [value])):
+            raise FieldError(place, key, f"must have a number as its value, got {quoted(value)}")
+        values[key] = list(map(float, value)) if isinstance(value, list) else float(value)
+    return values
