@@ -86,12 +86,13 @@ class Goal(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """Columns of two rivals at their shapes, what each does where it is there (m,), and the blocks of motion."""
+    """Columns of two rivals at their shapes and of all other names, what each rival does (m,), and blocks of motion."""
 
     name: str
     alternative: str
     first: list[FloatArray]
     second: list[FloatArray]
+    rest: list[FloatArray]
     signals: tuple[FloatArray, FloatArray]
     blocks: int
 
@@ -114,6 +115,10 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
             size = 1.0 / one.change if one.effect is None and one.change else 1.0
             own = [Shape((one.effect or one.name,), np.full(1, size))]
             own += shapes(laws.get(one.name, one.name), model, machine.limits, one.effect)
+            names = {one.name, *one.alternatives}
+            rest = [law for law in laws.values() if law.NAME not in names and "state" not in law.HOOKS]
+            beside = [shape for law in rest for shape in shapes(law, model, machine.limits, one.effect)[:1]]
+            aside = look.columns(beside)
             for name in one.alternatives:
                 others = shapes(laws.get(name, name), model, machine.limits, one.effect)
                 columns = look.columns([*own, *others])
@@ -131,13 +136,18 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
                 scale, number, amplitudes = alike[one.name, name]
                 signals = scale @ first[1] if len(scale) else first[0][0], amplitudes @ second[number]
                 blocks = max(2, round(run.motion.end / BLOCK))
-                yield Pair(one.name, name, first, second, signals, blocks)
+                yield Pair(one.name, name, first, second, aside, signals, blocks)
 
     def worth(run: Run) -> float:
-        sides = [side for p in pairs(run) for side in zip((p.second, p.first), p.signals, strict=True)]
-        squares = [signal @ signal - explained(other, signal)[0] for other, signal in sides]
-        # the weakest counts most, a hopeless one not alone
-        return -float(np.log(np.mean(1.0 / (1.0 + np.maximum(squares, 0.0)))))
+        def likeness_of(groups: Sequence[FloatArray], signal: FloatArray) -> float:
+            return 1.0 / (1.0 + max(float(signal @ signal) - explained(groups, signal)[0], 0.0))
+
+        likeness = []
+        for p in pairs(run):
+            likeness += [likeness_of(p.second, p.signals[0]), likeness_of(p.first, p.signals[1])]
+            # names that the old logs have ruled out are not to come back: all together count as one
+            likeness.append(float(np.mean([likeness_of([group], p.signals[0]) for group in p.rest])))
+        return -float(np.log(np.mean(likeness)))  # the weakest counts most, a hopeless one not alone
 
     def expectations(run: Run) -> list[Expectation]:
         told = []
