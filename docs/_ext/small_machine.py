@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 import cogging
 from cogging.arrays import FloatArray
 from cogging.design.experiment.limits import MotionLimits
-from cogging.design.experiment.motion import KINDS, SURVEY, Element, Track
+from cogging.design.experiment.motion import SURVEY, Element, planned
 from cogging.effects.effect import Effect
 from cogging.estimation.innovations import Innovations
 from cogging.model.model import Model
@@ -17,9 +18,9 @@ from cogging.model.model import Model
 SECONDS = 6.0  # of the motions
 RATE = 1000.0  # Hz
 REST = 0.005  # m/s, below which rows do not count
-#: The motions, by what they are called: of the dictionary of `cogging experiment`.
+#: The motions, by what they are called: of the kinds of `cogging experiment`.
 MOTIONS = {
-    "even strokes": SURVEY,
+    "even strokes": replace(SURVEY, parameters={**SURVEY.parameters, "speeds": 1.0}),
     "random moves": Element("random_moves", {"seed": 1.0, "slowest": 0.2}),
 }
 LIMITS = MotionLimits(travel=(0.0, 0.5), velocity=0.5, acceleration=10.0, jerk=1000.0, duration=SECONDS)
@@ -41,10 +42,7 @@ def machine() -> Model:
 
 def motion(name: str, seconds: float = SECONDS) -> Any:
     """One of MOTIONS."""
-    element = MOTIONS[name]
-    track = Track(LIMITS, RATE, seconds)
-    KINDS[element.kind][0](track, element.parameters)
-    return track.motion()
+    return planned([MOTIONS[name]], replace(LIMITS, duration=seconds), RATE)
 
 
 def left_by(effect: Effect, course: Any) -> tuple[FloatArray, dict[str, FloatArray]]:

@@ -22,9 +22,7 @@ from cogging.diagnosis.report.sentences import (
     standing_text,
 )
 from cogging.diagnosis.report.words import plain
-from cogging.diagnosis.thresholds import REPORT
 from cogging.effects.effect import VOCABULARY
-from cogging.shown import shortened
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
 from tests.fixtures.laws_by_symbol import SHAPED, of_the_law
 
@@ -78,7 +76,7 @@ def test_the_printed_answer_is_short_and_all_of_it_is_asked_for(results):
         assert (len(result.text(verbose=True)) > len(result.text())) or not result.series
         for effect in result.effects[:1]:
             if effect.alternatives:
-                assert f"{shortened(effect.name, REPORT.name_longest)} or " in result.text()
+                assert f"{effect.name} or " in result.text()
 
 
 def test_what_cannot_be_told_apart_is_said(found):

@@ -86,12 +86,13 @@ class Goal(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """Columns of two rivals at their shapes, what each does where it is there (m,), and the blocks of motion."""
+    """Columns of two rivals at their shapes and of all other names, what each rival does (m,), and blocks of motion."""
 
     name: str
     alternative: str
     first: list[FloatArray]
     second: list[FloatArray]
+    rest: list[FloatArray]
     signals: tuple[FloatArray, FloatArray]
     blocks: int
 
@@ -100,8 +101,8 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
     """Effects against their alternatives: noncentrality of the one beside the other refitted, either way round.
 
     lambda = min over shapes and sizes of b, and over what is re-tuned, of |a - b|^2, whitened: 2 ln of the likelihood
-    of the right one over the other has the mean lambda (Atkinson and Fedorov 1975). The other one is taken to be as it
-    would look most alike on the survey.
+    of the right one over the other has the mean lambda (Atkinson and Fedorov 1975). The other one is taken to look
+    as much alike as it can on the survey, and to be as loud there.
     """
     alike: dict[tuple[str, str], tuple[FloatArray, int, FloatArray]] = {}
 
@@ -114,6 +115,10 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
             size = 1.0 / one.change if one.effect is None and one.change else 1.0
             own = [Shape((one.effect or one.name,), np.full(1, size))]
             own += shapes(laws.get(one.name, one.name), model, machine.limits, one.effect)
+            names = {one.name, *one.alternatives}
+            rest = [law for law in laws.values() if law.NAME not in names and "state" not in law.HOOKS]
+            beside = [shape for law in rest for shape in shapes(law, model, machine.limits, one.effect)[:1]]
+            aside = look.columns(beside)
             for name in one.alternatives:
                 others = shapes(laws.get(name, name), model, machine.limits, one.effect)
                 columns = look.columns([*own, *others])
@@ -125,17 +130,24 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
                         a = first[1].sum(axis=0)
                         scale = np.full(len(first[1]), np.sqrt(LOUD) / max(float(np.linalg.norm(a)), 1e-300))
                         a = scale @ first[1]
-                    alike[one.name, name] = (scale, *explained(second, a)[1:])
+                    taken, number, amplitudes = explained(second, a)
+                    amplitudes *= np.sqrt(float(a @ a) / max(taken, 1e-12))
+                    alike[one.name, name] = scale, number, amplitudes
                 scale, number, amplitudes = alike[one.name, name]
                 signals = scale @ first[1] if len(scale) else first[0][0], amplitudes @ second[number]
                 blocks = max(2, round(run.motion.end / BLOCK))
-                yield Pair(one.name, name, first, second, signals, blocks)
+                yield Pair(one.name, name, first, second, aside, signals, blocks)
 
     def worth(run: Run) -> float:
-        sides = [side for p in pairs(run) for side in zip((p.second, p.first), p.signals, strict=True)]
-        squares = [signal @ signal - explained(other, signal)[0] for other, signal in sides]
-        # the weakest counts most, a hopeless one not alone
-        return -float(np.log(np.mean(1.0 / (1.0 + np.maximum(squares, 0.0)))))
+        def likeness_of(groups: Sequence[FloatArray], signal: FloatArray) -> float:
+            return 1.0 / (1.0 + max(float(signal @ signal) - explained(groups, signal)[0], 0.0))
+
+        likeness = []
+        for p in pairs(run):
+            likeness += [likeness_of(p.second, p.signals[0]), likeness_of(p.first, p.signals[1])]
+            # names that the old logs have ruled out are not to come back: all together count as one
+            likeness.append(float(np.mean([likeness_of([group], p.signals[0]) for group in p.rest])))
+        return -float(np.log(np.mean(likeness)))  # the weakest counts most, a hopeless one not alone
 
     def expectations(run: Run) -> list[Expectation]:
         told = []
@@ -247,10 +259,14 @@ def fit(machine: Machine, given: Model, model: Model, survey: Run) -> Goal:
     known = parameters_of(model, together=True)
 
     def information(run: Run) -> tuple[list[str], FloatArray]:
+        """Parameters, and what a run tells of them beside the friction law that is free too."""
         evidence = Look(machine, run, given, model).evidence
         rows = evidence.filtered(evidence.nuisances, evidence.screen.taps) * evidence.basis[0]
-        kept = [i for i, path in enumerate(evidence.paths) if path in known]
-        return [evidence.paths[i] for i in kept], np.asarray(rows[kept] @ rows[kept].T)
+        own = np.array([path in known for path in evidence.paths])
+        gram = rows @ rows.T + np.diag(np.where(own, 0.0, evidence.prior_sigma**-2.0))
+        beside = np.linalg.lstsq(gram[np.ix_(~own, ~own)], gram[np.ix_(~own, own)], rcond=None)[0]
+        told = gram[np.ix_(own, own)] - gram[np.ix_(own, ~own)] @ beside
+        return [path for path in evidence.paths if path in known], np.asarray(told)
 
     paths, first = information(survey)
     ends = np.array([model.intervals.get(path, (-np.inf, np.inf)) for path in paths]).reshape(-1, 2)

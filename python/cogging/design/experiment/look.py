@@ -9,12 +9,13 @@ from itertools import islice, product
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from cogging._core import DivergedError, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.design.experiment.limits import MotionLimits, taken_of
 from cogging.design.experiment.motion import Element, planned
-from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.evidence import Evidence, deviation, noise_filter
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect, Knots, Place, SplineKnots, Travel, Wave, kind_of
 from cogging.estimation.residuals import quiet
@@ -24,6 +25,7 @@ from cogging.model.model import Model
 
 RATE = 2000.0  # Hz, of a reference's samples at most: it is cubic between them
 SCALES = (1.0, 0.7, 0.5, 0.35, 0.2)  # of speed and acceleration, until the limits hold
+NOISES = 8  # copies of the survey from which the noise is known
 SHAPES = 12  # of an effect, at most, at which it is looked for
 COUNT = 6  # amplitudes along the travel, of an effect that has a list of them
 CHANGES = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}  # fields of the axis
@@ -41,18 +43,44 @@ class Run:
 
 @dataclass(frozen=True)
 class Machine:
-    """What runs a motion: a controller (None: the model's), limits with travel and jerk, and the seed of the noise."""
+    """What runs a motion.
+
+    Attributes:
+        controller: controller; None: the model's.
+        limits: with travel and jerk (MotionLimits.of).
+        seed: of the noise.
+        corner: of the balance, Hz (ForceBalance.corner).
+        taps: filter that makes the noise of the balance white.
+    """
 
     controller: AnyController | None
     limits: MotionLimits
     seed: int
+    corner: float = 0.0
+    taps: FloatArray | None = None
+
+    def listening(self, model: Model, survey: Run) -> Machine:
+        """The machine with the noise of its balance: of copies of the survey, for that of one log is not known well."""
+        logs = [survey.log, *(replace(self, seed=self.seed + n).log(model, survey.motion) for n in range(1, NOISES))]
+        width, resolution = model.axis.coulomb_width, model.encoder.resolution
+        balances = [ForceBalance(log, width, resolution) for log in logs if log is not None]
+        balances[0].hear(balances[0].residual(model), model.axis.mass)
+        for balance in balances[1:]:
+            balance.corner = balances[0].corner
+        left = np.concatenate([balance.rows(balance.residual(model))[0] for balance in balances])
+        mask = np.concatenate([balance.mask for balance in balances])
+        taps = noise_filter(left, mask, balances[0].rate)
+        taps = np.asarray(taps / deviation(lfilter(taps, 1.0, left)[mask]))
+        return replace(self, corner=float(balances[0].corner), taps=taps)
 
     def log(self, model: Model, motion: Sampled) -> Log | None:
         """The log of a model on a motion; None where the loop diverges or leaves the travel."""
         controller = model.make_controller() if self.controller is None else self.controller
-        options = {"seed": self.seed, "steps_per_sample": model.steps_per_sample}
+        plant, steps = model.plant(), model.steps_per_sample
         try:
-            return Log.of(closed_loop(model.plant(), controller, motion, duration=motion.end, **options))
+            return Log.of(
+                closed_loop(plant, controller, motion, duration=motion.end, seed=self.seed, steps_per_sample=steps)
+            )
         except (DivergedError, ValueError):
             return None
 
@@ -83,8 +111,9 @@ class Look:
     def __init__(self, machine: Machine, run: Run, given: Model, model: Model) -> None:
         self.machine, self.run, self.model = machine, run, model
         self.balance = ForceBalance(run.log, model.axis.coulomb_width, model.encoder.resolution)
-        self.balance.set_corner(self.balance.residual(model), model.axis.mass)
+        self.balance.corner = machine.corner
         self.evidence = Evidence([self.balance], given, model).prepare()
+        self.evidence.screen = self.evidence.fitted([machine.taps])[1]
 
     def columns(self, shapes: Sequence[Shape]) -> list[FloatArray]:
         """Whitened columns of each shape, freed of what is re-tuned, for amplitudes of 1, (k, m)."""
@@ -183,7 +212,7 @@ def shapes(law: Effect | str, model: Model, limits: MotionLimits, near: Effect |
     for shape in islice(product(*values.values()), SHAPES):
         parts: list[Effect | str] = []
         try:
-            base = law.replace(**fixed, **dict(zip(values, shape, strict=True)))
+            base = law.replace(**fixed, **nothing, **dict(zip(values, shape, strict=True)))
             for more, (name, unit), row in product(joint, amplitudes.items(), np.eye(COUNT if many else 1)):
                 amplitude = list(map(float, unit * row)) if many else unit
                 parts.append(base.replace(**{**more, **nothing, name: amplitude}))

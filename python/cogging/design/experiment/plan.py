@@ -217,7 +217,12 @@ def plan_experiment(
     laws = [law for law in VOCABULARY.values() if model.units.position == "rad" or kind_of(law, Turn) is None]
     vocabulary = {law.NAME: law for law in (*laws, *(effect.neutral() for effect in own.values()))}
     found = found_in(document, model, vocabulary)
-    goal = _goal(goal, any(one.alternatives for one in found))
+    ambiguous = any(one.alternatives for one in found)
+    goal = goal or ("separate" if ambiguous else "detect")
+    if goal not in PURPOSE:
+        raise ValueError(f"goal: must be one of {', '.join(PURPOSE)}, got {goal!r}{nearest(goal, PURPOSE)}")
+    if goal == "separate" and not ambiguous:
+        raise ValueError("goal: separate needs a result with alternatives, got none; detect and fit need none")
     notes: list[str] = []
     model = _with_loop_and_noise(model, controller, limits, notes)
     machine = Machine(controller, limits, seed)
@@ -229,6 +234,7 @@ def plan_experiment(
         survey = machine.run(whole, (SURVEY,))
         if survey is None:
             raise NoMotion("no motion of this machine keeps to them, not even at a fifth of the speed")
+        machine = machine.listening(whole, survey)
         if goal == "separate":
             told = separate(machine, model, found, vocabulary, survey)
         elif goal == "detect":
@@ -279,21 +285,6 @@ def _best(
             if found is not None and (best is None or found[0] > best[0]):
                 best = found
     return None if best is None else best[1]
-
-
-def _goal(goal: str | None, ambiguous: bool) -> str:
-    """What the motion is for.
-
-    Raises:
-        ValueError: no such goal, or nothing to separate.
-    """
-    if goal is None:
-        return "separate" if ambiguous else "detect"
-    if goal not in PURPOSE:
-        raise ValueError(f"goal: must be one of {', '.join(PURPOSE)}, got {goal!r}{nearest(goal, PURPOSE)}")
-    if goal == "separate" and not ambiguous:
-        raise ValueError("goal: separate needs a result with alternatives, got none; detect and fit need none")
-    return goal
 
 
 def _with_loop_and_noise(
@@ -351,47 +342,41 @@ def found_in(result: Mapping[str, Any] | None, model: Model, vocabulary: Mapping
     known, found = {*vocabulary, *CHANGES}, []
     for number, entry in enumerate(entries):
         place, name, others = f"effects[{number}]", entry.get("name"), entry.get("alternatives", [])
-        if name not in known:
-            hint = f"got {quoted(name)}{nearest(str(name), known)}"
-            raise FieldError(place, "name", f"must be an effect of the vocabulary, {hint}")
-        if not isinstance(others, list) or not all(other in known for other in others):
-            raise FieldError(place, "alternatives", f"must be names of the vocabulary, got {quoted(others)}")
-        values = _values(entry.get("parameters", {}), f"{place}.parameters")
-        alternatives = tuple(other for other in others if other != name)
+        named = [("name", name), *(("alternatives", one) for one in (others if isinstance(others, list) else [others]))]
+        for key, one in named:
+            if not isinstance(one, str) or one not in known:
+                rule = f"must be an effect of the vocabulary, got {quoted(one)}{nearest(str(one), known)}"
+                raise FieldError(place, key, rule)
+        fields = ["change"] if name in CHANGES else list(vocabulary[name].FIELDS)
+        values = _values(entry.get("parameters", {}), f"{place}.parameters", name, fields)
+        alternatives = tuple(one for one in others if one != name)
         if name in CHANGES:
             change = values.get("change")
             if not isinstance(change, float) or change <= -1.0:
                 raise FieldError(f"{place}.parameters", "change", f"must be a number above -1, got {quoted(change)}")
             found.append(Found(name, None, change, alternatives))
             continue
-        law = vocabulary[name]
-        for key in values:
-            if key not in law.FIELDS:
-                raise FieldError(f"{place}.parameters", key, f"is no field of {law.NAME}{nearest(key, law.FIELDS)}")
-        if (ends := kind_of(law, Travel)) is not None:
+        if (ends := kind_of(vocabulary[name], Travel)) is not None:
             values.setdefault(ends.ends, [float(end) for end in model.axis.travel])
         try:
-            found.append(Found(name, law.replace(**values), 0.0, alternatives))
+            found.append(Found(name, vocabulary[name].replace(**values), 0.0, alternatives))
         except (TypeError, ValueError) as error:
             raise FieldError(place, "parameters", str(error)) from None
     return found
 
 
-def _values(table: Any, place: str) -> dict[str, Any]:
-    """Values of parameters by field; those that are not known are left out.
-
-    Raises:
-        FieldError: a parameter without a number.
-    """
+def _values(table: Any, place: str, name: str, fields: Sequence[str]) -> dict[str, Any]:
+    """Values of parameters by field; those that are not known are left out."""
     if not isinstance(table, Mapping):
         raise FieldError("", place, f"must be a table, got {quoted(table)}")
     values: dict[str, Any] = {}
-    for name, told in table.items():
+    for key, told in table.items():
         value = told.get("value") if isinstance(told, Mapping) else told
-        if isinstance(value, list) and value and all(map(is_number, value)):
-            values[name] = [float(one) for one in value]
-        elif value is not None and is_number(value):
-            values[name] = float(value)
-        elif value is not None:
-            raise FieldError(place, name, f"must have a number as its value, got {quoted(value)}")
+        if key not in fields:
+            raise FieldError(place, key, f"is no field of {name}{nearest(key, fields)}")
+        if value is None:
+            continue
+        if not all(map(is_number, value if isinstance(value, list) else [value])):
+            raise FieldError(place, key, f"must have a number as its value, got {quoted(value)}")
+        values[key] = list(map(float, value)) if isinstance(value, list) else float(value)
     return values

@@ -391,7 +391,6 @@ class Evidence:
             costs.append(base.cost - float(along @ along) / base.variance)
         return min(self.null.cost, self.screen.cost) - min(costs)
 
-
     @cached_property
     def null(self) -> Maximum:
         """The nuisances alone at their likeliest."""
