@@ -134,7 +134,7 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
     for number, _ in peaks:
         if number * travel < TURNS:
             continue
-        number = sharpen(lambda k: abs(pulls @ np.exp(2j * np.pi * k * places)), number, 0.25 / travel)
+        number = sharpen(lambda k: float(abs(pulls @ np.exp(2j * np.pi * k * places))), number, 0.25 / travel)
         found.append(("spatial period", number, 1.0 / number, "m", [b.position for b in balances], trials))
     times = np.concatenate([b.time for b in balances])
     size = int(2 ** np.ceil(np.log2(2 * max(len(g) for g in weighed))))
@@ -146,7 +146,7 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
         if number > 0.0 and loud.max() > 0.0:
             trials = int(duration * 0.4 * evidence.rate)
             loudest = number
-            number = sharpen(lambda f: abs(pulls @ np.exp(2j * np.pi * f * times)), number, 0.25 / duration)
+            number = sharpen(lambda f: float(abs(pulls @ np.exp(2j * np.pi * f * times))), number, 0.25 / duration)
             found.append(("frequency", number, number, "Hz", [b.time for b in balances], trials))
             loud[np.abs(rate - loudest) < 1.0 / duration] = 0.0
     told: list[Wave] = []

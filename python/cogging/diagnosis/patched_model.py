@@ -90,9 +90,9 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             terms.append(Term(one, effect, path, curve, _excludes_zero(amplitudes, block)))
         else:
             prefix, effect = next(laws)
-            amplitudes = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
+            fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
             paths = [p for p in evidence.paths if p.startswith(prefix + ".")]
-            paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in amplitudes]
+            paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
             values = [parameters_of(model)[p].value for p in paths]
             terms.append(Term(one, effect, prefix, certain=_certain(paths, values, evidence, deviations)))
     return with_intervals(model, evidence), terms

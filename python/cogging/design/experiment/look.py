@@ -64,7 +64,7 @@ class Machine:
         logs = [survey.log, *(replace(self, seed=self.seed + n).log(model, survey.motion) for n in range(1, NOISES))]
         width, resolution = model.axis.coulomb_width, model.encoder.resolution
         balances = [ForceBalance(log, width, resolution) for log in logs if log is not None]
-        balances[0].hear(balances[0].residual(model), model.axis.mass)
+        balances[0].set_corner(balances[0].residual(model), model.axis.mass)
         for balance in balances[1:]:
             balance.corner = balances[0].corner
         left = np.concatenate([balance.rows(balance.residual(model))[0] for balance in balances])
@@ -113,7 +113,8 @@ class Look:
         self.balance = ForceBalance(run.log, model.axis.coulomb_width, model.encoder.resolution)
         self.balance.corner = machine.corner
         self.evidence = Evidence([self.balance], given, model).prepare()
-        self.evidence.screen = self.evidence.fitted([machine.taps])[1]
+        assert machine.taps is not None
+        self.evidence.screen = self.evidence.fitted([machine.taps])
 
     def columns(self, shapes: Sequence[Shape]) -> list[FloatArray]:
         """Whitened columns of each shape, freed of what is re-tuned, for amplitudes of 1, (k, m)."""
