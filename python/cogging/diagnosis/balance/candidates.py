@@ -520,7 +520,8 @@ def time(s: Search) -> None:
             return E["disturbance_tone"].replace(frequency=q, sine=float(a[0]), cosine=float(a[1]))
 
         s.put("disturbance_tone", Shape(f"{q:.4g} Hz", tone_columns(q, (1,)), law), trials)
-        s.put("disturbance_tone", Shape(f"{q:.4g} Hz with harmonics", tone_columns(q, (1, 2, 3))), trials)
+        several = Shape(f"{q:.4g} Hz with harmonics", tone_columns(q, (1, 2, 3)))
+        s.put("disturbance_tone", several, trials, family="disturbance_tones")
 
 
 def tone_columns(frequency: float, orders: Sequence[int]) -> Columns:

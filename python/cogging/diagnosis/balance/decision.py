@@ -25,13 +25,16 @@ THRESHOLD = 20.0  # score from which on a candidate is taken: above those of 36 
 SHARE = 0.05  # probability from which on another name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled: a stroke or so
 RESAMPLED = 2000  # motions
+COLUMN_ERROR = 0.02  # of a gain: columns of rivals are right to some per cent where friction is not the model's
 ROUNDS = 6  # effects at most, and a last look at what is left
 SURVIVORS = 24  # candidates of a look that are compared on all logs
 CLOSE = 7  # of these that are compared with noise filters of their own
 FAINT = 0.1  # of the largest T: candidates below are not compared
 SHOWN = 10.0  # expected gain in 2 ln likelihood from which on logs can contradict a candidate
 LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
-REPEATED = ("cogging_harmonic", "disturbance_tone", "disturbance_step", "force_constant_ripple")  # may be found again
+REPEATED = (  # may be found again, at another period, frequency or time
+    *("cogging_harmonic", "force_constant_ripple", "encoder_periodic_error", "disturbance_tone", "disturbance_step"),
+)
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has one
 
 
@@ -183,14 +186,17 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """The best shape of each name, without cells beside a law that explains nearly as much; the best comes first."""
+    """The best shape of each name, one with a law where it explains nearly as much, but no cell beside such a law."""
     ratios = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
     best: dict[str, Contender] = {}
     for c in contenders:
         names = (*CELLS.get(c.found.name, ()), *BESIDE.get(c.found.name, ()))
-        if max((ratios.get(name, 0.0) for name in names), default=0.0) < NESTED * c.ratio:
-            best.setdefault(c.found.name, c)
-    return list(best.values())
+        if max((ratios.get(name, 0.0) for name in names), default=0.0) >= NESTED * c.ratio:
+            continue
+        first = best.setdefault(c.found.name, c)
+        if first.found.effect is None and c.found.effect is not None and c.ratio >= NESTED * first.ratio:
+            best[c.found.name] = c
+    return sorted(best.values(), key=lambda c: -c.score)
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
@@ -328,6 +334,8 @@ def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
     paid = np.array([c.score - c.blocks.sum() for c in contenders])
     n = blocks.shape[1]
     weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
-    scores = np.hstack([weights @ blocks.T + paid, np.zeros((RESAMPLED, 1))])
+    ratios = np.array([c.ratio for c in contenders])
+    wrong = COLUMN_ERROR * ratios * rng.standard_normal((RESAMPLED, len(contenders)))
+    scores = np.hstack([weights @ blocks.T + paid + wrong, np.zeros((RESAMPLED, 1))])
     odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
     return np.asarray(np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1])
