@@ -478,13 +478,13 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
 
     V, m/s^2 and V, (n,) each. What the loop makes of its own noise is in the command, and in the noise of later rows: a
     column made of that alarms without any cause. The command is regressed on what the model asks for along the
-    reference, earlier and later; friction is taken along the reference too. The blur is what the model's forces along
-    the measured motion have beyond those: much of it is noise of the speed, which no scale of the forces may draw upon.
+    reference, earlier and later; friction is taken along the reference too. The blur is what the bare axis' forces
+    along the measured motion have beyond those: much of it is noise of the speed, which no scale of forces may draw upon.
     """
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
-    forces = b.forces([plant])[0]
     if b.reference is None:
+        forces = b.forces([plant])[0]
         slow = sosfiltfilt(butter(2, b.corner * b.step, output="sos"), b.command)
         caused = (slow + forces) / model.axis.mass
         sections = butter(2, SLOW * 2.0 * b.step, output="sos")
@@ -507,7 +507,9 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
     table /= size[:, None]
     w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
     explained = w @ table
-    return explained, (explained + along) / model.axis.mass, forces - along
+    bare = quiet_plant(model.replace(effects=()))
+    blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
+    return explained, (explained + along) / model.axis.mass, blur
 
 
 def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
@@ -538,7 +540,7 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
     late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
     columns.add("friction.late", TIMING * own, late)
     if any(np.any(blur) for blur in evidence.blurs):
-        columns.add("friction.blur", np.inf, evidence.blurs)
+        columns.add("friction.blur", 1.0, evidence.blurs)
     for k, w in enumerate(widths, 1):
         columns.add(f"width.{w:g}", own, [law[0] - law[k] for law in laws])
     add_cogging(columns, model, known)
