@@ -66,7 +66,7 @@ class Found:
     """The best shape of one name.
 
     Attributes:
-        name: of the effect, or of a cell (see CELLS).
+        name: of the effect, or of a force of any shape that bears none, beginning with ~.
         label: of the shape.
         T: score statistic of k degrees of freedom, and N the number of shapes that were tried.
         amplitudes: of the columns, (k,).
@@ -721,7 +721,7 @@ def wave_power(s: Search, multipliers: Sequence[FloatArray], k: FloatArray) -> F
 
 
 def unnamed(s: Search) -> None:
-    """Forces of any shape along a coordinate, which bear no name (see CELLS)."""
+    """Forces of any shape along a coordinate, which bear no name."""
     low, high, top, duration = s.low, s.high, s.top, s.duration
     speeds = top * np.geomspace(2e-3, 0.9, 8)
     knots = np.linspace(0, duration, 12)
@@ -774,9 +774,15 @@ def own_effect(s: Search, name: str, effect: Effect, scales: Mapping[str, float]
     }
     grid = list(product(*shapes.values()))
     for values in grid:
-        base = effect.replace(**dict(zip(shapes, map(float, values), strict=True)))
-        label = ", ".join(f"{field} {value:.4g}" for field, value in zip(shapes, values, strict=True))
-        s.put(name, own_shape(label, base, amplitudes), len(grid))
+        at = dict(zip(shapes, map(float, values), strict=True))
+
+        def make(value: float | None = None, at: dict[str, float] = at) -> Shape:
+            fields = at if value is None else {**at, next(iter(at)): float(value)}
+            label = ", ".join(f"{field} {number:.4g}" for field, number in fields.items())
+            return own_shape(label, effect.replace(**fields), amplitudes)
+
+        first = next(iter(at.values()), 0.0)  # the first number of its shape is refined
+        s.put(name, make(), len(grid), refine=(first, make) if first > 0.0 else None)
 
 
 def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
@@ -803,37 +809,24 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
     return Shape(label, columns, law)
 
 
-#: What bears no name, and the names whose laws it contains.
+#: Forces of any shape along a coordinate, and the names that such a shape may bear: a spring, a bump, a pulse have any.
 CELLS = {
-    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
+    "~force along travel": ("cable_spring", "end_effect", "local_force"),
     "~gain along travel": ("force_constant_ripple",),
-    "~gain of speed": ("mass_change", "command_delay", "actuator_lag"),
     "~command": ("command_saturation", "command_dead_zone"),
     "~friction wave": ("position_dependent_friction",),
-    "~force in time": ("disturbance_step", "disturbance_tone", "constant_force"),
-    "~friction in time": ("coulomb_change", "coulomb_asymmetry"),
-    "~viscous in time": ("viscous_change",),
-    "~viscous along travel": ("viscous_change", "position_dependent_friction"),
-    "~friction over speed": ("coulomb_change", "viscous_change", "quadratic_drag", "stribeck_friction"),
+    "~force in time": ("disturbance_step", "disturbance_tone"),
 }
-#: Names that are said instead of a cell which does not hold their law: in one direction the two are the same.
-BESIDE = {
-    "~friction wave": ("cogging_harmonic",),
-    "~eddy": ("cogging_harmonic", "force_constant_ripple"),
-    "~reluctance": ("cogging_harmonic", "force_constant_ripple"),
-}
-#: Cells whose whole shape the names may take: a spring, a bump or a profile of friction has any.
-SHAPED = ("~force along travel", "~gain along travel", "~command", "~friction wave", "~force in time")
 LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
-NESTED = 0.7  # share of a cell's ratio from which on a law inside it is named instead
+NESTED = 0.7  # share of the gain of any shape from which on a law is said instead
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:
     """Candidates, where a force of any shape along a coordinate bears the name of the best law along it."""
     by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
     out = {(f.name, f.label): f for f in found}
-    for cell in SHAPED:
-        members = sorted((by[n] for n in CELLS[cell] if n in by and n != "constant_force"), key=lambda f: -f.T)
+    for cell, names in CELLS.items():
+        members = sorted((by[n] for n in names if n in by), key=lambda f: -f.T)
         if cell not in by or not members or members[0].T < LIKE * by[cell].T:
             continue
         del out[cell, by[cell].label]

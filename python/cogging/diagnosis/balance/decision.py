@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import BESIDE, CELLS, NESTED, SHAPED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, NESTED, Found, search_once
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect
@@ -186,12 +186,11 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """The best shape of each name, one with a law where it explains nearly as much, but no cell beside such a law."""
-    ratios = {c.found.name: c.ratio for c in sorted(contenders, key=lambda c: c.ratio)}
+    """The best shape of each name, one with a law where it explains nearly as much, but no cell beside such a name."""
+    named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
-        names = (*CELLS.get(c.found.name, ()), *BESIDE.get(c.found.name, ()))
-        if max((ratios.get(name, 0.0) for name in names), default=0.0) >= NESTED * c.ratio:
+        if c.found.name.startswith("~") and named >= NESTED * c.ratio:
             continue
         first = best.setdefault(c.found.name, c)
         if first.found.effect is None and c.found.effect is not None and c.ratio >= NESTED * first.ratio:
@@ -202,7 +201,7 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
     """The candidate, or what it shows the plainest law of an accepted effect to lack: another shape of that."""
     taken = [one.found.name for one in accepted]
-    owner = next((name for name in CELLS.get(f.name, ()) if name in taken and f.name in SHAPED), None)
+    owner = next((name for name in CELLS.get(f.name, ()) if name in taken), None)
     return f if owner is None else replace(f, name=owner, label="other shape", effect=None)
 
 

@@ -479,7 +479,7 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
     V, m/s^2 and V, (n,) each. What the loop makes of its own noise is in the command, and in the noise of later rows: a
     column made of that alarms without any cause. The command is regressed on what the model asks for along the
     reference, earlier and later; friction is taken along the reference too. The blur is what the bare axis' forces
-    along the measured motion have beyond those: much of it is noise of the speed, which no scale of forces may draw upon.
+    along the measured motion have beyond those: mostly noise of the speed, of which no scale of forces may make use.
     """
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
