@@ -22,6 +22,7 @@ from cogging.model.units import Units
 SURE = 0.9  # confidence from which a name is stated (contract)
 NOT_SURE = 0.89  # confidence at most of an effect that does not make the gap smaller, or beside a force without a name
 RELIABLE = 0.92  # of names with a probability of 0.98 and more in drawn logs, so many were right: docs/evidence.md
+MINOR = 0.1  # of the score of the largest effect: less of a force without a name is a trait of that effect's law
 SEEN = 0.02  # of the power that is left: a force along one coordinate that predicts more is told
 SYSTEMATIC = 0.1  # of the rms command: less of what a generic force predicts is small
 TAILS = (0.05, 0.95)  # quantiles of an effect's force: the range that holds most of it
@@ -43,7 +44,7 @@ def named(
         shares: of the gap's power that each term takes.
         held_out: by place, why a term did not enter the model.
     """
-    unnamed = any(term.accepted.found.name.startswith("~") for term in terms)
+    unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
     effects: dict[str, NamedEffect] = {}
     for place, (term, share) in enumerate(zip(terms, shares, strict=True)):
         name = term.accepted.found.name
@@ -72,6 +73,12 @@ def named(
             in_model=place not in held_out and (not other or term.path != ""),
         )
     return sorted(effects.values(), key=lambda one: -(one.share or 0.0))
+
+
+def weighty(terms: Sequence[Term]) -> list[Term]:
+    """Terms without what bears no name and is minor beside a name: what a law that is nearly right leaves."""
+    most = max((t.accepted.score for t in terms if not t.accepted.found.name.startswith("~")), default=0.0)
+    return [t for t in terms if not t.accepted.found.name.startswith("~") or t.accepted.score > MINOR * most]
 
 
 def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) -> dict[str, Value]:
@@ -185,7 +192,7 @@ def unlisted(
         units: labels.
         confirmed: whether there were logs of other motion, by which what was accepted was judged too.
     """
-    for term in terms:
+    for term in weighty(terms):
         cell = term.accepted.found
         if cell.name.startswith("~"):
             words = cell.name[1:]

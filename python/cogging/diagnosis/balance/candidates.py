@@ -46,6 +46,7 @@ LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it i
 LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
 WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
 SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
+ROWS_PER_WAVE = 2.2  # rows at the highest speed in the shortest wave: fewer are those of a longer one as well
 BAND_SHARE = 1e-3  # of the largest gain: a wave that is less in the band is not seen
 TONE_SHARE = 0.38  # of the rate of the rows: highest frequency of a tone, below the edge of the decimation
 WINDOW_SPACING = 48  # moments in the longest log of which pairs are tried for a step, before they are made finer
@@ -130,6 +131,7 @@ class Search:
         self.weights = adjoint(ctx)
         self.found: dict[str, Found] = {}
         self.least: dict[str, float] = {}  # smallest value of a shape: below half of it there is no effect
+        self.most: dict[str, float] = {}  # largest value of a shape: beyond it the law is another's
 
     def put(
         self,
@@ -287,7 +289,7 @@ def refined(s: Search, f: Found) -> Found | None:
     if np.exp(x) < 0.5 * s.least.get(f.name, 0.0):
         return None
     shape, (T, amplitudes, k) = tried[x]
-    if T <= f.T:
+    if T <= f.T or np.exp(x) > s.most.get(f.name, np.inf):
         return f
     return replace(f, label=shape.label, T=T, k=k, amplitudes=amplitudes, columns=shape.columns, effect=shape.law)
 
@@ -308,6 +310,7 @@ def forces_of_place(s: Search) -> None:
     cubic = along(lambda b: np.vstack([(2 * (b.position - low) / length - 1) ** p for p in range(4)]))
     s.put("cable_spring", Shape("curved", cubic))
     travel = list(s.model.axis.travel) if np.isfinite(s.model.axis.travel).all() else [low, high]
+    s.most["end_effect"] = 0.25 * length  # a force that decays over more of the travel is a spring's
     for L in np.geomspace(0.01, 0.25, 8) * length:
         fields = {"decay_length": float(L), "travel": travel}
         s.law("end_effect", fields, {"force": small}, 8, f"{L:.3g}", vary="decay_length")
@@ -673,7 +676,8 @@ def wave_scan(s: Search, multipliers: Sequence[FloatArray]) -> tuple[list[tuple[
     n = int(2 ** np.ceil(np.log2(8 * min(s.length / WAVE_GRID, 2**17))))
     dx = s.length / (n // 8)
     spectrum, kappa = travel_spectrum(s, multipliers, n, dx), np.fft.rfftfreq(n, dx)
-    use = (kappa > LEAST_TURNS / s.length) & (kappa < 0.25 / dx) & (kappa < 1.0 / SHORTEST_WAVE)
+    shortest = max(4.0 * dx, SHORTEST_WAVE, ROWS_PER_WAVE * s.top * max(b.step for b in s.balances))
+    use = (kappa > LEAST_TURNS / s.length) & (kappa < 1.0 / shortest)
     k = kappa[use]
     norm = wave_power(s, multipliers, k)
     score = 2 * spectrum[use] / np.maximum(norm, 1e-9 * norm.max())
