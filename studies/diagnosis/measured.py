@@ -8,7 +8,6 @@ import numpy as np
 
 import cogging
 from cogging.datasets import emps, laas
-from cogging.diagnosis.balance.decision import run
 from studies.laas.motor import axis_from_acceleration
 
 RADIANS = cogging.Units(command="A", position="rad")
@@ -68,10 +67,9 @@ def main():
         if names and make.__name__ not in names:
             continue
         given, confirm, stated = make(folder)
-        begin, steps = time.perf_counter(), []
-        told = run(given, confirm, stated, steps.append)
-        print(make.__name__, told["verdict"], told["effects"], told["unlisted"], f"{time.perf_counter() - begin:.1f} s")
-        print("\n".join(steps), flush=True)
+        begin = time.perf_counter()
+        told = cogging.diagnose(given, stated, confirm=confirm)
+        print(f"== {make.__name__}, {time.perf_counter() - begin:.1f} s\n{told.text()}\n", flush=True)
 
 
 if __name__ == "__main__":

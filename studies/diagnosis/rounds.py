@@ -1,4 +1,4 @@
-"""Diagnose the cases of a drawn blind suite, with each round: `python -m studies.balance_engine.bench DIR [CASE ...]`.
+"""Diagnose the cases of a drawn blind suite, with each round: `python -m studies.diagnosis.rounds DIR [CASE ...]`.
 
 DIR is what `python -m tests.blind.benchmark --only-draw --out DIR` wrote. A line a case: what is hidden, what was found.
 """
