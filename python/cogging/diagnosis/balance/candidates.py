@@ -367,7 +367,7 @@ def friction(s: Search) -> None:
         return -(axis.coulomb * (dahl(b.position, length) - rising))
 
     def presliding(length: float) -> Shape:
-        law = E["presliding_friction"].replace(stiffness=float(s.model.axis.coulomb / length))
+        law = E["presliding_friction"].replace(stiffness=max(float(s.model.axis.coulomb), 1e-12) / length)
         return Shape(f"{length:.4g}", accelerated(lambda c, b, a: bristle(c, b, length)), lambda a: law)
 
     lengths = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in s.balances)), 3e-3, 8)

@@ -157,6 +157,8 @@ def search(
         contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
         if others and not outcome.shift and model.cogging is None:
             waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD]
+            if any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders):
+                waves = []  # gravity has the same zero on all motions
             top = max(waves, key=lambda c: c.ratio, default=None)
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
