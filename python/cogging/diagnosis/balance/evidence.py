@@ -34,6 +34,7 @@ LARGELY = 0.3  # of the command's deviation: where more is left, that is no nois
 # Nuisances
 TIMING = 0.25  # rows of a log by which friction may be late
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made: a factor of 1.3 apart over four decades
+SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until less is left by it
 LEAST_MASS = 0.05  # of the mass: re-tuning makes it no smaller
 COGGING_STEP = 0.05  # relative, and rad: step of gain and phase of the known cogging for their columns
 # Instruments: the command regressed on what the model asks for along the reference, earlier and later
@@ -178,16 +179,33 @@ class Evidence:
     theta: FloatArray = field(init=False, repr=False)
 
     def prepare(self, rounds: int = 0, listen: bool = False) -> Evidence:
-        """Make the columns and fit them, re-tuning the model in each round; `listen` sets the balances' corners."""
+        """The same with columns and null, the model re-tuned round by round; `listen`: choose the balance's band.
+
+        A step is halved until less is left by it: a step along columns of a law that bends may be too long.
+        """
         for k in range(rounds):
             self.make()
             if k == 0 and listen:
                 for b, r in zip(self.balances, self.raw, strict=True):
                     b.set_corner(r, self.model.axis.mass)
                 self.make()
-            self.model = self.retuned()
+            before = self.left_by(self.model)
+            for share in SHARES_OF_A_STEP:
+                model = self.retuned(share)
+                if self.left_by(model) <= before:
+                    self.model = model
+                    break
         self.make()
         return self
+
+    def left_by(self, model: Model) -> float:
+        """Power of what a model leaves of the rows, beside columns without a law, V^2."""
+        k = len(self.paths)
+        left = [
+            (b.rows(b.residual(model))[0] - self.theta[k:] @ n[k:])[m]
+            for b, n, m in zip(self.balances, self.nuisances, self.masks, strict=True)
+        ]
+        return float(sum(np.sum((r * h[0]) ** 2) for r, h in zip(left, self.plain, strict=True)))
 
     def make(self) -> None:
         """Make the columns of the balance under the model, and fit them."""
@@ -322,13 +340,13 @@ class Evidence:
         best.told = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
         best.x = best.r = best.gram = np.zeros(0)
 
-    def retuned(self) -> Model:
+    def retuned(self, share: float = 1.0) -> Model:
         """The model with the nuisances as fitted."""
         known = parameters_of(self.model, together=True)
         values = {"axis.coulomb_width": self.likeliest_width()}
         for path, step in zip(self.paths, self.theta, strict=False):
             if path in known:
-                value = known[path].value + float(step)
+                value = known[path].value + share * float(step)
                 if path.startswith("axis."):
                     value = max(value, LEAST_MASS * known[path].value if path == "axis.mass" else 0.0)
                 low, high = self.limits.get(path, (-np.inf, np.inf))
