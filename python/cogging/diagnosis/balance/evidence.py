@@ -154,7 +154,7 @@ class Evidence:
         limits: range in which re-tuning keeps a parameter, by path.
         counted: rows of each log that count behind a noise filter; masks: before it.
         residuals: what the model leaves of each log, as it is compared, (m,); nuisances likewise, (q, m).
-        theta: likeliest nuisances, (q,), behind the noise filters `start`.
+        fit: nuisances at their likeliest behind the noise filters `start`, of amplitudes `theta`, (q,).
     """
 
     balances: list[ForceBalance]
@@ -176,12 +176,13 @@ class Evidence:
     residuals: list[FloatArray] = field(init=False, repr=False)
     nuisances: list[FloatArray] = field(init=False, repr=False)
     start: list[FloatArray] = field(init=False, repr=False)
+    fit: Maximum = field(init=False, repr=False)
     theta: FloatArray = field(init=False, repr=False)
 
     def prepare(self, rounds: int = 0, listen: bool = False) -> Evidence:
         """The same with columns and null, the model re-tuned round by round; `listen`: choose the balance's band.
 
-        A step is halved until less is left by it: a step along columns of a law that bends may be too long.
+        A step is halved until it leads nearer to the likeliest: one along columns of a law that bends may be too long.
         """
         for k in range(rounds):
             self.make()
@@ -189,23 +190,31 @@ class Evidence:
                 for b, r in zip(self.balances, self.raw, strict=True):
                     b.set_corner(r, self.model.axis.mass)
                 self.make()
-            before = self.left_by(self.model)
+            before = self.decrement(self.model)
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
-                if self.left_by(model) <= before:
+                if self.decrement(model) <= before:
                     self.model = model
                     break
         self.make()
         return self
 
-    def left_by(self, model: Model) -> float:
-        """Power of what a model leaves of the rows, beside columns without a law, V^2."""
-        k = len(self.paths)
-        left = [
-            (b.rows(b.residual(model))[0] - self.theta[k:] @ n[k:])[m]
-            for b, n, m in zip(self.balances, self.nuisances, self.masks, strict=True)
-        ]
-        return float(sum(np.sum((r * h[0]) ** 2) for r, h in zip(left, self.plain, strict=True)))
+    def decrement(self, model: Model) -> float:
+        """By how much 2 ln likelihood would still rise from a re-tuned model on, in the parameters that it has.
+
+        The power that is left says less: columns hold no noise of the readings, which what is left does.
+        """
+        fit, known = self.fit, parameters_of(model, together=True)
+        old = parameters_of(self.model, together=True)
+        has = np.array([p in known for p in self.paths] + [False] * (len(fit.w) - len(self.paths)))
+        moved = [known[p].value - old[p].value if p in known else 0.0 for p in self.paths]
+        sigma, target = fit.prior
+        target = np.where(has, target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size, target)
+        left = self.filtered([b.rows(b.residual(model)) for b in self.balances], fit.taps)[0]
+        slope = fit.x @ (fit.weight * left) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
+        beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
+        own = slope[has] - beside @ slope[~has]
+        return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
 
     def make(self) -> None:
         """Make the columns of the balance under the model, and fit them."""
@@ -231,7 +240,8 @@ class Evidence:
         self.largely = bool(np.std(left) > LARGELY * np.std(command))
         taps = self.taps_of(theta)
         self.keep_positive(taps)
-        self.start, self.theta = taps, self.fitted(taps).theta
+        self.start, self.fit = taps, self.fitted(taps)
+        self.theta = self.fit.theta
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
         """Rows that count behind each log's filter, logs after each other, (p, n)."""

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 from scipy.signal import butter, firwin, freqz, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Plant, Predictor
@@ -34,8 +34,8 @@ REST_TIME = 0.012  # s: an axis that moves less than the encoder resolves within
 # Rows that are compared
 ROWS_PER_CORNER = 4.0  # rate of these rows over the corner of their filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
-CORNERS = (20.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
-FORCE_NOISE = (2.0, 30.0)  # Hz, where the noise of the force is read: above slow forces, below the encoder's noise
+CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
+ENCODER_SHARE = 0.3  # of the power at the corner that is noise of the encoder
 COMMAND_HOOKS = (
     "command_gain",
     "command_delay",
@@ -209,16 +209,17 @@ class ForceBalance:
         return np.asarray(gain**2 / self.every)
 
     def set_corner(self, residual: FloatArray, mass: float) -> None:
-        """Set the corner of `rows` to where the encoder's noise, M^2 w^4 times its density, passes that of the force.
+        """Set the corner of `rows` to where noise of the encoder, M^2 w^4 times its density, is a share of all that is left.
 
         Args:
             residual: what a model leaves of the balance, V, (n,).
             mass: V/(m/s^2).
         """
         f, p = welch(residual, 1.0 / self.step, nperseg=int(min(len(residual), 1.0 / self.step)))
-        low = np.median(p[(f > FORCE_NOISE[0]) & (f < FORCE_NOISE[1])])
         density = 2.0 * self.encoder_noise**2 * self.step / self.thinning
-        self.corner = float(np.clip(np.sqrt(np.sqrt(low / density) / mass) / (2 * np.pi), *CORNERS))
+        noise = density * (mass * (2 * np.pi * f) ** 2) ** 2
+        loud = noise > ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
+        self.corner = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS))
 
     @cached_property
     def fine(self) -> SubSteps:
