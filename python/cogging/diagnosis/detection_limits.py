@@ -245,7 +245,7 @@ def _with_state(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Si
             ratio * axis.mass * (a - load_response(a, b.step, fields["frequency"], 0.05))
             for b, a in zip(evidence.balances, evidence.accelerations, strict=True)
         ]
-    if "stiffness" in fields:
+    if "stiffness" in fields and axis.coulomb > 0.0:
         length = max(axis.coulomb / fields["stiffness"], 1e-12)
         return [
             axis.coulomb * (np.tanh(b.velocity / max(axis.coulomb_width, 1e-6)) - dahl(b.position, length))
