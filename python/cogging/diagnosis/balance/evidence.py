@@ -35,13 +35,13 @@ LARGELY = 0.3  # of the command's deviation: where more is left, that is no nois
 TIMING = 0.25  # rows of a log by which friction may be late
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made: a factor of 1.3 apart over four decades
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until less is left by it
+UNSTATED = 1.0  # uncertainty of mass and friction where none is stated
 LEAST_MASS = 0.05  # of the mass: re-tuning makes it no smaller
 COGGING_STEP = 0.05  # relative, and rad: step of gain and phase of the known cogging for their columns
 # Instruments: the command regressed on what the model asks for along the reference, earlier and later
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop's answer lasts some 40 ms
 LAG = 4e-4  # s
 SLOW = 10.0  # Hz, below which the measured acceleration holds little noise
-IDLE = 4.0  # times the measured acceleration: a command that would cause more does not go into acceleration
 
 
 def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
@@ -149,6 +149,7 @@ class Evidence:
         drives: part of the command that the motion asked for explains, V, (n,) of each log; accelerations (m/s^2) and
             blurs (V): see `drive`.
         largely: whether what is left is so much of the command that it is no noise.
+        alike: how many rows of it say the same; 1 for noise.
         paths: of the nuisances, p of them, before the columns of `extra`.
         prior_sigma: deviation of each nuisance and column of `extra`, (q,); prior_offset its mean.
         limits: range in which re-tuning keeps a parameter, by path.
@@ -166,6 +167,7 @@ class Evidence:
     accelerations: list[FloatArray] = field(init=False, repr=False)
     blurs: list[FloatArray] = field(init=False, repr=False)
     largely: bool = field(init=False, repr=False, default=False)
+    alike: float = field(init=False, repr=False, default=1.0)
     paths: list[str] = field(init=False, repr=False)
     prior_sigma: FloatArray = field(init=False, repr=False)
     prior_offset: FloatArray = field(init=False, repr=False)
@@ -238,6 +240,9 @@ class Evidence:
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
         self.largely = bool(np.std(left) > LARGELY * np.std(command))
+        self.alike = 1.0
+        if self.largely:  # what is left is motion, and its rows are far from independent: priors count by as much more
+            self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
         taps = self.taps_of(theta)
         self.keep_positive(taps)
         self.start, self.fit = taps, self.fitted(taps)
@@ -296,7 +301,7 @@ class Evidence:
         size = np.sqrt(np.concatenate([sum(np.sum(x**2, axis=1) for x in part) for part in parts]))
         size = np.maximum(size, 1e-12 * size.max())
         more = len(size) - len(self.prior_sigma)
-        sigma = np.concatenate([self.prior_sigma, np.full(more, np.inf)]) * size
+        sigma = np.concatenate([self.prior_sigma, np.full(more, np.inf)]) * size / np.sqrt(self.alike)
         target = np.concatenate([self.prior_offset, np.zeros(more)]) * size
         white = self.unadded(taps) if unadded is None else unadded
         if tables is not None:
@@ -515,12 +520,9 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
         forces = b.forces([plant])[0]
         slow = sosfiltfilt(butter(2, b.corner * b.step, output="sos"), b.command)
         caused = (slow + forces) / model.axis.mass
-        sections = butter(2, SLOW * 2.0 * b.step, output="sos")
-        by_command, measured = sosfiltfilt(sections, caused), sosfiltfilt(sections, b.acceleration)
-        if np.std(by_command[b.keep > 0]) > IDLE * np.std(measured[b.keep > 0]):
-            # most of the command holds against a force that the model lacks: the drive is what the motion needs
-            caused = caused - by_command + measured
-            slow = model.axis.mass * caused - forces
+        # below SLOW what was measured: the command holds against forces that the model lacks as well
+        caused = caused + sosfiltfilt(butter(2, SLOW * 2.0 * b.step, output="sos"), b.acceleration - caused)
+        slow = model.axis.mass * caused - forces
         return slow, caused, np.zeros_like(slow)
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
@@ -560,8 +562,8 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
         u = given.uncertainty.get(name)
         if u != 0.0:
             stated, path = getattr(given.axis, name), f"axis.{name}"
-            loose = u is None or path in evidence.free
-            sigma = np.inf if loose else u * max(abs(stated), 1e-12)
+            loose = path in evidence.free or (u is None and stated == 0.0)
+            sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
             columns.add(path, sigma, rows, stated - getattr(model.axis, name))
     # friction may follow a bend of the contact instead of the speed: it is a part of a row late
     own = max(model.axis.coulomb, 1e-12)
