@@ -45,11 +45,13 @@ PEAKS = 4  # of a spectrum along the travel that are tried for each kind of wave
 LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it in a hundred of thousands of lines
 LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
 WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
+MOST_WAVES = 3  # that are looked for together
 SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
 ROWS_PER_WAVE = 2.2  # rows at the highest speed in the shortest wave: fewer are those of a longer one as well
 BAND_SHARE = 1e-3  # of the largest gain: a wave that is less in the band is not seen
 TONE_SHARE = 0.38  # of the rate of the rows: highest frequency of a tone, below the edge of the decimation
 WINDOW_SPACING = 48  # moments in the longest log of which pairs are tried for a step, before they are made finer
+STEP = 0.2  # first step of refining, of the logarithm of a number
 REFINED = 40.0  # scores below the best to which shapes are refined: refining gains less
 CERTAIN_ZERO = 5.0  # score below which nothing is refined
 
@@ -60,6 +62,9 @@ class Shape(NamedTuple):
     label: str
     columns: Columns
     law: Law | None = None
+
+
+Refine = tuple[float, Callable[[float], Shape], float]
 
 
 @dataclass
@@ -75,7 +80,7 @@ class Found:
         effect: function(amplitudes) to the law, None without one; for a parameter of the axis its path.
         others: names that a shape of no law may bear as well.
         period: m, of a wave along the travel, of two columns.
-        refine: a number of the shape, and function(number) to `Shape`.
+        refine: a number of the shape, function(number) to `Shape`, and a first relative step of the number.
     """
 
     name: str
@@ -88,7 +93,7 @@ class Found:
     effect: Any = None
     others: tuple[str, ...] = ()
     period: float | None = None
-    refine: tuple[float, Callable[[float], Shape]] | None = None
+    refine: Refine | None = None
 
     @property
     def score(self) -> float:
@@ -128,7 +133,7 @@ class Search:
         self.top = max(np.abs(b.velocity).max() for b in bs)  # m/s
         self.duration = max(b.time[-1] for b in bs)  # s
         self.force = max(np.abs(b.command).max() for b in bs)  # V
-        self.weights = adjoint(ctx)
+        self.weights = adjoint(ctx, ctx.basis[2])
         self.found: dict[str, Found] = {}
         self.least: dict[str, float] = {}  # smallest value of a shape: below half of it there is no effect
         self.most: dict[str, float] = {}  # largest value of a shape: beyond it the law is another's
@@ -139,7 +144,7 @@ class Search:
         shape: Shape,
         trials: int = 1,
         accept: Callable[[FloatArray], bool] | None = None,
-        refine: tuple[float, Callable[[float], Shape]] | None = None,
+        refine: Refine | None = None,
         period: float | None = None,
         family: str = "",
     ) -> float:
@@ -171,7 +176,7 @@ class Search:
         accept: Callable[[FloatArray], bool] | None = None,
     ) -> None:
         """Try the shape of a number, which is refined if it may be the best."""
-        self.put(name, make(value), trials, accept, (value, make))
+        self.put(name, make(value), trials, accept, (value, make, STEP))
 
     def law(
         self,
@@ -188,7 +193,7 @@ class Search:
         def make(**changed: float) -> Shape:
             return law_shape(name, {**fields, **changed}, amplitudes)
 
-        refine = None if vary is None else (fields[vary], lambda value: make(**{vary: float(value)}))
+        refine = None if vary is None else (fields[vary], lambda value: make(**{vary: float(value)}), STEP)
         self.put(name, make()._replace(label=label), trials, accept, refine)
 
 
@@ -208,10 +213,10 @@ def added(effects: Sequence[Effect], sizes: Sequence[float]) -> Columns:
     ]
 
 
-def adjoint(ctx: Evidence) -> list[FloatArray]:
-    """Weight of each row of the motion in the score of a column that is made of it, (n,) of each log."""
-    root, _, e = ctx.basis
-    weighed, out, at = root * e[: len(root)], [], 0
+def adjoint(ctx: Evidence, e: FloatArray) -> list[FloatArray]:
+    """Weight of each row of the motion in the score of a column that is made of it, (n,) of each log, by what is left."""
+    root, out, at = ctx.basis[0], [], 0
+    weighed = root * e[: len(root)]
     for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps, strict=True):
         full = np.zeros(len(counted))
         full[counted] = weighed[at : at + int(counted.sum())]
@@ -277,7 +282,7 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
 def refined(s: Search, f: Found) -> Found | None:
     """The candidate at the best value of its number near its own; None where that is so small that there is none."""
     assert f.refine is not None
-    value, make = f.refine
+    value, make, step = f.refine
     tried = {}
 
     def at(logarithm: float) -> float:
@@ -285,7 +290,7 @@ def refined(s: Search, f: Found) -> Found | None:
         tried[logarithm] = shape, s.scored(shape)
         return tried[logarithm][1][0]
 
-    x = sharpen(at, float(np.log(value)), 0.2, 8)
+    x = sharpen(at, float(np.log(value)), step, 8)
     if np.exp(x) < 0.5 * s.least.get(f.name, 0.0):
         return None
     shape, (T, amplitudes, k) = tried[x]
@@ -523,7 +528,7 @@ def time(s: Search) -> None:
             return E["disturbance_tone"].replace(frequency=q, sine=float(a[0]), cosine=float(a[1]))
 
         s.put("disturbance_tone", Shape(f"{q:.4g} Hz", tone_columns(q, (1,)), law), trials)
-        several = Shape(f"{q:.4g} Hz with harmonics", tone_columns(q, (1, 2, 3)))
+        several = Shape(f"{q:.4g} Hz with harmonics", tone_columns(q, (1, 2, 3)), law)
         s.put("disturbance_tone", several, trials, family="disturbance_tones")
 
 
@@ -612,13 +617,18 @@ def waves(s: Search) -> None:
             peaks.append((score, kappa))
             if name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turn):
                 continue
-            period = 1 / kappa
-            columns = wave(s, kappa, name, (1,))
-            law = None if name.startswith("~") else wave_law(name, period)
-            s.put(name, Shape(f"{period:.4g}", columns, law), trials, period=period)
-            if not name.startswith("~"):
-                several = Shape(f"{period:.4g} with harmonics", wave(s, kappa, name, (1, 2, 3)))
-                s.put(name, several, trials, period=period, family=f"{name}s")
+            orders = {"": (1,)} if name.startswith("~") else {"": (1,), "s": (1, 2, 3)}
+            for family, one in orders.items():
+
+                def shape(period: float, name: str = name, orders: Sequence[int] = one) -> Shape:
+                    law = None if name.startswith("~") else wave_law(name, period)
+                    label = f"{period:.4g} with harmonics" if len(orders) > 1 else f"{period:.4g}"
+                    return Shape(label, wave(s, 1.0 / period, name, orders), law)
+
+                period = 1.0 / kappa
+                refine = period, shape, 0.1 * period / length
+                s.put(name, shape(period), trials, period=period, refine=refine, family=f"{name}{family}")
+    several_waves(s)
     peaks.sort(reverse=True)
     for kappa in known + [k for _, k in peaks[:3]]:
         if kappa * length > 2.5:
@@ -626,8 +636,34 @@ def waves(s: Search) -> None:
             s.put("cogging_modulation", Shape(f"{1 / kappa:.4g}", modulated_wave(s, kappa)), trials)
 
 
+def several_waves(s: Search) -> None:
+    """The best wave of place, then with it the highest of what is left: slots and poles of a motor cog with lines of both."""
+    if "cogging_harmonic" not in s.found:
+        return
+    first, e = s.found["cogging_harmonic"].period, s.ctx.basis[2]
+    assert first is not None
+    kappas = [1.0 / first]
+    for count in range(2, MOST_WAVES + 1):
+        made = several(s, kappas)
+        c, _ = s.ctx.project([b.rows(x) for b, x in zip(s.balances, made(s.ctx), strict=True)])
+        left = adjoint(s.ctx, e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
+        peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances], left)
+        if not peaks:
+            return
+        kappas = [*kappas, peaks[0][0]]
+        label = " and ".join(f"{1 / k:.4g}" for k in kappas)
+        shape = Shape(label, several(s, kappas), wave_law("cogging_harmonic", first))
+        s.put("cogging_harmonic", shape, trials**count, period=first, family=f"cogging_harmonic {count}")
+
+
+def several(s: Search, kappas: Sequence[float]) -> Columns:
+    """Sine and cosine of wavenumbers (1/m) along the travel."""
+    w = 2 * np.pi * np.array(kappas)[:, None]
+    return along(lambda b: np.vstack([np.sin(w * b.position), np.cos(w * b.position)]))
+
+
 def wave_law(name: str, period: float) -> Law:
-    """The law of sine and cosine of a period (m); cogging opposes the command."""
+    """The law of sine and cosine of a period (m); cogging opposes the command. Its harmonics are found beside it."""
     sign = -1.0 if name == "cogging_harmonic" else 1.0
     return lambda a: E[name].replace(period=period, sine=sign * float(a[0]), cosine=sign * float(a[1]))
 
@@ -671,11 +707,14 @@ def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
     return accelerated(lambda c, b, a: np.vstack([feigned(c, b, a, k, turn) for k in ks for turn in (0.0, np.pi / 2)]))
 
 
-def wave_scan(s: Search, multipliers: Sequence[FloatArray]) -> tuple[list[tuple[float, float]], int]:
+def wave_scan(
+    s: Search, multipliers: Sequence[FloatArray], weights: Sequence[FloatArray] | None = None
+) -> tuple[list[tuple[float, float]], int]:
     """Wavenumbers (1/m) and scores of the highest peaks of multiplier * wave along the travel, and their number."""
     n = int(2 ** np.ceil(np.log2(8 * min(s.length / WAVE_GRID, 2**17))))
     dx = s.length / (n // 8)
-    spectrum, kappa = travel_spectrum(s, multipliers, n, dx), np.fft.rfftfreq(n, dx)
+    spectrum = travel_spectrum(s, s.weights if weights is None else weights, multipliers, n, dx)
+    kappa = np.fft.rfftfreq(n, dx)
     shortest = max(4.0 * dx, SHORTEST_WAVE, ROWS_PER_WAVE * s.top * max(b.step for b in s.balances))
     use = (kappa > LEAST_TURNS / s.length) & (kappa < 1.0 / shortest)
     k = kappa[use]
@@ -692,10 +731,12 @@ def wave_scan(s: Search, multipliers: Sequence[FloatArray]) -> tuple[list[tuple[
     return peaks, int(max(10, (k[-1] - k[0]) * s.length))
 
 
-def travel_spectrum(s: Search, multipliers: Sequence[FloatArray], n: int, dx: float) -> FloatArray:
+def travel_spectrum(
+    s: Search, weights: Sequence[FloatArray], multipliers: Sequence[FloatArray], n: int, dx: float
+) -> FloatArray:
     """Power of the weighted rows along the travel, on a grid of n places dx (m) apart, (n / 2 + 1,)."""
     grid = np.zeros(n)
-    for b, w, m in zip(s.balances, s.weights, multipliers, strict=True):
+    for b, w, m in zip(s.balances, weights, multipliers, strict=True):
         place = (b.position - s.low) / dx
         left = place.astype(int)
         share = place - left
@@ -786,7 +827,7 @@ def own_effect(s: Search, name: str, effect: Effect, scales: Mapping[str, float]
             return own_shape(label, effect.replace(**fields), amplitudes)
 
         first = next(iter(at.values()), 0.0)  # the first number of its shape is refined
-        s.put(name, make(), len(grid), refine=(first, make) if first > 0.0 else None)
+        s.put(name, make(), len(grid), refine=(first, make, STEP) if first > 0.0 else None)
 
 
 def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
