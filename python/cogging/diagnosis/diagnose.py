@@ -312,12 +312,14 @@ def _one_by_one(terms: Sequence[Term], final: Model) -> list[Model]:
     """The models with one term more at a time, each re-tuned; what has no parameters in the fit comes as it stands."""
     models: list[Model] = []
     known, without_law = dict(effect_paths(final.effects)), []
-    for term in terms:
+    for place, term in enumerate(terms):
         if term.path in known and term.accepted.after is not None:
             law_of_its_own = len(term.accepted.after.effects) > len(term.accepted.before.effects)
             without_law += [] if law_of_its_own else [known[term.path]]
         after = term.accepted.after or final
-        models.append(after.replace(effects=(*after.effects, *without_law)) if without_law else after)
+        later = {other.path for other in terms[place + 1 :] if other.accepted is term.accepted}
+        effects = [effect for path, effect in effect_paths(after.effects) if path not in later]
+        models.append(after.replace(effects=(*effects, *without_law)))
     if models and terms[-1].path:
         models[-1] = final
     return models

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,7 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             amplitudes = steps[at : at + len(column.amplitudes)]
             block = deviations[at : at + len(amplitudes), at : at + len(amplitudes)]
             at += len(amplitudes)
-            effect = column.effect(amplitudes) if column.effect is not None else None
+            effect = next(iter(column.laws(amplitudes)), None)
             curve = None if effect is not None else curve_of(evidence, column, amplitudes)
             term = effect if effect is not None else None if candidate.name.startswith("~") else empirical_term(curve)
             path = ""
@@ -88,8 +89,8 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
                 model = model.replace(effects=(*model.effects, term))
                 path = list(effect_paths(model.effects))[-1][0]
             terms.append(Term(one, effect, path, curve, _excludes_zero(amplitudes, block)))
-        else:
-            prefix, effect = next(laws)
+            continue
+        for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):
             fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
             paths = [p for p in evidence.paths if p.startswith(prefix + ".")]
             paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]

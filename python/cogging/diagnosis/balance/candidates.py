@@ -24,7 +24,7 @@ from cogging.estimation.residuals import quiet_plant
 
 E = VOCABULARY
 Columns = Callable[[Evidence], list[FloatArray]]  # columns (k, n) of each log along its motion
-Law = Callable[[FloatArray], Effect | None]  # the effect of amplitudes (k,)
+Law = Callable[[FloatArray], Effect | tuple[Effect, ...] | None]  # the effect of amplitudes (k,), or several
 
 # Sizes and limits of laws
 SMALL = 1e-2  # of the largest command: force for which the column of a law is made, on which it depends linearly
@@ -77,7 +77,7 @@ class Found:
         T: score statistic of k degrees of freedom, and N the number of shapes that were tried.
         amplitudes: of the columns, (k,).
         columns: function(evidence) to columns of each log; None for a parameter of the axis.
-        effect: function(amplitudes) to the law, None without one; for a parameter of the axis its path.
+        effect: function(amplitudes) to the law or several, None without one; for a parameter of the axis its path.
         others: names that a shape of no law may bear as well.
         period: m, of a wave along the travel, of two columns.
         refine: a number of the shape, function(number) to `Shape`, and a first relative step of the number.
@@ -94,6 +94,11 @@ class Found:
     others: tuple[str, ...] = ()
     period: float | None = None
     refine: Refine | None = None
+
+    def laws(self, amplitudes: FloatArray) -> tuple[Effect, ...]:
+        """The effects of amplitudes, none where it has no law."""
+        made = None if self.effect is None or self.columns is None else self.effect(amplitudes)
+        return () if made is None else made if isinstance(made, tuple) else (made,)
 
     @property
     def score(self) -> float:
@@ -403,6 +408,7 @@ def command(s: Search) -> None:
         return s.put(name, shape, trials, lambda a: bool(a[0] * size > least))
 
     slope = driven(lambda b, d: -np.diff(d, prepend=d[0]) / b.step)
+    s.put("~command logged late", Shape("", slope), accept=lambda a: bool(a[0] < -least))
     if proportional("command_delay", "delay", 1.0, "slope", slope, 1):
         first = float(s.found["command_delay"].amplitudes[0])
         for t in (0.7 * first, 1.0 * first, 1.4 * first):
@@ -523,13 +529,16 @@ def time(s: Search) -> None:
     s.put("disturbance_step", step, 300)
     tones, trials = best_tones(s)
     for q in tones:
+        for family, orders in (("", (1,)), ("s", (1, 2, 3))):
 
-        def law(a: FloatArray, q: float = q) -> Effect:
-            return E["disturbance_tone"].replace(frequency=q, sine=float(a[0]), cosine=float(a[1]))
+            def law(a: FloatArray, q: float = q) -> tuple[Effect, ...]:
+                pairs = enumerate(np.reshape(a, (-1, 2)), 1)
+                tone = E["disturbance_tone"].replace
+                return tuple(tone(frequency=k * q, sine=float(one), cosine=float(other)) for k, (one, other) in pairs)
 
-        s.put("disturbance_tone", Shape(f"{q:.4g} Hz", tone_columns(q, (1,)), law), trials)
-        several = Shape(f"{q:.4g} Hz with harmonics", tone_columns(q, (1, 2, 3)), law)
-        s.put("disturbance_tone", several, trials, family="disturbance_tones")
+            label = f"{q:.4g} Hz" + (" with harmonics" if family else "")
+            shape = Shape(label, tone_columns(q, orders), law)
+            s.put("disturbance_tone", shape, trials, family=f"disturbance_tone{family}")
 
 
 def tone_columns(frequency: float, orders: Sequence[int]) -> Columns:
@@ -621,7 +630,7 @@ def waves(s: Search) -> None:
             for family, one in orders.items():
 
                 def shape(period: float, name: str = name, orders: Sequence[int] = one) -> Shape:
-                    law = None if name.startswith("~") else wave_law(name, period)
+                    law = None if name.startswith("~") else wave_law(name, *(period / order for order in orders))
                     label = f"{period:.4g} with harmonics" if len(orders) > 1 else f"{period:.4g}"
                     return Shape(label, wave(s, 1.0 / period, name, orders), law)
 
@@ -652,20 +661,25 @@ def several_waves(s: Search) -> None:
             return
         kappas = [*kappas, peaks[0][0]]
         label = " and ".join(f"{1 / k:.4g}" for k in kappas)
-        shape = Shape(label, several(s, kappas), wave_law("cogging_harmonic", first))
+        shape = Shape(label, several(s, kappas), wave_law("cogging_harmonic", *(1.0 / k for k in kappas)))
         s.put("cogging_harmonic", shape, trials**count, period=first, family=f"cogging_harmonic {count}")
 
 
 def several(s: Search, kappas: Sequence[float]) -> Columns:
     """Sine and cosine of wavenumbers (1/m) along the travel."""
-    w = 2 * np.pi * np.array(kappas)[:, None]
-    return along(lambda b: np.vstack([np.sin(w * b.position), np.cos(w * b.position)]))
+    w = 2 * np.pi * np.array(kappas)
+    return along(lambda b: np.vstack([f(q * b.position) for q in w for f in (np.sin, np.cos)]))
 
 
-def wave_law(name: str, period: float) -> Law:
-    """The law of sine and cosine of a period (m); cogging opposes the command. Its harmonics are found beside it."""
+def wave_law(name: str, *periods: float) -> Law:
+    """The laws of sine and cosine of periods (m); cogging opposes the command."""
     sign = -1.0 if name == "cogging_harmonic" else 1.0
-    return lambda a: E[name].replace(period=period, sine=sign * float(a[0]), cosine=sign * float(a[1]))
+
+    def law(a: FloatArray) -> tuple[Effect, ...]:
+        pairs = zip(periods, sign * np.reshape(a, (-1, 2)), strict=True)
+        return tuple(E[name].replace(period=p, sine=float(one), cosine=float(other)) for p, (one, other) in pairs)
+
+    return law
 
 
 def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:

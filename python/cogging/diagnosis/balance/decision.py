@@ -188,11 +188,11 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """The best shape of each name, one with a law where it explains nearly as much, but no cell beside such a name."""
+    """The best shape of each name, one with a law where it explains nearly as much, but no cell of many shapes beside such."""
     named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
-        if c.found.name.startswith("~") and named >= NESTED * c.ratio:
+        if c.found.name.startswith("~") and c.found.k > 1 and named >= NESTED * c.ratio:
             continue
         first = best.setdefault(c.found.name, c)
         if first.found.effect is None and c.found.effect is not None and c.ratio >= NESTED * first.ratio:
@@ -212,11 +212,11 @@ def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Mod
     if f.columns is None:
         free.append(f.effect)
         return model
-    effect = None if f.effect is None else f.effect(f.amplitudes)
-    if effect is None or "state" in effect.HOOKS:
+    laws = f.laws(f.amplitudes)
+    if not laws or any("state" in effect.HOOKS for effect in laws):
         extra.append(f)
         return model
-    return model.replace(effects=(*model.effects, effect))
+    return model.replace(effects=(*model.effects, *laws))
 
 
 def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
