@@ -297,9 +297,11 @@ def _objections(
             continue
         if not term.certain:
             held_out[place] = "its interval includes zero"
+        # a family, as of harmonics, is judged as a whole
+        family = [k for k, other in enumerate(terms) if other.accepted is term.accepted]
         for measured in [fitted] if replayed is None else [fitted, replayed]:
-            both = (("", measured[0][place : place + 2]), (" on the other motion", measured[1][place : place + 2]))
-            for which, (one, two) in both:
+            for which, gaps in (("", measured[0]), (" on the other motion", measured[1])):
+                one, two = gaps[family[0]], gaps[family[-1] + 1]
                 if one is None or two is None:
                     continue
                 if two.rms**2 > CONTRADICTED * one.rms**2 or (measured is fitted and growth(one, two)):

@@ -35,7 +35,7 @@ ALONG = {"speed": "velocity", "travel": "position", "wave": "position", "time": 
 def named(
     terms: Sequence[Term], final: Model, evidence: Evidence, shares: Sequence[float | None], held_out: Mapping[int, str]
 ) -> list[NamedEffect]:
-    """The effects by name, those that take most of the gap first; terms of one name are one.
+    """The effects by name, those that take most of the gap first; terms of one name are one, the largest first.
 
     Args:
         terms: what was accepted.
@@ -46,15 +46,18 @@ def named(
     """
     unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
     effects: dict[str, NamedEffect] = {}
+    by_size: dict[str, list[tuple[float, dict[str, Value]]]] = {}
     for place, (term, share) in enumerate(zip(terms, shares, strict=True)):
         name = term.accepted.found.name
         if name.startswith("~"):
             continue
         parameters = _parameters(term, final, evidence, place in held_out)
+        waves = [parameters[field].value for field in ("sine", "cosine") if field in parameters]
+        by_size.setdefault(name, []).append((float(np.linalg.norm(np.ravel(waves))), parameters))
         if name in effects:
             first = effects[name]
             both = (first.share or 0.0) + share if share is not None else first.share
-            effects[name] = replace(first, further=(*first.further, parameters), share=both)
+            effects[name] = replace(first, share=both)
             continue
         one = term.accepted
         others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
@@ -72,6 +75,9 @@ def named(
             curve=term.curve,
             in_model=place not in held_out and (not other or term.path != ""),
         )
+    for name, entry in effects.items():
+        first, *further = (parameters for _, parameters in sorted(by_size[name], key=lambda pair: -pair[0]))
+        effects[name] = replace(entry, parameters=first, further=tuple(further))
     return sorted(effects.values(), key=lambda one: -(one.share or 0.0))
 
 
