@@ -665,7 +665,10 @@ def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: 
         return
     try:
         pair = [with_values(evidence.model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
-        rows = [-(b.residual(pair[0]) - b.residual(pair[1])) / (2e-2 * sigma) for b in balances]
+        rows = [
+            -(b.residual(pair[0], d) - b.residual(pair[1], d)) / (2e-2 * sigma)
+            for b, d in zip(balances, evidence.drives, strict=True)
+        ]
     except ValueError:  # a value that the effect does not take
         return
     columns.add(path, sigma, rows)

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import butter, firwin, freqz, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Plant, Predictor
@@ -35,7 +35,7 @@ REST_TIME = 0.012  # s: an axis that moves less than the encoder resolves within
 ROWS_PER_CORNER = 4.0  # rate of these rows over the corner of their filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
 CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
-ENCODER_SHARE = 0.3  # of the power at the corner that is noise of the encoder
+FORCE_NOISE = (2.0, 30.0)  # Hz, where the noise of the force is read: above slow forces, below a loop's bandwidth
 COMMAND_HOOKS = (
     "command_gain",
     "command_delay",
@@ -209,7 +209,7 @@ class ForceBalance:
         return np.asarray(gain**2 / self.every)
 
     def set_corner(self, residual: FloatArray, mass: float) -> None:
-        """Set the corner of `rows` to where noise of the encoder, M^2 w^4 times its density, is a share of all that is left.
+        """Set the corner of `rows` to where the encoder's noise, M^2 w^4 times its density, passes that of the force.
 
         Args:
             residual: what a model leaves of the balance, V, (n,).
@@ -217,9 +217,9 @@ class ForceBalance:
         """
         f, p = welch(residual, 1.0 / self.step, nperseg=int(min(len(residual), 1.0 / self.step)))
         density = 2.0 * self.encoder_noise**2 * self.step / self.thinning
-        noise = density * (mass * (2 * np.pi * f) ** 2) ** 2
-        loud = noise > ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
-        self.corner = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS))
+        read = (f > FORCE_NOISE[0]) & (f < FORCE_NOISE[1])
+        force = np.median(p[read] - density * (mass * (2 * np.pi * f[read]) ** 2) ** 2)
+        self.corner = float(np.clip(np.sqrt(np.sqrt(max(force, 0.0) / density) / mass) / (2 * np.pi), *CORNERS))
 
     @cached_property
     def fine(self) -> SubSteps:
@@ -263,8 +263,9 @@ class ForceBalance:
             x, v = x - error, v - np.gradient(error, self.step / n)
         return self.averaged(Predictor(t, x, u).net_force(plants, x, v))
 
-    def residual(self, model: Model) -> FloatArray:
-        """The missing force, V, (n,): M a less what the model accounts for."""
+    def residual(self, model: Model, command: FloatArray | None = None) -> FloatArray:
+        """The missing force, V, (n,): M a less what the model accounts for, under the logged command or another."""
+        command = self.command if command is None else command
         a, error = self.acceleration, None
         wrong = [laws_of(e) for e in model.effects if "reading" in e.HOOKS]
         if wrong:
@@ -273,8 +274,8 @@ class ForceBalance:
             coarse = error[:: self.fine.per_row]
             a = a - np.gradient(np.gradient(coarse, self.step), self.step)
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
-        force = self.forces([quiet_plant(model)], self.command if shaped else None, error)[0]
-        return np.asarray(model.axis.mass * a - force - (0.0 if shaped else self.command))
+        force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
+        return np.asarray(model.axis.mass * a - force - (0.0 if shaped else command))
 
     def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
         """Force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).
