@@ -19,7 +19,7 @@ from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
-from cogging.diagnosis.patched_model import Term, terms_of, with_intervals
+from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -229,7 +229,11 @@ def _result(
         final, without_name = _with_empirical(final, without_name, yardstick, after, after_there)
     if found.shift:
         notes.append(f"the zero of the other motion lies {found.shift:.4g} {units.position} elsewhere, as a wave tells")
+    if found.late:
+        notes.append(f"the command is logged {found.late:.2g} s after it acts: it is taken to act so much earlier")
     notes += [f"{terms[k].accepted.found.name}: {why}; it is not in the model" for k, why in sorted(out.items())]
+    final, of_stated = merged(final, stated)
+    notes += of_stated
     untouched = yardstick.by_balance().on_given(found.nominal.model)
     location = location_of(found.nominal, untouched, predicted(untouched))
     names = sorted({name for one in effects if one.alternatives for name in (one.name, *one.alternatives)})

@@ -408,7 +408,7 @@ def command(s: Search) -> None:
         return s.put(name, shape, trials, lambda a: bool(a[0] * size > least))
 
     slope = driven(lambda b, d: -np.diff(d, prepend=d[0]) / b.step)
-    s.put("~command logged late", Shape("", slope), accept=lambda a: bool(a[0] < -least))
+    s.put(LATE, Shape("", slope), accept=lambda a: bool(a[0] < -least))
     if proportional("command_delay", "delay", 1.0, "slope", slope, 1):
         first = float(s.found["command_delay"].amplitudes[0])
         for t in (0.7 * first, 1.0 * first, 1.4 * first):
@@ -868,6 +868,7 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
     return Shape(label, columns, law)
 
 
+LATE = "~command logged late"  # by the time of its amplitude, s, less than 0: a fault of the log
 #: Forces of any shape along a coordinate, and the names that such a shape may bear: a spring, a bump, a pulse have any.
 CELLS = {
     "~force along travel": ("cable_spring", "end_effect", "local_force"),

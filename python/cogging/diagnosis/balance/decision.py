@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import CELLS, NESTED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect
@@ -96,6 +96,7 @@ class Outcome:
         refused: name, gains on given and confirm logs and what these can show, of what logs contradict.
         found: last candidates, the highest score first.
         shift: distance by which the zero of the confirm logs lies elsewhere, m.
+        late: time after which a command that acts is logged, s.
     """
 
     nominal: Evidence
@@ -105,6 +106,7 @@ class Outcome:
     refused: list[tuple[str, tuple[float, float], tuple[float, float]]]
     found: list[Found]
     shift: float = 0.0
+    late: float = 0.0
 
 
 def search(
@@ -175,6 +177,11 @@ def search(
         if not contenders or contenders[0].score < THRESHOLD:
             break
 
+        if contenders[0].found.name == LATE:
+            seconds = -float(contenders[0].found.amplitudes[0])
+            balances, others = ([b.earlier(seconds) for b in logs] for logs in (balances, others))
+            outcome.late += seconds
+            continue
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)

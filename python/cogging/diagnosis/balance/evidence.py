@@ -562,7 +562,7 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
         u = given.uncertainty.get(name)
         if u != 0.0:
             stated, path = getattr(given.axis, name), f"axis.{name}"
-            loose = path in evidence.free or (u is None and stated == 0.0)
+            loose = path in evidence.free or stated == 0.0
             sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
             columns.add(path, sigma, rows, stated - getattr(model.axis, name))
     # friction may follow a bend of the contact instead of the speed: it is a part of a row late

@@ -162,6 +162,13 @@ class ForceBalance:
             other.reference = self.reference + np.array([[distance], [0.0], [0.0]])
         return other
 
+    def earlier(self, seconds: float) -> ForceBalance:
+        """A copy whose command acted so many seconds before it was logged."""
+        other = copy(self)
+        other.cache = {}
+        other.command = np.interp(self.time + seconds, self.time, self.command)
+        return other
+
     def _reference(self, log: Log) -> FloatArray | None:
         """Position, velocity and acceleration that were asked for, (3, n); None where the log has none."""
         if log.reference is None:
