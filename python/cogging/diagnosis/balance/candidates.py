@@ -871,7 +871,7 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
 LATE = "~command logged late"  # by the time of its amplitude, s, less than 0: a fault of the log
 #: Forces of any shape along a coordinate, and the names that such a shape may bear: a spring, a bump, a pulse have any.
 CELLS = {
-    "~force along travel": ("cable_spring", "end_effect", "local_force"),
+    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
     "~gain along travel": ("force_constant_ripple",),
     "~command": ("command_saturation", "command_dead_zone"),
     "~friction wave": ("position_dependent_friction",),
@@ -882,11 +882,11 @@ NESTED = 0.7  # share of the gain of any shape from which on a law is said inste
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:
-    """Candidates, where a force of any shape along a coordinate bears the name of the best law along it."""
+    """Candidates, where a force of any shape along a coordinate bears the name of the best law that bends along it."""
     by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
     out = {(f.name, f.label): f for f in found}
     for cell, names in CELLS.items():
-        members = sorted((by[n] for n in names if n in by), key=lambda f: -f.T)
+        members = sorted((by[n] for n in names if n in by and n != "constant_force"), key=lambda f: -f.T)
         if cell not in by or not members or members[0].T < LIKE * by[cell].T:
             continue
         del out[cell, by[cell].label]

@@ -28,7 +28,8 @@ RESAMPLED = 2000  # motions
 COLUMN_ERROR = 0.01  # of a gain: columns of rivals are right to some per cent where friction is not the model's
 ROUNDS = 10  # effects at most, and a last look at what is left
 SURVIVORS = 24  # candidates of a look that are compared on all logs
-CLOSE = 7  # of these that are compared with noise filters of their own
+CLOSE = 8  # of these that are compared with noise filters of their own
+FIRST, SHAPES = 3, 2  # the best of the given logs that are among them, and shapes of one name
 FAINT = 0.1  # of the largest T: candidates below are not compared
 SHOWN = 10.0  # expected gain in 2 ln likelihood from which on logs can contradict a candidate
 LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
@@ -195,15 +196,20 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """The best shape of each name, one with a law where it explains nearly as much, but no cell of many shapes beside such."""
+    """The best shape of each name, but no shape without a law where a law explains nearly as much.
+
+    That is any law beside a force of any shape without a name, and one along the same coordinate beside another.
+    """
+    lawful = [c for c in contenders if c.found.columns is None or c.found.effect is not None]
     named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
-        if c.found.name.startswith("~") and c.found.k > 1 and named >= NESTED * c.ratio:
+        name, has_law = c.found.name, c in lawful
+        along = {name}.union(*(names for names in CELLS.values() if name in names))
+        most = max((other.ratio for other in lawful if other.found.name in along), default=0.0)
+        if c.found.k > 1 and not has_law and (named if name.startswith("~") else most) >= NESTED * c.ratio:
             continue
-        first = best.setdefault(c.found.name, c)
-        if first.found.effect is None and c.found.effect is not None and c.ratio >= NESTED * first.ratio:
-            best[c.found.name] = c
+        best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)
 
 
@@ -281,7 +287,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
-    """Those of whom a closer look may find that they are the likeliest on all logs."""
+    """Those of whom a closer look may find that they are the likeliest on all logs, the best of the given among them."""
     blocks = len(block_edges(evidence))
 
     def worth(f: Found) -> float:
@@ -290,7 +296,11 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
         tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
         return score_of(evidence.quick_ratio(tables), max(f.k, 1), f.N, blocks)
 
-    return sorted(found, key=worth, reverse=True)[:CLOSE]
+    near: list[Found] = []
+    for f in [*found[:FIRST], *sorted(found, key=worth, reverse=True)]:
+        if f not in near and sum(other.name == f.name for other in near) < SHAPES:
+            near.append(f)
+    return near[:CLOSE]
 
 
 def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> float:
