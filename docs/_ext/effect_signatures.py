@@ -83,7 +83,7 @@ def _confused(effect: Effect, name: str) -> Confusion:
     evidence = Evidence([balance], model, model).prepare(2, listen=True)
     root, _, free = evidence.basis
     left = max(float(free @ free), 1e-300)
-    found = search_once(evidence)
+    found = search_once(evidence, {})
     most = max([one.T for one in found], default=0.0) or 1.0  # what can be explained at all: noise cannot
     seen = {one.name: min(1.0, one.T / most) for one in found}
     shares = {other: float(seen.get(other, 0.0)) for other in VOCABULARY if other != effect.NAME}

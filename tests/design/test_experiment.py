@@ -73,7 +73,7 @@ def look(survey):
 def evidence_of(log, model=SMALL, corner=None):
     """As the engine has it, of one log."""
     balance = ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution)
-    balance.hear(balance.residual(model), model.axis.mass)
+    balance.set_corner(balance.residual(model), model.axis.mass)
     if corner is not None:
         balance.corner = corner
     return Evidence([balance], model, model).prepare()

@@ -91,6 +91,11 @@ def test_no_effect_is_named_but_where_its_columns_are():
             assert not pattern.findall(path.read_text()), path.name
 
 
+def test_every_effect_is_looked_for():
+    candidates = (PACKAGE / "balance" / "candidates.py").read_text()
+    assert {name for name in cogging.EFFECTS if f'"{name}"' not in candidates} == {"empirical_force"}  # names no cause
+
+
 # What cannot be diagnosed ---------------------------------------------------------------------------------------------
 
 

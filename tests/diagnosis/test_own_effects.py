@@ -17,7 +17,7 @@ def hidden_in(name):
     """A log in which an effect of the vocabulary acts, with fields that stand out."""
     fields = {
         "cable_spring": {"stiffness": 1.5, "center": 0.03},
-        "quadratic_drag": {"coefficient": 4.0},
+        "quadratic_drag": {"coefficient": 8.0},  # twice what this motion shows with a chance of 95 %
         "force_constant_ripple": {"period": 0.021, "sine": 0.03, "cosine": 0.0},
         "encoder_periodic_error": {"period": 0.021, "sine": 1e-5, "cosine": 1e-5},
         "position_dependent_friction": {"nodes": [0.0, 0.1, 0.2, 0.3], "levels": [0.2, -0.2, 0.2, 0.0]},

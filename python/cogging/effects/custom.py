@@ -375,13 +375,6 @@ def _checked_kinds(name: str, kinds: tuple[Any, ...], parameters: Mapping[str, P
     return kinds
 
 
-def is_serial(effect: Any) -> bool:
-    """Whether an effect asks Python, which answers one thread at a time."""
-    return isinstance(effect, Custom) and any(
-        compiled_function(function) is None for function in effect._definition.laws.values()
-    )
-
-
 def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:
     """Effects of the user's own by their names; `taken`: others beside which they stand.
 

@@ -92,14 +92,3 @@ def kind_of(effect: Effect, kind: type[K]) -> K | None:
 
 #: Every effect of the list by its name, as it is when it does nothing.
 VOCABULARY: dict[str, Effect] = {name: kind() for name, kind in EFFECTS.items()}
-
-
-def empirical_law(coordinate: str) -> tuple[Effect | None, Knots | None]:
-    """The effect that is a force at nodes of the user's own along a coordinate, and its knots there."""
-    for law in VOCABULARY.values():
-        for kind in law.KINDS:
-            if not isinstance(kind, Knots) or kind.coordinate != coordinate or "force" not in law.HOOKS:
-                continue
-            if law.ROLES[kind.nodes]["role"] == "setting":
-                return law, kind
-    return None, None
