@@ -52,8 +52,9 @@ def named(
         if name.startswith("~"):
             continue
         parameters = _parameters(term, final, evidence, place in held_out)
-        waves = [parameters[field].value for field in ("sine", "cosine") if field in parameters]
-        by_size.setdefault(name, []).append((float(np.linalg.norm(np.ravel(waves))), parameters))
+        roles = {} if term.effect is None else term.effect.ROLES
+        sizes = [parameters[q].value for q in roles if roles[q]["role"] == "amplitude" and q in parameters]
+        by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
         if name in effects:
             first = effects[name]
             both = (first.share or 0.0) + share if share is not None else first.share

@@ -44,6 +44,7 @@ OWN_SHAPES = 6  # values of each number of the shape of an own effect
 PEAKS = 4  # of a spectrum along the travel that are tried for each kind of wave; tones: 3
 LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it in a hundred of thousands of lines
 LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
+FAMILY_TURNS = 1.5  # the same of a wave with harmonics
 WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
 MOST_WAVES = 3  # that are looked for together
 SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
@@ -291,15 +292,15 @@ def refined(s: Search, f: Found) -> Found | None:
     tried = {}
 
     def at(logarithm: float) -> float:
-        shape = make(float(np.exp(logarithm)))
+        shape = make(float(value * np.exp(logarithm)))
         tried[logarithm] = shape, s.scored(shape)
         return tried[logarithm][1][0]
 
-    x = sharpen(at, float(np.log(value)), step, 8)
-    if np.exp(x) < 0.5 * s.least.get(f.name, 0.0):
+    x = sharpen(at, 0.0, step, 8)
+    if value * np.exp(x) < 0.5 * s.least.get(f.name, -np.inf):
         return None
     shape, (T, amplitudes, k) = tried[x]
-    if T <= f.T or np.exp(x) > s.most.get(f.name, np.inf):
+    if T <= f.T or value * np.exp(x) > s.most.get(f.name, np.inf):
         return f
     return replace(f, label=shape.label, T=T, k=k, amplitudes=amplitudes, columns=shape.columns, effect=shape.law)
 
@@ -626,7 +627,10 @@ def waves(s: Search) -> None:
             peaks.append((score, kappa))
             if name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turn):
                 continue
-            orders = {"": (1,)} if name.startswith("~") else {"": (1,), "s": (1, 2, 3)}
+            # a long wave with harmonics is a force of any shape
+            long = name.startswith("~") or kappa * length < FAMILY_TURNS
+            orders = {"": (1,)} if long else {"": (1,), "s": (1, 2, 3)}
+            s.most[name] = length / LEAST_TURNS
             for family, one in orders.items():
 
                 def shape(period: float, name: str = name, orders: Sequence[int] = one) -> Shape:
@@ -647,10 +651,9 @@ def waves(s: Search) -> None:
 
 def several_waves(s: Search) -> None:
     """The best wave of place, then with it the highest of what is left: slots and poles of a motor cog with lines of both."""
-    if "cogging_harmonic" not in s.found:
+    first, e = None if "cogging_harmonic" not in s.found else s.found["cogging_harmonic"].period, s.ctx.basis[2]
+    if first is None or first > s.length / FAMILY_TURNS:
         return
-    first, e = s.found["cogging_harmonic"].period, s.ctx.basis[2]
-    assert first is not None
     kappas = [1.0 / first]
     for count in range(2, MOST_WAVES + 1):
         made = several(s, kappas)

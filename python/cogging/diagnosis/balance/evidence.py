@@ -16,7 +16,7 @@ from cogging._core import Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.force_balance import ForceBalance
-from cogging.effects.effect import Effect
+from cogging.effects.effect import Effect, Wave, Window, kind_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
@@ -648,15 +648,16 @@ def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: 
     The prior keeps a field that is no amplitude where the law is nearly linear in it: half a turn over the travel.
     """
     balances, path, value = evidence.balances, parameter.path, parameter.value
+    wave, window = kind_of(effect, Wave), kind_of(effect, Window)
     role, quantity = effect.ROLES[name]["role"], effect.ROLES[name]["quantity"]
     if role == "setting" or (role == "shape" and isinstance(getattr(effect, name), list)):
         return
     low, high = min(np.min(b.position) for b in balances), max(np.max(b.position) for b in balances)
     if role == "amplitude":
         sigma = max(abs(value), 1e-3 * columns.largest)
-    elif name == "period":
+    elif wave is not None and name == wave.shape and quantity == "distance":
         sigma = 0.5 * value**2 / (high - low)
-    elif name in ("start", "stop"):
+    elif window is not None and name in (window.start, window.stop):
         sigma = 0.02
     else:
         sizes = {"frequency": 0.3 / balances[0].time[-1], "position": 0.1 * (high - low)}
