@@ -611,7 +611,7 @@ def friction_laws(evidence: Evidence) -> tuple[list[FloatArray], list[float]]:
     if evidence.given.uncertainty.get("coulomb_width") != 0.0:
         slowest = 2.0 * min(b.speed_noise for b in balances)
         fastest = max(np.abs(b.velocity).max() for b in balances)
-        last = max(12.0 * width, 4.0 * slowest, 0.3 * fastest)
+        last = max(12.0 * width, 4.0 * slowest, fastest)
         widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, last, WIDTHS))]
     laws = []
     for b in balances:
