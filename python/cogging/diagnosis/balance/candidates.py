@@ -40,6 +40,8 @@ GAINS = (  # what takes a part of the command away
 )
 LARGEST_GAIN = 0.5  # of the command's deviation: what opposes more of it is a force, which the command holds against
 OWN_SHAPES = 6  # values of each number of the shape of an own effect
+BUMPS = (0.004, 0.06)  # of the travel: widths of a force at one place
+PLACES = 1001  # along the travel, at which one is looked for
 # Scans
 PEAKS = 4  # of a spectrum along the travel that are tried for each kind of wave; tones: 3
 LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it in a hundred of thousands of lines
@@ -193,14 +195,14 @@ class Search:
         label: str = "",
         vary: str | None = None,
         accept: Callable[[FloatArray], bool] | None = None,
-    ) -> None:
+    ) -> float:
         """Try a law of the list at one shape; amplitudes: fields with sizes for which their columns are made."""
 
         def make(**changed: float) -> Shape:
             return law_shape(name, {**fields, **changed}, amplitudes)
 
         refine = None if vary is None else (fields[vary], lambda value: make(**{vary: float(value)}), STEP)
-        self.put(name, make()._replace(label=label), trials, accept, refine)
+        return self.put(name, make()._replace(label=label), trials, accept, refine)
 
 
 def law_shape(name: str, fields: Mapping[str, Any], amplitudes: Mapping[str, float]) -> Shape:
@@ -326,14 +328,15 @@ def forces_of_place(s: Search) -> None:
         fields = {"decay_length": float(L), "travel": travel}
         s.law("end_effect", fields, {"force": small}, 8, f"{L:.3g}", vary="decay_length")
         s.put("end_effect", Shape(f"two sides {L:.3g}", two_ends(s, L)), 8)
-    grid = np.linspace(low, high, 33)[1:-1]
-    for width in np.array([0.01, 0.02, 0.05]) * length:
-        bumps = [np.array([np.exp(-(((b.position - x) / width) ** 2)) for x in grid]) for b in s.balances]
-        columns, before = s.ctx.project([b.rows(t) for b, t in zip(s.balances, bumps, strict=True)])
-        size = np.linalg.norm(columns, axis=1)
-        score = np.where(size > 0.2 * before.max(), (columns @ s.ctx.basis[2]) / (size + 1e-300), 0.0)
-        fields = {"center": float(grid[np.argmax(score**2)]), "width": float(width)}
-        s.law("local_force", fields, {"force": small}, 93, vary="center")
+    widths = [float(width) for width in np.geomspace(*BUMPS, 6) * length]
+
+    def bump(center: float, width: float) -> float:
+        fields = {"center": center, "width": width}
+        return s.law("local_force", fields, {"force": small}, round(length / width), vary="center")
+
+    _, place = max((bump(center, width), center) for width in widths for center in best_places(s, width))
+    for width in widths:
+        bump(place, width)
     if s.model.units.position == "rad":
         turn = along(lambda b: -np.vstack([np.sin(b.position), np.cos(b.position)]))
         moment = E["gravity"].replace
@@ -341,6 +344,22 @@ def forces_of_place(s: Search) -> None:
             "one turn", turn, lambda a: moment(moment=float(np.hypot(*a)), angle=float(np.arctan2(-a[1], a[0])))
         )
         s.put("gravity", gravity)
+
+
+def best_places(s: Search, width: float) -> list[float]:
+    """Places (m) of the highest scores of a force at one place of a width (m), without what nuisances take of it."""
+    edges = np.linspace(s.low, s.high, PLACES + 1)
+    push, rows = np.zeros(PLACES), np.zeros(PLACES)
+    for b, w in zip(s.balances, s.weights, strict=True):
+        push += np.histogram(b.position, edges, weights=w)[0]
+        rows += np.histogram(b.position, edges, weights=b.keep)[0]
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    bell = np.exp(-(((middles - middles[PLACES // 2]) / width) ** 2))
+    seen = np.convolve(rows, bell**2, "same")
+    score = np.convolve(push, bell, "same") ** 2 / np.maximum(seen, 0.1 * np.median(seen))
+    first = int(np.argmax(score))
+    apart = np.abs(middles - middles[first]) > 2.0 * width
+    return [float(middles[k]) for k in (first, int(np.argmax(score * apart)))]
 
 
 def two_ends(s: Search, length: float) -> Columns:
