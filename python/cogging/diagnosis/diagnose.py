@@ -26,7 +26,7 @@ from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.running_controller import running_controller
 from cogging.diagnosis.separating import separating
-from cogging.diagnosis.yardstick import Discrepancy, Yardstick, growth, replayable
+from cogging.diagnosis.yardstick import GROWTH, REPLAYED, Discrepancy, Yardstick, growth, replayable
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading.misreading import misreading
@@ -170,14 +170,15 @@ def _result(
     sequence = [nominal, *_one_by_one(terms, final)]
     fitted = _gaps(yardstick.as_fitted(), sequence)
     replayed = _replayed(yardstick, sequence, notes) if replay else None
-    held_out, refused = _objections(terms, fitted, replayed, logs, stated)
+    balanced = _gaps(yardstick.by_balance(), sequence) if replayed is None else None
+    held_out, refused = _objections(terms, fitted, replayed or balanced or fitted, logs, stated)
     shown = replayed is not None and not any(growth(a, b) for a, b in _ends_of(replayed))
     if replayed is not None and not shown and len(held_out) + len(refused) < len(terms):
         notes.append("the replayed loop does not show what was found: the gap is that of the force balance")
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
     if replayed is None or (not shown and len(held_out) + len(refused) < len(terms)):
         yardstick = yardstick.by_balance()
-    given, confirm = replayed if replayed is not None and yardstick.replay else _gaps(yardstick, sequence)
+    given, confirm = (replayed if yardstick.replay else balanced) or _gaps(yardstick, sequence)
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
     if out:
@@ -282,12 +283,12 @@ def _ends_of(gaps: Gaps) -> list[tuple[Discrepancy, Discrepancy]]:
 
 
 def _objections(
-    terms: Sequence[Term], fitted: Gaps, replayed: Gaps | None, logs: Prepared, stated: Model
+    terms: Sequence[Term], fitted: Gaps, shown: Gaps, logs: Prepared, stated: Model
 ) -> tuple[dict[int, str], dict[int, str]]:
     """By place, why a term does not enter the model, and why another is none that a machine can have.
 
-    The force balance, to which all was fitted, must not grow by more than chance; the replayed loop, in which the
-    friction about every reversal counts, not by more than CONTRADICTED.
+    The force balance, to which all was fitted, must not grow by more than chance, as a gap to be shown by GROWTH; the
+    replayed loop, in which the friction about every reversal counts, not by more than CONTRADICTED.
     """
     held_out: dict[int, str] = {}
     refused: dict[int, str] = {}
@@ -303,12 +304,13 @@ def _objections(
             held_out[place] = "its interval includes zero"
         # a family, as of harmonics, is judged as a whole
         family = [k for k, other in enumerate(terms) if other.accepted is term.accepted]
-        for measured in [fitted] if replayed is None else [fitted, replayed]:
+        for measured in (fitted, shown):
             for which, gaps in (("", measured[0]), (" on the other motion", measured[1])):
                 one, two = gaps[family[0]], gaps[family[-1] + 1]
                 if one is None or two is None:
                     continue
-                if two.rms**2 > CONTRADICTED * one.rms**2 or (measured is fitted and growth(one, two)):
+                most = CONTRADICTED if one.signal == REPLAYED else 1.0 + GROWTH
+                if two.rms**2 > most * one.rms**2 or (measured is fitted and growth(one, two)):
                     why = f"with it the gap{which} ({one.signal}) goes from {one.rms:.4g} to {two.rms:.4g} {unit}"
                     held_out.setdefault(place, why)
     return held_out, refused

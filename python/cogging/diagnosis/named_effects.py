@@ -55,16 +55,11 @@ def named(
         roles = {} if term.effect is None else term.effect.ROLES
         sizes = [parameters[q].value for q in roles if roles[q]["role"] == "amplitude" and q in parameters]
         by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
-        if name in effects:
-            first = effects[name]
-            both = (first.share or 0.0) + share if share is not None else first.share
-            effects[name] = replace(first, share=both)
-            continue
         one = term.accepted
         others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
         confidence = RELIABLE * one.share
         other = term.effect is None and term.accepted.found.columns is not None
-        effects[name] = NamedEffect(
+        entry = NamedEffect(
             name,
             tuple(other for other in others if not other.startswith("~") and other != name),
             min(confidence, NOT_SURE) if unnamed or place in held_out else confidence,
@@ -76,9 +71,15 @@ def named(
             curve=term.curve,
             in_model=place not in held_out and (not other or term.path != ""),
         )
+        if name in effects:  # a name is as sure as the surest of its terms
+            first = effects[name]
+            surest = max(first, entry, key=lambda one: one.confidence)
+            both = (first.share or 0.0) + share if share is not None else first.share
+            entry = replace(first, share=both, confidence=surest.confidence, alternatives=surest.alternatives)
+        effects[name] = entry
     for name, entry in effects.items():
-        first, *further = (parameters for _, parameters in sorted(by_size[name], key=lambda pair: -pair[0]))
-        effects[name] = replace(entry, parameters=first, further=tuple(further))
+        ordered = [one for _, one in sorted(by_size[name], key=lambda pair: -pair[0])]
+        effects[name] = replace(entry, parameters=ordered[0], further=tuple(ordered[1:]))
     return sorted(effects.values(), key=lambda one: -(one.share or 0.0))
 
 

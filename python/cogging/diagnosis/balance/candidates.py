@@ -222,7 +222,7 @@ def added(effects: Sequence[Effect], sizes: Sequence[float]) -> Columns:
 
 
 def adjoint(ctx: Evidence, e: FloatArray) -> list[FloatArray]:
-    """Weight of each row of the motion in the score of a column that is made of it, (n,) of each log, by what is left."""
+    """Weight of each row of the motion in the score of a column made of it, (n,) of each log, by what is left, e."""
     root, out, at = ctx.basis[0], [], 0
     weighed = root * e[: len(root)]
     for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps, strict=True):
@@ -669,7 +669,7 @@ def waves(s: Search) -> None:
 
 
 def several_waves(s: Search) -> None:
-    """The best wave of place, then with it the highest of what is left: slots and poles of a motor cog with lines of both."""
+    """The best wave of place, then with it the highest of what is left: slots and poles of a motor both cog."""
     first, e = None if "cogging_harmonic" not in s.found else s.found["cogging_harmonic"].period, s.ctx.basis[2]
     if first is None or first > s.length / FAMILY_TURNS:
         return

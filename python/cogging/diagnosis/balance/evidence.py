@@ -190,7 +190,7 @@ class Evidence:
             self.make()
             if k == 0 and listen:
                 for b, r in zip(self.balances, self.raw, strict=True):
-                    b.set_corner(r, self.model.axis.mass)
+                    b.set_corner(r, self.model.axis.mass, self.largely)
                 self.make()
             before = self.decrement(self.model)
             for share in SHARES_OF_A_STEP:

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 from scipy.signal import butter, firwin, freqz, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Plant, Predictor
@@ -36,6 +36,7 @@ ROWS_PER_CORNER = 4.0  # rate of these rows over the corner of their filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
 CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
 FORCE_NOISE = (2.0, 30.0)  # Hz, where the noise of the force is read: above slow forces, below a loop's bandwidth
+ENCODER_SHARE = 0.3  # of the power at the corner, that is noise of the encoder where none is whitened
 COMMAND_HOOKS = (
     "command_gain",
     "command_delay",
@@ -215,18 +216,22 @@ class ForceBalance:
         gain *= np.abs(sosfreqz(sections, 2 * np.pi * folded / self.rate)[1])
         return np.asarray(gain**2 / self.every)
 
-    def set_corner(self, residual: FloatArray, mass: float) -> None:
+    def set_corner(self, residual: FloatArray, mass: float, largely: bool = False) -> None:
         """Set the corner of `rows` to where the encoder's noise, M^2 w^4 times its density, passes that of the force.
 
         Args:
             residual: what a model leaves of the balance, V, (n,).
             mass: V/(m/s^2).
+            largely: whether that is mostly no noise, so that none is whitened: the encoder's may be a share of it only.
         """
         f, p = welch(residual, 1.0 / self.step, nperseg=int(min(len(residual), 1.0 / self.step)))
-        density = 2.0 * self.encoder_noise**2 * self.step / self.thinning
+        noise = 2.0 * self.encoder_noise**2 * self.step / self.thinning * (mass * (2 * np.pi * f) ** 2) ** 2
         read = (f > FORCE_NOISE[0]) & (f < FORCE_NOISE[1])
-        force = np.median(p[read] - density * (mass * (2 * np.pi * f[read]) ** 2) ** 2)
-        self.corner = float(np.clip(np.sqrt(np.sqrt(max(force, 0.0) / density) / mass) / (2 * np.pi), *CORNERS))
+        level = np.full(len(f), max(float(np.median(p[read] - noise[read])), 0.0))
+        if largely:
+            level = ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
+        loud = noise > level
+        self.corner = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS))
 
     @cached_property
     def fine(self) -> SubSteps:
