@@ -168,7 +168,9 @@ def _result(
 
     # 1. the gap of the re-tuned model, then with one term more at a time; what of these does not enter the model
     sequence = [nominal, *_one_by_one(terms, final)]
-    fitted = _gaps(yardstick.as_fitted(), sequence)
+    families = {id(term.accepted): [t.path for t in terms if t.accepted is term.accepted] for term in terms}
+    less = [_less(final, families[id(term.accepted)], nominal) for term in terms]
+    fitted = _gaps(yardstick.as_fitted(), [*less, final])
     replayed = _replayed(yardstick, sequence, notes) if replay else None
     balanced = _gaps(yardstick.by_balance(), sequence) if replayed is None else None
     held_out, refused = _objections(terms, fitted, replayed or balanced or fitted, logs, stated)
@@ -287,8 +289,13 @@ def _objections(
 ) -> tuple[dict[int, str], dict[int, str]]:
     """By place, why a term does not enter the model, and why another is none that a machine can have.
 
-    The force balance, to which all was fitted, must not grow by more than chance, as a gap to be shown by GROWTH; the
-    replayed loop, in which the friction about every reversal counts, not by more than CONTRADICTED.
+    Args:
+        terms: what was accepted.
+        fitted: gaps of the model without each of them, then with all: no more may be left with it than chance leaves.
+        shown: gaps with one more at a time: no more may be left with it by GROWTH, or by CONTRADICTED of the replayed
+            loop, in which the friction about every reversal counts.
+        logs: what was diagnosed.
+        stated: model as it was read.
     """
     held_out: dict[int, str] = {}
     refused: dict[int, str] = {}
@@ -304,13 +311,13 @@ def _objections(
             held_out[place] = "its interval includes zero"
         # a family, as of harmonics, is judged as a whole
         family = [k for k, other in enumerate(terms) if other.accepted is term.accepted]
-        for measured in (fitted, shown):
-            for which, gaps in (("", measured[0]), (" on the other motion", measured[1])):
-                one, two = gaps[family[0]], gaps[family[-1] + 1]
+        for gaps, first, last in ((fitted, place, len(terms)), (shown, family[0], family[-1] + 1)):
+            for which, measured in zip(("", " on the other motion"), gaps, strict=True):
+                one, two = measured[first], measured[last]
                 if one is None or two is None:
                     continue
                 most = CONTRADICTED if one.signal == REPLAYED else 1.0 + GROWTH
-                if two.rms**2 > most * one.rms**2 or (measured is fitted and growth(one, two)):
+                if two.rms**2 > most * one.rms**2 or (gaps is fitted and growth(one, two)):
                     why = f"with it the gap{which} ({one.signal}) goes from {one.rms:.4g} to {two.rms:.4g} {unit}"
                     held_out.setdefault(place, why)
     return held_out, refused
@@ -333,15 +340,18 @@ def _one_by_one(terms: Sequence[Term], final: Model) -> list[Model]:
     return models
 
 
+def _less(final: Model, paths: Sequence[str], nominal: Model) -> Model:
+    """The patched model without the effects of some paths, or with their parameters of the axis as they were."""
+    effects = [effect for path, effect in effect_paths(final.effects) if path not in paths]
+    axis = {path[5:]: getattr(nominal.axis, path[5:]) for path in paths if path.startswith("axis.")}
+    return final.replace(effects=tuple(effects), axis=final.axis.replace(**axis))
+
+
 def _without(final: Model, terms: Sequence[Term], found: Outcome, stated: Model) -> Model:
     """The patched model without some terms, re-tuned."""
-    gone = {term.path for term in terms}
-    effects = [effect for path, effect in effect_paths(final.effects) if path not in gone]
-    axis = {
-        path.removeprefix("axis."): getattr(found.nominal.model.axis, path[5:]) for path in gone if path[:5] == "axis."
-    }
+    gone = [term.path for term in terms]
     free = tuple(path for path in found.evidence.free if path not in gone)
-    smaller = final.replace(effects=tuple(effects), axis=final.axis.replace(**axis))
+    smaller = _less(final, gone, found.nominal.model)
     evidence = Evidence(found.evidence.balances, stated, smaller, [], free).prepare(1)
     return with_intervals(evidence.model, evidence)
 

@@ -159,9 +159,9 @@ def search(
         compared = closest(outcome.both, compared)
         contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
         if others and not outcome.shift and model.cogging is None:
-            waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD]
-            if any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders):
-                waves = []  # gravity has the same zero on all motions
+            # gravity has the same zero on all motions
+            same = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
+            waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD and not same]
             top = max(waves, key=lambda c: c.ratio, default=None)
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
@@ -287,7 +287,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
-    """Those of whom a closer look may find that they are the likeliest on all logs, the best of the given among them."""
+    """Those that a closer look may find to be the likeliest on all logs, the best of the given logs among them."""
     blocks = len(block_edges(evidence))
 
     def worth(f: Found) -> float:
