@@ -201,7 +201,7 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
     That is any law beside a force of any shape without a name, and one along the same coordinate beside another.
     """
     lawful = [c for c in contenders if c.found.columns is None or c.found.effect is not None]
-    named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
+    named = max((c.ratio for c in lawful if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
         name, has_law = c.found.name, c in lawful
