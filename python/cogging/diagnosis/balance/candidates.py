@@ -39,6 +39,7 @@ GAINS = (  # what takes a part of the command away
     *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
 )
 LARGEST_GAIN = 0.5  # of the command's deviation: what opposes more of it is a force, which the command holds against
+LARGEST_SCALE = 0.1  # of the reading: more is no error of an encoder, but another encoder
 OWN_SHAPES = 6  # values of each number of the shape of an own effect
 BUMPS = (0.004, 0.06)  # of the travel: widths of a force at one place
 PLACES = 1001  # along the travel, at which one is looked for
@@ -490,7 +491,8 @@ def reading(s: Search) -> None:
     columns = accelerated(
         lambda c, b, a: reading_error(c, b, a, lambda x: UNIT * x, lambda x: UNIT, lambda x: 0.0) / UNIT
     )
-    s.put("encoder_scale_error", Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0]))))
+    shape = Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
+    s.put("encoder_scale_error", shape, accept=within((-LARGEST_SCALE, LARGEST_SCALE)))
 
 
 def motor_and_load(s: Search) -> None:

@@ -28,7 +28,7 @@ BAND = 1.3  # about a frequency, up and down, of whose power the noise filter ta
 LINES = 24  # of the spectrum, at least, in that band: the median of fewer is too uncertain
 CENTRES = 96  # frequencies at which the median is taken, a few in each band
 TAIL = 5.0  # degrees of freedom of Student's noise: tails of measured residuals
-SINGULAR = 1e-8  # of the largest eigenvalue of columns that are scaled to 1: less is a rounding error
+SINGULAR = 1e-8  # of the largest eigenvalue of columns that are scaled to 1: less is rounding
 OUTLIER = 5.0  # deviations at which rows are cut for the noise filter
 BLOCKS = (0.1, 0.5)  # s, over which the products of a score are summed for its variance: reversals, strokes
 LARGELY = 0.3  # of the command's deviation: where more is left, that is no noise, and no noise filter is made of it
@@ -130,9 +130,11 @@ def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArra
         scaled = x * np.sqrt(weight)
         gram = scaled @ scaled.T + np.diag(prior + 1e-12 * len(r))
         # of columns that say nearly the same, one direction is left out: else they cancel at enormous sizes
-        value, vector = np.linalg.eigh(gram)
+        unit = np.sqrt(np.diag(gram))
+        value, vector = np.linalg.eigh(gram / np.outer(unit, unit))
         seen = value > SINGULAR * value[-1]
-        w = vector[:, seen] @ ((vector[:, seen].T @ (x @ (weight * r) + prior * target)) / value[seen])
+        along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
+        w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
         weight = (TAIL + 1.0) / (TAIL + rest**2 / variance)
         variance = float(weight @ rest**2) / len(rest)
