@@ -35,7 +35,7 @@ LARGELY = 0.3  # of the command's deviation: where more is left, that is no nois
 # Nuisances
 TIMING = 0.25  # rows of a log by which friction may be late
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made: a factor of 1.3 apart over four decades
-SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until less is left by it
+SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until it leads nearer to the likeliest
 UNSTATED = 1.0  # uncertainty of mass and friction where none is stated
 LEAST_MASS = 0.05  # of the mass: re-tuning makes it no smaller
 COGGING_STEP = 0.05  # relative, and rad: step of gain and phase of the known cogging for their columns
