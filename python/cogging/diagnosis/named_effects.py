@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.balance.decision import MINOR
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.entries import Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
@@ -22,7 +23,6 @@ from cogging.model.units import Units
 SURE = 0.9  # confidence from which a name is stated (contract)
 NOT_SURE = 0.89  # confidence at most of an effect that does not make the gap smaller, or beside a force without a name
 RELIABLE = 0.92  # of names with a probability of 0.98 and more in drawn logs, so many were right: docs/evidence.md
-MINOR = 0.1  # of the score of the largest effect: less of a force without a name is a trait of that effect's law
 SEEN = 0.02  # of the power that is left: a force along one coordinate that predicts more is told
 SYSTEMATIC = 0.1  # of the rms command: less of what a generic force predicts is small
 TAILS = (0.05, 0.95)  # quantiles of an effect's force: the range that holds most of it

@@ -62,24 +62,29 @@ def with_intervals(model: Model, evidence: Evidence) -> Model:
 
 def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
     """The model with what was found of a law that the stated one has already as one effect, and notes that say so."""
-    known, notes = dict(effect_paths(model.effects)), []
-    intervals = dict(model.intervals)
-    for path, effect in effect_paths(stated.effects):
+    effects, notes = dict(enumerate(model.effects)), []
+    intervals, paths = dict(model.intervals), [path for path, _ in effect_paths(model.effects)]
+    for k, effect in enumerate(stated.effects):
         fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
-        for other, more in list(effect_paths(model.effects))[len(stated.effects) :]:
+        for j, more in list(effects.items())[len(stated.effects) :]:
             alike = type(more) is type(effect) and all(isinstance(getattr(more, name), float) for name in fields)
             if not alike or more.replace(**{name: getattr(effect, name) for name in fields}) != effect:
                 continue
-            del known[other]
-            sums = {name: getattr(known[path], name) + getattr(more, name) for name in fields}
-            known[path] = known[path].replace(**sums)
-            for name in fields:
-                ends = intervals.pop(f"{other}.{name}", None)
-                if ends is not None:
-                    intervals[f"{path}.{name}"] = ends[0] + getattr(effect, name), ends[1] + getattr(effect, name)
+            sums = {name: getattr(effects[k], name) + getattr(more, name) for name in fields}
             changes = ", ".join(f"{name} {getattr(effect, name):.4g} to {sums[name]:.4g}" for name in fields)
             notes.append(f"{effect.NAME} of the model as it was stated hid what was missing: {changes}")
-    return model.replace(effects=tuple(known.values()), intervals=intervals), notes
+            for name in fields:
+                ends = intervals.pop(f"{paths[j]}.{name}", None)
+                if ends is not None:
+                    intervals[f"{paths[k]}.{name}"] = ends[0] + getattr(effect, name), ends[1] + getattr(effect, name)
+            effects[k] = effects[k].replace(**sums)
+            del effects[j]
+    renamed = {paths[k]: path for k, (path, _) in zip(effects, effect_paths(effects.values()), strict=True)}
+    kept = {}
+    for path, ends in intervals.items():
+        owner = next((old for old in renamed if path.startswith(old + ".")), "")
+        kept[renamed.get(owner, "") + path[len(owner) :]] = ends
+    return model.replace(effects=tuple(effects.values()), intervals=kept), notes
 
 
 def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:

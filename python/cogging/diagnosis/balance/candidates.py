@@ -902,7 +902,7 @@ CELLS = {
     "~force in time": ("disturbance_step", "disturbance_tone"),
 }
 LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
-NESTED = 0.7  # share of the gain of any shape from which on a law is said instead
+NESTED = 0.6  # share of the gain of any shape from which on a law is said instead
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:

@@ -22,6 +22,7 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 
 THRESHOLD = 20.0  # score from which on a candidate is taken: above those of 36 drawn logs with nothing missing
+MINOR = 0.1  # of the largest score: what is less is a trait of a law that is nearly right
 SHARE = 0.05  # probability from which on another name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled: a stroke or so
 RESAMPLED = 2000  # motions
@@ -131,7 +132,8 @@ def search(
     others = [ForceBalance(log, width, quantum) for log in confirm]
     extra: list[Found] = []
     free: list[str] = []
-    excluded: set[str] = set()
+    excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
+    excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
     current = model
     for step in range(ROUNDS):
@@ -175,7 +177,8 @@ def search(
             contenders = [c for c in contenders if not c.is_contradicted]
         contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
-        if not contenders or contenders[0].score < THRESHOLD:
+        least = max([THRESHOLD, *(MINOR * one.score for one in outcome.accepted)])
+        if not contenders or contenders[0].score < least:
             break
 
         if contenders[0].found.name == LATE:
@@ -201,7 +204,7 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
     That is any law beside a force of any shape without a name, and one along the same coordinate beside another.
     """
     lawful = [c for c in contenders if c.found.columns is None or c.found.effect is not None]
-    named = max((c.ratio for c in lawful if not c.found.name.startswith("~")), default=0.0)
+    named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
         name, has_law = c.found.name, c in lawful
