@@ -900,9 +900,11 @@ CELLS = {
     "~command": ("command_saturation", "command_dead_zone"),
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
+    "~modulated wave": ("cogging_modulation", "cogging_harmonic"),
 }
 LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
-NESTED = 0.6  # share of the gain of any shape from which on a law is said instead
+NESTED = 0.7  # share of the gain of another shape from which on a law is said instead
+UNNAMED = 0.6  # the same of a force without a name
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:

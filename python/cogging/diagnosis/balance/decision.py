@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import CELLS, LATE, NESTED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, LATE, NESTED, UNNAMED, Found, search_once
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect
@@ -210,7 +210,8 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
         name, has_law = c.found.name, c in lawful
         along = {name}.union(*(names for names in CELLS.values() if name in names))
         most = max((other.ratio for other in lawful if other.found.name in along), default=0.0)
-        if c.found.k > 1 and not has_law and (named if name.startswith("~") else most) >= NESTED * c.ratio:
+        enough = named / UNNAMED if name.startswith("~") else most / NESTED
+        if c.found.k > 1 and not has_law and enough >= c.ratio:
             continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)

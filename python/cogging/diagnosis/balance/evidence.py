@@ -35,6 +35,7 @@ LARGELY = 0.3  # of the command's deviation: where more is left, that is no nois
 # Nuisances
 TIMING = 0.25  # rows of a log by which friction may be late
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made: a factor of 1.3 apart over four decades
+KNEE = 0.6  # of the highest speed, up to which friction may bend: beyond, a bend is as good as viscous friction
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until it leads nearer to the likeliest
 UNSTATED = 1.0  # uncertainty of mass and friction where none is stated
 LEAST_MASS = 0.05  # of the mass: re-tuning makes it no smaller
@@ -617,7 +618,7 @@ def friction_laws(evidence: Evidence) -> tuple[list[FloatArray], list[float]]:
     if evidence.given.uncertainty.get("coulomb_width") != 0.0:
         slowest = 2.0 * min(b.speed_noise for b in balances)
         fastest = max(np.abs(b.velocity).max() for b in balances)
-        last = max(12.0 * width, 4.0 * slowest, fastest)
+        last = max(12.0 * width, 4.0 * slowest, KNEE * fastest)
         widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, last, WIDTHS))]
     laws = []
     for b in balances:
