@@ -681,6 +681,7 @@ def several_waves(s: Search) -> None:
         c, _ = s.ctx.project([b.rows(x) for b, x in zip(s.balances, made(s.ctx), strict=True)])
         left = adjoint(s.ctx, e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
         peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances], left)
+        peaks = [peak for peak in peaks if peak[0] * s.length > FAMILY_TURNS]
         if not peaks:
             return
         kappas = [*kappas, peaks[0][0]]
