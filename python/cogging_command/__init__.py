@@ -8,16 +8,21 @@ This module stands apart from the package `cogging`, whose import takes long: si
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
+import sys
+import threading
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from sys import UnraisableHookArgs
     from types import FrameType
 
 __all__ = ["main", "run_command"]
 
+AGAIN = 0.01  # s until an exception that was swallowed is raised again
 WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 if hasattr(signal, "SIGHUP"):  # not on Windows
     WORDS[signal.SIGHUP] = "hung up"
@@ -29,16 +34,28 @@ def run_command(run: Callable[[], int | None]) -> int:
     A signal that is ignored when the program starts (nohup) stays ignored.
     """
     received: list[int] = []
+    handled = [number for number in WORDS if signal.getsignal(number) != signal.SIG_IGN]
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         received.append(number)
-        for handled in WORDS:
-            signal.signal(handled, signal.SIG_DFL)
+        for other in handled:
+            signal.signal(other, signal.SIG_DFL)
         raise KeyboardInterrupt
 
-    for number in WORDS:
-        if signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, interrupt)
+    def swallowed(unraisable: UnraisableHookArgs) -> None:
+        # Callbacks of the garbage collector and of imports swallow exceptions: it is raised again where it can unwind.
+        if not received or not isinstance(unraisable.exc_value, KeyboardInterrupt):
+            sys.__unraisablehook__(unraisable)
+            return
+        for other in handled:
+            signal.signal(other, interrupt)
+        later = threading.Timer(AGAIN, _again, (received.pop(),))
+        later.daemon = True
+        later.start()
+
+    for number in handled:
+        signal.signal(number, interrupt)
+    before, sys.unraisablehook = sys.unraisablehook, swallowed
     try:
         status = run() or 0
         if status == 0 or not received:  # a library may turn the exception into an error of its own
@@ -46,20 +63,32 @@ def run_command(run: Callable[[], int | None]) -> int:
     except BaseException:
         if not received:
             raise
+    finally:
+        sys.unraisablehook = before
     os.write(2, f"cogging: {WORDS[signal.Signals(received[0])]}; no file was left half written\n".encode())
     return 128 + received[0]
 
 
+def _again(number: int) -> None:
+    if os.name == "nt":  # where os.kill ends the process
+        _thread.interrupt_main(signal.Signals(number))
+    else:
+        os.kill(os.getpid(), number)
+
+
 def main() -> int:
     """The console script `cogging`."""
+    failed: list[str] = []
 
     def run() -> int:
         try:
             from cogging.cli.main import main as command
-        except (MemoryError, ImportError) as error:
-            said = " ".join(str(error).split())
-            os.write(2, f"cogging: cannot begin: {said or 'there is no memory left'}\n".encode(errors="replace"))
+        except (MemoryError, ImportError) as error:  # or what a library makes of a signal while it is imported
+            failed.append(" ".join(str(error).split()) or "there is no memory left")
             return 2
         return command()
 
-    return run_command(run)
+    status = run_command(run)
+    if failed and status == 2:
+        os.write(2, f"cogging: cannot begin: {failed[0]}\n".encode(errors="replace"))
+    return status

@@ -372,6 +372,47 @@ sys.exit(run_command(run))
 """
 )
 
+SWALLOWS = (
+    PROGRAM
+    + """
+import os, signal, weakref
+class Thing:
+    pass
+def run():
+    thing = Thing()
+    gone = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM))
+    del thing
+    time.sleep(60)
+sys.exit(run_command(run))
+"""
+)
+
+
+def test_an_interrupt_that_a_callback_swallows_is_raised_again(folder):
+    done = subprocess.run([sys.executable, "-c", SWALLOWS], cwd=folder, capture_output=True, text=True, timeout=30)
+    assert (done.returncode, done.stderr.count("\n")) == (143, 1), done.stderr
+
+
+FAILS = """
+import importlib, os, signal, sys
+from cogging_command import main
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "cogging.cli.main":
+            try:
+                os.kill(os.getpid(), signal.SIGTERM)
+            except KeyboardInterrupt:
+                pass
+            raise ImportError("initialization failed")
+sys.meta_path.insert(0, Finder())
+sys.exit(main())
+"""
+
+
+def test_a_module_that_takes_an_interrupt_for_its_own_failure(folder):
+    done = subprocess.run([sys.executable, "-c", FAILS], cwd=folder, capture_output=True, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (143, 1), done.stderr
+
 
 IMPORTS = """
 import importlib, os, signal, sys
