@@ -4,6 +4,8 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
+
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -38,10 +40,26 @@ def quiet_evidence():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
-def pytest_collection_modifyitems(items):
-    """Mark what SLOW names."""
+def pytest_collection_modifyitems(config, items):
+    """Mark what SLOW names; with `-n` that comes first, so that no process is left with a long file at the end."""
     for item in items:
         path = item.path.relative_to(TESTS).as_posix()
         apart = any(item.get_closest_marker(name) for name in ("study", "data", "pages", "root", "notebook"))
         if apart or path.partition("/")[0] in SLOW or path in SLOW:
             item.add_marker("slow")
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give each file to one process, tests/cpp as a whole: what all tests of a file share is built or fitted once."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file = nodeid.partition("::")[0]
+            return "tests/cpp" if file.startswith("tests/cpp/") else file
+
+    config.option.loadscopereorder = False  # else by number of tests
+    return ByFile(config, log)
