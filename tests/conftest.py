@@ -9,7 +9,6 @@ import pytest
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import pytest
 
 from cogging import outputs
 from cogging.diagnosis.evidence.null import fit_null
