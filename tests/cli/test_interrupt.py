@@ -283,7 +283,7 @@ def test_the_command_answers_a_signal_in_one_line(call, number, after, folder):
         status, said, took = end(process, number)
         assert not list((folder / "out").glob(".*")), "no part file is left"
         assert list((folder / "temporary").iterdir()) == []
-        if status == 0:  # done in that moment
+        if status == 0 or (status == -number and not said):  # done in that moment: Python takes its handlers back
             continue
         assert status == STATUS[number]
         assert said.startswith("cogging: "), said
