@@ -2,18 +2,21 @@
 
 import os
 import signal
+from pathlib import Path
+
+import pytest
 
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import pytest
 
-from cogging import file_sets
+from cogging import outputs
 from cogging.diagnosis.evidence.null import fit_null
 from tests.fixtures.browser import browser  # noqa: F401 - a fixture, of which there can be one in a process
 from tests.fixtures.moving_axis import machine, record
 
-file_sets.synced = False  # thousands of files that no power failure matters to
+TESTS = Path(__file__).parent
+outputs.synced = False  # thousands of files that no power failure matters to
 
 
 def pytest_configure():
@@ -30,3 +33,32 @@ def quiet_evidence():
     """Evidence of a log in which nothing is hidden."""
     nominal = machine()
     return fit_null([record(nominal, 3)], nominal)[1]
+
+
+#: Folders and files that `-m "not slow"` leaves out: whole studies, processes, compilers, fits of many runs.
+SLOW = (TESTS / "slow.txt").read_text().split()
+
+
+def pytest_collection_modifyitems(config, items):
+    """Mark what SLOW names; with `-n` that comes first, so that no process is left with a long file at the end."""
+    for item in items:
+        path = item.path.relative_to(TESTS).as_posix()
+        apart = any(item.get_closest_marker(name) for name in ("study", "data", "pages", "root", "notebook"))
+        if apart or path.partition("/")[0] in SLOW or path in SLOW:
+            item.add_marker("slow")
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give each file to one process, tests/cpp as a whole: what all tests of a file share is built or fitted once."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file = nodeid.partition("::")[0]
+            return "tests/cpp" if file.startswith("tests/cpp/") else file
+
+    config.option.loadscopereorder = False  # else by number of tests
+    return ByFile(config, log)

@@ -1,9 +1,5 @@
 """Cogging of permanent-magnet linear motors: simulate, control and identify the axis."""
 
-from cogging_command import take_signals_of_module
-
-take_signals_of_module("cogging")  # before what takes long to import
-
 import importlib.metadata
 
 from cogging import effects, export, plot

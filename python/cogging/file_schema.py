@@ -13,7 +13,7 @@ from cogging.model.units import LABEL
 from cogging.simulation.reference import REFERENCES
 from cogging.simulation.sweep_file import KEYS as SWEEP
 from cogging.simulation.sweep_file import NEEDED as SWEEP_NEEDED
-from cogging.simulation.sweep_points import METHODS
+from cogging.simulation.varied import METHODS
 
 NUMBER = {"type": "number"}
 NUMBERS = {"type": "array", "items": NUMBER}

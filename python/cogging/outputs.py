@@ -1,4 +1,4 @@
-"""Writing files so that none is left half written: never over what is read, and nothing twice."""
+"""Writing files so that none is left half written: never over an input, and no output twice."""
 
 from __future__ import annotations
 
@@ -8,20 +8,24 @@ import itertools
 import json
 import math
 import os
+import re
+import secrets
 import stat
 import sys
 import unicodedata
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
 import tomli_w
 
-from cogging import file_sets
 from cogging.files import InputError, require_file
 from cogging.shown import printable
 
 AnyPath = str | os.PathLike[str]
+PART_FILE = re.compile(r"\.cogging-[0-9a-f]{16}\.part")  # beside a file: one that is not whole yet
+synced = True  # data reach the disk before their names do; tests switch it off
 
 
 def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPath] = ()) -> None:
@@ -111,23 +115,24 @@ def write_text(path: AnyPath, text: str) -> None:
     write_bytes(path, text.encode())
 
 
-def write_bytes(path: AnyPath, content: bytes, *, synced: bool = True) -> None:
+def write_bytes(path: AnyPath, content: bytes, *, sync: bool = True) -> None:
     """Write a binary file beside its place and rename it (see write_files)."""
-    write_files({os.fspath(path): [content]}, synced=synced)
+    write_files({os.fspath(path): [content]}, sync=sync)
 
 
-def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = True) -> None:
-    """Write files that belong together, each given in pieces: all take their places, or none does (see file_sets).
+def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = True) -> None:
+    """Write files that belong together, each given in pieces.
 
-    What stands there is replaced: behind a link its target, with the mode that it had. A new file has the mode that
-    the user's mask leaves.
+    All are written beside their places before the first takes its place, so that each is whole or not there. They take
+    their places in reverse order: a log after its sidecar. What stands there is replaced: behind a link its target,
+    with the mode that it had. A new file has the mode that the user's mask leaves.
 
     Args:
         files: pieces by path; None where no file is to stand.
-        synced: data reach the disk before their names do, so that a power failure too leaves the old or the new.
+        sync: data reach the disk before their names do, so that a power failure too leaves the old or the new.
 
     Raises:
-        InputError: one cannot be written, or two are one file; nothing is left behind.
+        InputError: one cannot be written, or two are one file; no part file is left behind.
     """
     targets = {path: target_of(path) if pieces is not None else _own_place(path) for path, pieces in files.items()}
     for path, other in itertools.combinations(targets, 2):
@@ -138,39 +143,52 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, synced: bool = T
     try:
         for path, pieces in files.items():
             if pieces is not None:
-                parts[path] = file_sets.beside(targets[path], file_sets.PART)
-                _write_part(parts[path], targets[path], pieces, synced and file_sets.synced)
-        file_sets.take_places([file_sets.Change(target, parts.get(path)) for path, target in targets.items()])
+                parts[path] = targets[path].with_name(f".cogging-{secrets.token_hex(8)}.part")
+                _write_part(parts[path], targets[path], pieces, sync and synced)
+        for path, target in reversed(targets.items()):
+            if path in parts:
+                os.replace(parts[path], target)
+            else:
+                target.unlink(missing_ok=True)
     except OSError as error:
         named = {os.fspath(place): path for places in (targets, parts) for path, place in places.items()}
         raise InputError(_unwritten(error, named, path)) from None
     finally:
         for part in parts.values():
-            with contextlib.suppress(OSError):  # what has failed is told already
+            with contextlib.suppress(OSError):  # the first error is reported
                 part.unlink(missing_ok=True)
 
 
-def settle(path: AnyPath) -> None:
-    """Let a log that is read be of one set with its sidecar, where a writer of both was killed.
+class Checksum:
+    """Pieces of a file on their way to it, and the checksum of those that have passed."""
 
-    Raises:
-        InputError: what that writer has begun cannot be taken back.
-    """
-    try:
-        target = Path(os.path.realpath(path))
-        file_sets.settle([target, Path(sidecar(target))])
-    except OSError as error:
-        what = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
-        raise InputError(f"{path}: must be whole: its writer was killed and it cannot be restored: {what}") from None
-    except ValueError:  # a zero byte in the name, which whoever opens it tells
-        return
+    def __init__(self, pieces: Iterable[bytes] = ()) -> None:
+        self._pieces = pieces
+        self._value = 0
+
+    def __iter__(self) -> Iterator[bytes]:
+        for piece in self._pieces:
+            self._value = zlib.crc32(piece, self._value)
+            yield piece
+
+    def __str__(self) -> str:
+        return f"crc32:{self._value:08x}"
 
 
-def _write_part(part: Path, target: Path, pieces: Iterable[bytes], synced: bool) -> None:
+def checksum_of(path: AnyPath) -> str:
+    """Return the checksum of a file, as Checksum gives it."""
+    with open(path, "rb") as file:
+        checksum = Checksum(iter(lambda: file.read(1 << 20), b""))
+        for _ in checksum:
+            pass
+    return str(checksum)
+
+
+def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -> None:
     with _new_file(part, target) as file:
         for piece in pieces:
             file.write(piece)
-        if synced:
+        if sync:
             file.flush()
             os.fsync(file.fileno())
 

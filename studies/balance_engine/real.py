@@ -8,8 +8,8 @@ import numpy as np
 
 import cogging
 from cogging.datasets import emps, laas
-from cogging.datasets.laas_motor import axis_from_acceleration
 from studies.balance_engine.decide import run
+from studies.laas.motor import axis_from_acceleration
 
 RADIANS = cogging.Units(command="A", position="rad")
 LOOSE = {"mass": 0.3, "viscous": 1.0, "coulomb": 1.0}

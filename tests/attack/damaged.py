@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import cogging
-from cogging import file_sets
+from cogging import outputs
 from cogging.simulation import sweep as sweeps
 from tests.fixtures.sweeps import MANY, MOVE, SMALL
 
@@ -86,7 +86,7 @@ def damaged(files: dict[str, bytes], chance: random.Random) -> tuple[str, dict[s
 def attack(cases: int, seed: int) -> Found:
     """Flip a bit and go on, so many times."""
     found, chance = Found(), random.Random(seed)
-    synced, file_sets.synced = file_sets.synced, False
+    synced, outputs.synced = outputs.synced, False
     try:
         with tempfile.TemporaryDirectory() as name:
             out = Path(name) / "runs.csv"
@@ -101,7 +101,7 @@ def attack(cases: int, seed: int) -> Found:
                 if what.startswith(("escapes", "wrong tables")):
                     found.faults.append(f"{how}: {what}")
     finally:
-        file_sets.synced = synced
+        outputs.synced = synced
     return found
 
 

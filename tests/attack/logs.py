@@ -18,7 +18,7 @@ import numpy as np
 import cogging
 from cogging.files import InputError
 from cogging.logs.columns import _request, format_of
-from cogging.logs.readers import apart
+from cogging.logs.readers import isolate
 from tests.attack.mutations import of_bytes, of_table
 from tests.fixtures.log_files import COLUMNS, hdf5_bytes, mat_bytes, mdf_bytes
 
@@ -92,7 +92,7 @@ def _beside(path: str) -> dict[str, np.ndarray]:
     kind = format_of(path)
     if kind is None:
         return {name: np.asarray(column) for name, column in cogging.read_log(path).columns.items() if name in NAMES}
-    return {name: np.asarray(column) for name, column in apart._read(kind, request).items()}
+    return {name: np.asarray(column) for name, column in isolate._read(kind, request).items()}
 
 
 def _judged(text: str) -> str | None:

@@ -17,10 +17,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 import lanes
 import lu2008_loop
 import own_controllers
-from tests.benchmarks import growth, million, peers, real_time
 
 from cogging import _core
 from cogging_command import run_command
+from tests.benchmarks import growth, million, peers, real_time
 
 ROWS_OF_X = 192_001
 
@@ -108,4 +108,4 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--short", action="store_true", help="few repeats, small sizes: answers, no times")
     asked = parser.parse_args()
-    sys.exit(run_command(lambda: main(asked.short), unwinds=True))
+    sys.exit(run_command(lambda: main(asked.short)))

@@ -23,11 +23,10 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from tests.fixtures.moving_axis import motion
-
 import cogging
 from cogging import EFFECTS, Model
 from cogging_command import run_command
+from tests.fixtures.moving_axis import motion
 
 SECONDS = 20.0
 ROOT = Path(__file__).parents[2]

@@ -16,11 +16,11 @@ import time
 from pathlib import Path
 
 import numpy as np
-from tests.benchmarks.memory import peak_megabytes
 
 import cogging
 from cogging import _core
 from cogging_command import run_command
+from tests.benchmarks.memory import peak_megabytes
 
 RATE, PITCH = 5000.0, 0.05
 MOTION = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.1))
@@ -152,4 +152,4 @@ if __name__ == "__main__":
     if options.memory:
         memory(*options.memory)
     else:
-        sys.exit(run_command(lambda: main(options.repeats, options.figure), unwinds=True))
+        sys.exit(run_command(lambda: main(options.repeats, options.figure)))

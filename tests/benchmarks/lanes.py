@@ -124,4 +124,4 @@ if __name__ == "__main__":
     parser.add_argument("--repeats", type=int, default=15)
     parser.add_argument("--runs", type=int, default=64)
     options = parser.parse_args()
-    sys.exit(run_command(lambda: main(options.repeats, options.runs), unwinds=True))
+    sys.exit(run_command(lambda: main(options.repeats, options.runs)))

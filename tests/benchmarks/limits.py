@@ -18,6 +18,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+
+import cogging
+from cogging_command import run_command
 from tests.blind.cases import LAWS_OF, SECTION
 from tests.blind.hidden import Hidden
 from tests.blind.machines import Machine, draw_machine
@@ -25,9 +28,6 @@ from tests.blind.motions import Motion
 from tests.blind.suite import write_log
 from tests.blind.truth import Plan
 from tests.blind.vocabulary import CHANGES, VOCABULARY
-
-import cogging
-from cogging_command import run_command
 
 MULTIPLES = (0.5, 1.0, 2.0)
 DRAWS = 400  # of a shape, until one is within the range of the limit

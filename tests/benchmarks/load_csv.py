@@ -69,4 +69,4 @@ def write(path: Path, rows: int) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main, unwinds=True))  # the file in the temporary folder goes
+    sys.exit(run_command(main))  # the file in the temporary folder goes

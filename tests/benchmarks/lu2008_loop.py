@@ -209,4 +209,4 @@ def main(repeats):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=int, default=15)
-    sys.exit(run_command(lambda: main(parser.parse_args().repeats), unwinds=True))
+    sys.exit(run_command(lambda: main(parser.parse_args().repeats)))

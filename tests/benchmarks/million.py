@@ -40,9 +40,8 @@ print(json.dumps({"seconds": time.process_time() - begin, "before": before, "pea
 
 def model_and_motion():
     """The X axis under C3, and its reference."""
-    from tests.benchmarks.lu2008_loop import SETUP, core_arguments, random_coefficients
-
     import cogging
+    from tests.benchmarks.lu2008_loop import SETUP, core_arguments, random_coefficients
 
     plant, controller, motion = core_arguments(SETUP, random_coefficients())
     return cogging.Model(

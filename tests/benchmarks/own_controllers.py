@@ -108,4 +108,4 @@ def main(repeats):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=int, default=9)
-    sys.exit(run_command(lambda: main(parser.parse_args().repeats), unwinds=True))
+    sys.exit(run_command(lambda: main(parser.parse_args().repeats)))

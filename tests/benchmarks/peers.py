@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from tests.benchmarks.memory import peak_megabytes
 
 ROOT = Path(__file__).resolve().parents[2]

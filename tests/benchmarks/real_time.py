@@ -16,13 +16,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.benchmarks.lu2008_loop import compiler
-from tests.benchmarks.real_time_report import FLAGS, HERE, ROOT, compile_unit, report
-
 from cogging.model.model import CONTROLLERS
 from cogging.papers import comparison
 from cogging.papers.lu2008 import setup as lu2008
 from cogging_command import run_command
+from tests.benchmarks.lu2008_loop import compiler
+from tests.benchmarks.real_time_report import FLAGS, HERE, ROOT, compile_unit, report
 
 AXIS = comparison.AXIS
 #: Gains that no paper gives: a position loop of 16 Hz around a velocity loop of 54 Hz, and that velocity loop alone.
@@ -177,4 +176,4 @@ def asked():
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(lambda: main(asked()), unwinds=True))
+    sys.exit(run_command(lambda: main(asked())))

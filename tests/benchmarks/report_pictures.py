@@ -10,11 +10,11 @@ from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from tests.fixtures import emps
-from tests.fixtures.browser import chromium
 
 import cogging
 from cogging.diagnosis.next_step import GivenFiles
+from tests.fixtures import emps
+from tests.fixtures.browser import chromium
 
 WINDOWS = {1280: 1500, 390: 1500}  # px: width and height of what is shown
 COLOURS = 96  # of a picture, so that it is light

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from scipy.signal import csd, welch
-from tests.benchmarks.in_the_large import QUANTUM, harmonic_logs, motor, multisine, resonance_logs, tell, two_masses
 
 import cogging
+from tests.benchmarks.in_the_large import QUANTUM, harmonic_logs, motor, multisine, resonance_logs, tell, two_masses
 
 
 @pytest.mark.parametrize("scale", [0.03, 0.3])

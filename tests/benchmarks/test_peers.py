@@ -1,6 +1,7 @@
 """What else runs such loops gives the core's answer; times are for the command."""
 
 import pytest
+
 from tests.benchmarks import peers
 
 

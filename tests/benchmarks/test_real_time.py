@@ -9,12 +9,12 @@ import sys
 
 import numpy as np
 import pytest
-from tests.benchmarks import real_time
-from tests.benchmarks.real_time_report import UnboundedStack, compile_unit, report, reports_stack, undefined_symbols
 
 import cogging
 from cogging import _core
 from cogging.model.model import CONTROLLERS
+from tests.benchmarks import real_time
+from tests.benchmarks.real_time_report import UnboundedStack, compile_unit, report, reports_stack, undefined_symbols
 
 CALLS = 20_000
 STACK = 1024  # bytes, of every controller: what docs/real_time.md states

@@ -1,6 +1,7 @@
 """What the drawn calls of `python -m tests.attack bindings` found, and what no longer happens."""
 
 import copy
+import itertools
 import os
 import pickle
 import subprocess
@@ -8,6 +9,8 @@ import sys
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import cogging
 from cogging.estimation.innovations import Innovations
@@ -15,16 +18,15 @@ from cogging.identification.inverse_dynamics import InverseDynamics
 from tests.attack.binding_values import Pool
 from tests.attack.bindings import run_case
 from tests.fixtures import command_files
+from tests.fixtures.covering import covering
 
 POOL = Pool()
 UNPICKLED = {"CompiledController", "Predictor", "Prediction", "StopFlag"}
 
 
-@pytest.mark.parametrize("name", sorted(POOL))
-def test_pickles_of_every_protocol(name):
+def test_pickles_of_every_protocol():
     """Protocols 0 and 1 made a bare object of the bindings' library, which ended the process."""
-    value = POOL[name]
-    for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+    for (name, value), protocol in itertools.product(POOL.items(), range(pickle.HIGHEST_PROTOCOL + 1)):
         if name in UNPICKLED:
             with pytest.raises(TypeError, match="cannot pickle"):
                 pickle.dumps(value, protocol)
@@ -32,8 +34,7 @@ def test_pickles_of_every_protocol(name):
             again = pickle.loads(pickle.dumps(value, protocol))
             assert type(again) is type(value)
             assert again == value
-    if name not in UNPICKLED:
-        assert copy.deepcopy(value) == value
+            assert copy.deepcopy(value) == value
 
 
 @pytest.mark.parametrize("along", [1.0, [1.0], None, "text", b"", {}])
@@ -116,8 +117,7 @@ TAKES_NUMBERS = {
 }
 
 
-@pytest.mark.parametrize("what", NO_NUMBERS)
-@pytest.mark.parametrize("where", TAKES_NUMBERS)
+@pytest.mark.parametrize(("where", "what"), covering(TAKES_NUMBERS, NO_NUMBERS, rounds=2))
 def test_truth_values_and_texts_within_arrays_are_no_numbers(where, what):
     with pytest.raises(
         (TypeError, ValueError), match=r"must be .*numbers?, got (True$|a list: |.* among them|bool|<U1|\|S1)"
@@ -145,9 +145,8 @@ def steps(name, value):
 
 
 @pytest.mark.parametrize("value", [True, np.True_, np.array(True), "1", b"1", np.array("1"), None, 1j])
-@pytest.mark.parametrize("name", CONTROLLERS)
-def test_what_is_no_number_is_none_in_a_controllers_step(name, value):
-    for step in steps(name, value):
+def test_what_is_no_number_is_none_in_a_controllers_step(value):
+    for step in (step for name in CONTROLLERS for step in steps(name, value)):
         with pytest.raises(
             TypeError, match=r"must be given real numbers, got |incompatible function arguments"
         ) as told:
@@ -156,10 +155,9 @@ def test_what_is_no_number_is_none_in_a_controllers_step(name, value):
 
 
 @pytest.mark.parametrize("kind", [float, int, np.float64, np.float32, np.int16, np.array])
-@pytest.mark.parametrize("name", CONTROLLERS)
-def test_numbers_of_any_kind_are_numbers_in_a_controllers_step(name, kind):
-    plain = [step() for step in steps(name, 0.0)]
-    assert [step() for step in steps(name, kind(0))] == plain
+def test_numbers_of_any_kind_are_numbers_in_a_controllers_step(kind):
+    for name in CONTROLLERS:
+        assert [step() for step in steps(name, kind(0))] == [step() for step in steps(name, 0.0)]
 
 
 @pytest.mark.parametrize("kind", [float, np.float32, np.int16, np.uint8, int])
@@ -254,7 +252,8 @@ def test_a_time_below_zero_counts_from_its_first_row():
         assert np.abs(shifted - first).max() < 1e-6 * size
 
 
-@pytest.mark.parametrize("seed", range(0, 600, 3))
+@settings(deadline=None, max_examples=100)
+@given(seed=st.integers(0, 10_000))
 def test_a_drawn_call_ends_as_it_should(seed):
     """A few of those that the attack makes, in this process; the whole of it watches its processes from outside."""
     assert run_case(seed) is None

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import file_sets, files, outputs
+from cogging import files, outputs
 from cogging.cli.main import main
 from cogging.files import InputError
+from tests.fixtures.covering import covering
 from tests.fixtures.files import MODEL, REFERENCE
 
 SAMPLED = 'type = "sampled"\nfile = "samples.csv"\n'
@@ -134,9 +135,9 @@ def by_hard_link(target):
 NAMES = [by_name, by_another_spelling, by_its_absolute_path, by_symbolic_link, by_linked_folder, by_hard_link]
 
 
-@pytest.mark.parametrize(("command", "file", "option"), CASES, ids=lambda value: str(value).strip("-"))
-@pytest.mark.parametrize("name", NAMES)
-def test_no_output_is_an_input(command, file, option, name, folder, capsys):
+@pytest.mark.parametrize(("case", "name"), covering(CASES, NAMES))
+def test_no_output_is_an_input(case, name, folder, capsys):
+    command, file, option = case
     output = name(file)
     before = content(folder)
     refused([*COMMANDS[command][0], option, output], capsys, option, f"{file}", "must not be a file that is read")
@@ -244,10 +245,11 @@ def linked_in_a_circle(path):
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes and devices of POSIX")
 @pytest.mark.parametrize(
-    "make", [pipe, device, full_device, folder_there, below_a_file, below_nothing, linked_in_a_circle]
+    ("case", "make"),
+    covering(OUTPUTS, [pipe, device, full_device, folder_there, below_a_file, below_nothing, linked_in_a_circle]),
 )
-@pytest.mark.parametrize(("command", "option"), OUTPUTS, ids=lambda value: value.strip("-"))
-def test_an_output_is_a_file(command, option, make, folder, capsys):
+def test_an_output_is_a_file(case, make, folder, capsys):
+    command, option = case
     output = make("out") or "out"
     refused([*COMMANDS[command][0], option, output], capsys, output)
     assert not list(folder.rglob("*.part"))
@@ -329,7 +331,7 @@ class TestWriting:
         """Even where somebody foresees the name."""
         victim = tmp_path / "victim"
         victim.write_text("mine")
-        monkeypatch.setattr(file_sets.secrets, "token_hex", lambda size: "0" * (2 * size))
+        monkeypatch.setattr(outputs.secrets, "token_hex", lambda size: "0" * (2 * size))
         outputs.write_text(tmp_path / "first", "x")
         (tmp_path / f".cogging-{'0' * 16}.part").symlink_to(victim)
         with pytest.raises(InputError, match="second: cannot be written: File exists"):
@@ -427,9 +429,9 @@ READ = [
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes and devices of POSIX")
-@pytest.mark.parametrize("what", STRANGE)
-@pytest.mark.parametrize(("call", "file"), READ, ids=lambda value: value if isinstance(value, str) else value[0])
-def test_what_is_read_is_a_file_with_an_end(call, file, what, folder, capsys):
+@pytest.mark.parametrize(("case", "what"), covering(range(len(READ)), STRANGE))
+def test_what_is_read_is_a_file_with_an_end(case, what, folder, capsys):
+    call, file = READ[case]
     make, message = STRANGE[what]
     Path(file).unlink(missing_ok=True)
     make(folder / file)

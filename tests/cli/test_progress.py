@@ -32,25 +32,28 @@ BARS = ("identify", "reproduce", "sweep", "tune")  # which know how many steps t
 #: A command that waits there for half a second, which counts as long; papers are done at once, and tell their steps.
 PROGRAM = """
 import importlib, sys, time
-from cogging_command import run_command, take_signals
-take_signals()
-sys.stderr.isatty() and print("ready", end="", file=sys.stderr, flush=True)
-import cogging.cli.working
-from cogging.cli.main import main
-import cogging.papers.malaize2009.reproduce as paper
-from cogging.papers.result import Reproduction
+from cogging_command import run_command
 
-paper.reproduce = lambda progress: [*map(progress, paper.STEPS)] and Reproduction("malaize2009", [], {})
-where, name = sys.argv[1].rpartition(".")[::2]
-if where:
-    cogging.cli.working.PATIENCE, cogging.cli.working.BETWEEN = 0.05, 0.05
-    module = importlib.import_module(where)
-    plain = getattr(module, name)
-    def slow(*arguments, **options):
-        time.sleep(float(sys.argv[2]))
-        return plain(*arguments, **options)
-    setattr(module, name, slow)
-sys.exit(run_command(lambda: main(sys.argv[3:])))
+def run():
+    sys.stderr.isatty() and print("ready", end="", file=sys.stderr, flush=True)
+    import cogging.cli.working
+    from cogging.cli.main import main
+    import cogging.papers.malaize2009.reproduce as paper
+    from cogging.papers.result import Reproduction
+
+    paper.reproduce = lambda progress: [*map(progress, paper.STEPS)] and Reproduction("malaize2009", [], {})
+    where, name = sys.argv[1].rpartition(".")[::2]
+    if where:
+        cogging.cli.working.PATIENCE, cogging.cli.working.BETWEEN = 0.05, 0.05
+        module = importlib.import_module(where)
+        plain = getattr(module, name)
+        def slow(*arguments, **options):
+            time.sleep(float(sys.argv[2]))
+            return plain(*arguments, **options)
+        setattr(module, name, slow)
+    return main(sys.argv[3:])
+
+sys.exit(run_command(run))
 """
 
 

@@ -133,7 +133,7 @@ def test_every_field_has_a_rule_that_was_tried():
     assert set(KEYS) - {"stop"} <= {name.partition(".")[0] for name in told}  # start is held against stop
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(12))
 def test_a_sweep_file_with_anything_in_it_is_no_traceback(seed, folder, capsys):
     """One value of a good file at random is another's, or of another kind: done, or one line."""
     rng = random.Random(seed)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cogging.model.model import CONTROLLERS
+from tests.fixtures.covering import covering
 
 RATE, LIMIT, MASS, VISCOUS = 5000.0, 4.0, 0.12, 0.3
 FEEDFORWARD = {"mass": MASS, "viscous": VISCOUS, "command_limit": LIMIT, "sample_rate": RATE}
@@ -118,8 +119,7 @@ def draw_faults(seed, samples=4000, first=False):
     return faults
 
 
-@EVERY
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("kind", "seed"), covering(CONTROLLERS, range(4), rounds=2))
 def test_a_controller_recovers_from_gaps(kind, seed):
     faults = draw_faults(seed, first=seed % 2 == 1)
     sound, undisturbed = run(make(kind), {})
@@ -136,8 +136,7 @@ def test_a_controller_recovers_from_gaps(kind, seed):
     assert off < 1.1 * off_undisturbed + (1e-4 if kind == "speed" else 2e-6)
 
 
-@EVERY
-@pytest.mark.parametrize("length", [1, 2, 7, 16])
+@pytest.mark.parametrize(("kind", "length"), covering(CONTROLLERS, [1, 2, 7, 16], rounds=2))
 def test_the_step_behind_a_gap_does_not_kick(kind, length):
     """Along a straight line a gap changes no later command: velocities are taken over the samples that passed."""
     changes = STILL.get(kind, {})
@@ -174,8 +173,7 @@ def test_a_gap_at_the_start_is_as_if_it_had_not_been(kind):
     assert (late.samples_refused, fresh.samples_refused) == (len(FAULTS), 0)
 
 
-@EVERY
-@pytest.mark.parametrize("limit", [0.0, LIMIT])
+@pytest.mark.parametrize(("kind", "limit"), covering(CONTROLLERS, [0.0, LIMIT]))
 def test_without_any_reading_nothing_is_commanded(kind, limit):
     controller = make(kind, command_limit=limit)
     learned = controller.estimates
@@ -186,9 +184,7 @@ def test_without_any_reading_nothing_is_commanded(kind, limit):
     assert controller.samples_refused == 100
 
 
-@EVERY
-@pytest.mark.parametrize("place", range(3))
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(("kind", "place", "fault"), covering(CONTROLLERS, range(3), FAULTS, rounds=2))
 def test_a_reference_that_is_not_finite_is_refused_alike(kind, place, fault):
     by_reference, by_reading = make(kind), make(kind)
     for k, point in enumerate(motion(60)):
@@ -205,8 +201,7 @@ def test_a_reference_that_is_not_finite_is_refused_alike(kind, place, fault):
     assert by_reference.samples_refused == 3
 
 
-@EVERY
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(("kind", "fault"), covering(CONTROLLERS, FAULTS))
 def test_an_applied_command_that_is_not_finite_was_its_own(kind, fault):
     told, untold = make(kind, command_limit=0.05), make(kind, command_limit=0.05)
     rng = np.random.default_rng(1)
@@ -220,8 +215,7 @@ def test_an_applied_command_that_is_not_finite_was_its_own(kind, fault):
     assert untold.samples_refused == 0
 
 
-@EVERY
-@pytest.mark.parametrize("reading", [9.9e11, -9.9e11, 1e6])
+@pytest.mark.parametrize(("kind", "reading"), covering(CONTROLLERS, [9.9e11, -9.9e11, 1e6]))
 def test_a_huge_reading_leaves_no_lasting_harm(kind, reading):
     """One that is just below the limit is a number as any other: what it does is undone by the readings behind it."""
     controller = make(kind)

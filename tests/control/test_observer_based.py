@@ -11,8 +11,8 @@ from scipy.linalg import expm
 import cogging
 from cogging.papers.malaize2009 import imperfections as malaize2009_imperfections
 from cogging.papers.malaize2009 import setup as malaize2009_setup
-from cogging.papers.malaize2009 import study as malaize2009_study
 from cogging.papers.malaize2009.setup import MOTORS
+from studies.malaize2009 import study as malaize2009_study
 
 PERIODS = [0.024, 0.016, 0.012]
 

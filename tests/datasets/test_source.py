@@ -7,6 +7,7 @@ import pytest
 
 from cogging import InputError
 from cogging.datasets import emps, laas, odrive, tro2021
+from tests.fixtures.covering import covering
 from tests.fixtures.measured import FOLDER
 
 SETS = [emps, laas, odrive, tro2021]
@@ -35,9 +36,11 @@ def test_each_says_source_and_licence(data):
     assert LICENCES[data.SOURCE.name] in data.SOURCE.licence
 
 
-@pytest.mark.parametrize(("data", "call"), CALLS)
-@pytest.mark.parametrize("how", ["nothing", "empty", "folder", "file", "named", "variable"])
-def test_without_data_one_line_says_where_to_get_them(data, call, how, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("case", "how"), covering(range(len(CALLS)), ["nothing", "empty", "folder", "file", "named", "variable"])
+)
+def test_without_data_one_line_says_where_to_get_them(case, how, tmp_path, monkeypatch):
+    data, call = CALLS[case]
     folder = {"folder": tmp_path, "file": tmp_path / "a.txt", "named": tmp_path / "nowhere"}.get(how)
     (tmp_path / "a.txt").write_text("no folder")
     if how in ("empty", "variable"):

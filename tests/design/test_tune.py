@@ -25,9 +25,9 @@ from cogging.design.tuning.margins import Loops, push_of
 from cogging.design.tuning.reached import INDEXES, Judge, upper_quantile
 from cogging.files import parse_toml
 from cogging.outputs import to_toml
-from cogging.papers import tuning as papers
 from cogging.papers.lu2008.setup import AXES
 from cogging.simulation.varied import Setup
+from studies import tuned_gains as papers
 
 DOCUMENT = {
     "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 5e-3, "travel": [-0.1, 0.5]},

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.datasets import laas, laas_motor
+from cogging.datasets import laas
 from cogging.datasets.emps import SCREW_LEAD
+from studies.laas import motor as laas_motor
 from tests.fixtures import emps
 from tests.fixtures.measured import FOLDER
 

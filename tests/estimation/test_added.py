@@ -8,6 +8,7 @@ from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor
 from cogging.estimation.innovations import LINEAR_HOOKS, Innovations
 from cogging.estimation.residuals import quiet_plant
+from tests.fixtures.covering import covering
 
 RATE = 2000.0  # Hz
 LINEAR = [name for name, effect in EFFECTS.items() if set(effect.HOOKS) <= LINEAR_HOOKS]
@@ -58,8 +59,7 @@ def joined(model, *effects):
     return model.replace(effects=(*model.effects, *effects))
 
 
-@pytest.mark.parametrize("name", LINEAR)
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("name", "seed"), covering(LINEAR, range(4)))
 def test_forces_are_those_of_the_whole_plant_to_rounding(log, name, seed):
     random = np.random.default_rng([seed, len(name)])
     others = [sample(other, random) for other in random.choice(LINEAR, 3, replace=False)]
@@ -110,10 +110,10 @@ def test_a_changed_command_adds_what_whole_predictions_say(log, base, name, fiel
     assert error < 0.008
 
 
-@pytest.mark.parametrize("width", [0.002, 0.0])
-@pytest.mark.parametrize("frequency", [20.0, 60.0, 150.0, 400.0, 800.0])
-@pytest.mark.parametrize("mass_ratio", [0.05, 0.2, 0.5])
-@pytest.mark.parametrize("damping_ratio", [0.01, 0.03, 0.1])
+@pytest.mark.parametrize(
+    ("width", "frequency", "mass_ratio", "damping_ratio"),
+    covering([0.002, 0.0], [20.0, 60.0, 150.0, 400.0, 800.0], [0.05, 0.2, 0.5], [0.01, 0.03, 0.1], rounds=3),
+)
 def test_a_load_on_a_spring_adds_what_whole_predictions_say(log, width, frequency, mass_ratio, damping_ratio):
     model = machine(width=width)
     load = EFFECTS["flexible_mode"](frequency=frequency, mass_ratio=mass_ratio, damping_ratio=damping_ratio)

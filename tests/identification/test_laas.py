@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.datasets import laas_motor, laas_speed_ripple
 from cogging.datasets.laas import TURN, RotaryLog
+from studies.laas import motor as laas_motor
+from studies.laas import speed_ripple as laas_speed_ripple
 from tests.fixtures.measured import FOLDER
 
 data = pytest.mark.data

@@ -16,6 +16,7 @@ from cogging.logs.spikes import spikes
 from cogging.papers import comparison
 from cogging.papers.lu2008 import setup as lu2008
 from tests.fixtures import moving_axis
+from tests.fixtures.covering import covering
 
 KINDS = [
     "pid",
@@ -122,8 +123,7 @@ def wrong_ones(kind, model, log, random):
     yield "late", model, late
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS, rounds=2))
 def test_a_fault_of_the_recording_is_no_mismatch(kind, fault):
     for seed in (1,):
         model, log = made(kind, seed)
@@ -139,8 +139,7 @@ def test_a_fault_of_the_recording_is_no_mismatch(kind, fault):
                     assert check.fitted[name] == pytest.approx(check.stated[name], rel=0.05), (seed, check)
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS, rounds=2))
 def test_and_hides_none(kind, fault):
     model, log = made(kind, 3)
     random = np.random.default_rng(6)
@@ -200,8 +199,10 @@ def test_what_is_left_out_is_told():
     assert not spikes(log.position - log.reference).any()
 
 
-@pytest.mark.parametrize("kind", ["pid", "pid ff", "pd", "cascade"])
-@pytest.mark.parametrize("fault", ["drop 1", "drop 5", "drop 20", "readings 8", "commands 8", "pause"])
+@pytest.mark.parametrize(
+    ("kind", "fault"),
+    covering(["pid", "pid ff", "pd", "cascade"], ["drop 1", "drop 5", "drop 20", "readings 8", "commands 8", "pause"]),
+)
 def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
     model, log = made(kind, 1)
     found = cogging.recover_controller(spoiled(fault, log, np.random.default_rng(4)))

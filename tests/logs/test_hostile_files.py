@@ -19,7 +19,7 @@ import cogging_command
 from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.columns import read_columns
-from cogging.logs.readers import apart
+from cogging.logs.readers import isolate
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
 FORMATS = {"a.mat": mat_bytes, "hdf5.mat": hdf5_bytes, "a.mf4": mdf_bytes, "a.parquet": parquet_bytes}
@@ -195,7 +195,7 @@ def test_a_formula_that_no_other_rule_refuses_is_not_evaluated(tmp_path):
     pytest.importorskip("asammdf")
     code = """
 import numpy as np
-from cogging.logs.readers.formulas import Formulas
+from cogging.logs.readers.mdf import Formulas
 formulas = Formulas()
 from asammdf.blocks import v4_blocks as v4, v4_constants as c4, v2_v3_blocks as v3, v2_v3_constants as c3
 X = np.arange(-5, 6, dtype=np.int16) * 6001
@@ -477,14 +477,14 @@ def test_links_within_a_file(tmp_path):
 # --- readers and their parent -----------------------------------------------------------------------------------------
 
 SLOW = (
-    "import cogging.logs.readers.apart as apart; "
-    "apart.FORMATS = dict.fromkeys(apart.FORMATS, ('file', 'matlab', lambda r: exec({!r}))); "
+    "import cogging.logs.readers.isolate as isolate; "
+    "isolate.FORMATS = dict.fromkeys(isolate.FORMATS, ('file', 'matlab', lambda r: exec({!r}))); "
 )
 PARENT = """
 import signal, sys, cogging
 signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # as the command does
-from cogging.logs.readers import apart
-apart.START = {start!r} + apart.START
+from cogging.logs.readers import isolate
+isolate.START = {start!r} + isolate.START
 cogging.read_log({log!r})
 """
 
@@ -538,7 +538,7 @@ def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
 
 def test_a_reader_ends_with_its_parent_where_the_system_does_not_end_it(tmp_path):
     """The second way, alone: the end of its standard input."""
-    code = "import sys; sys.platform = 'other'\nfrom cogging.logs.readers.isolated import confine\n"
+    code = "import sys; sys.platform = 'other'\nfrom cogging.logs.readers.isolate import confine\n"
     code += "confine({'memory': 8 << 30, 'seconds': 60.0})\nprint('ready', flush=True)\n"
     code += "import time; time.sleep(600)"
     reader = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
@@ -577,7 +577,7 @@ def test_no_temporary_file_is_left(cut, tmp_path, monkeypatch):
     temporary.mkdir()
     path.write_bytes(path.read_bytes()[:cut])
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
-    monkeypatch.setattr(apart, "START", "import tempfile; tempfile.mkstemp(dir=job['temporary']); " + apart.START)
+    monkeypatch.setattr(isolate, "START", "import tempfile; tempfile.mkstemp(dir=job['temporary']); " + isolate.START)
     try:
         cogging.read_log(path)
         assert cut is None
@@ -594,5 +594,5 @@ def test_a_temporary_folder_that_is_not_there(tmp_path, monkeypatch):
 
 def test_what_a_library_prints_is_no_answer(tmp_path, monkeypatch):
     path = made("a.mat", tmp_path)
-    monkeypatch.setattr(apart, "START", 'print(\'{"error": "no"}\', flush=True); ' + apart.START)
+    monkeypatch.setattr(isolate, "START", 'print(\'{"error": "no"}\', flush=True); ' + isolate.START)
     np.testing.assert_array_equal(cogging.read_log(path).position, COLUMNS["position"])

@@ -14,7 +14,8 @@ from cogging import files
 from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.columns import read_columns
-from cogging.logs.readers import limits
+from cogging.logs.readers import isolate, text_table
+from cogging.logs.readers import request as requests
 from cogging.logs.readers.request import Request
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
@@ -93,7 +94,7 @@ def test_a_small_file_that_asks_for_much_is_refused_by_what_it_states(name, tmp_
     assert path.stat().st_size < 20_000
     assert main(["audit", str(path)]) == 2
     told = capsys.readouterr().err
-    most = limits.numbers_most(path.stat().st_size) // 8
+    most = requests.numbers_most(path.stat().st_size) // 8
     assert re.fullmatch(
         rf"cogging: .*: \w+: must ask for at most {most} numbers in a file of \d+ bytes, got {ROWS} rows, .* numbers\n",
         told,
@@ -114,7 +115,7 @@ def test_what_is_not_stored_is_read_where_it_is_little(tmp_path):
 def test_a_file_may_ask_for_as_much_as_its_size_allows(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"0" * 1000)
-    most = (limits.SMALL + 1000 * limits.EXPANSION) // 8
+    most = (requests.SMALL + 1000 * requests.EXPANSION) // 8
     request = Request(path, ("position",))
     request.require_room("position", most, float(most))
     with pytest.raises(InputError, match=rf"a: position: must ask for at most {most} numbers in a file of 1000 bytes"):
@@ -123,11 +124,13 @@ def test_a_file_may_ask_for_as_much_as_its_size_allows(tmp_path):
 
 @pytest.mark.parametrize("size", [0, 10**6, 10**12])
 def test_a_reading_process_gets_no_more_than_is_left(size):
-    assert limits.memory_most(size, 1e8) == limits.ADDRESSES + 10**8
-    assert limits.memory_most(size, np.inf) == limits.LIBRARIES + limits.COPIES * limits.numbers_most(size)
+    assert isolate.memory_most(size, 1e8) == isolate.ADDRESSES + 10**8
+    assert isolate.memory_most(size, np.inf) == isolate.LIBRARIES + isolate.COPIES * requests.numbers_most(size)
 
 
-@pytest.mark.parametrize(("columns", "taken"), [(limits.COLUMNS, True), (limits.COLUMNS + 1, False), (100_000, False)])
+@pytest.mark.parametrize(
+    ("columns", "taken"), [(requests.COLUMNS, True), (requests.COLUMNS + 1, False), (100_000, False)]
+)
 def test_a_header_of_many_columns(columns, taken, tmp_path):
     names = ["time", "position", "command", *"x" * (columns - 3)]
     path = tmp_path / "a.csv"
@@ -135,7 +138,7 @@ def test_a_header_of_many_columns(columns, taken, tmp_path):
     if taken:
         assert len(cogging.read_log(path)) == 2
     else:
-        with pytest.raises(InputError, match=f"header: must have at most {limits.COLUMNS} columns, got {columns}$"):
+        with pytest.raises(InputError, match=f"header: must have at most {requests.COLUMNS} columns, got {columns}$"):
             cogging.read_log(path)
 
 
@@ -214,7 +217,16 @@ def test_logical_values_in_a_struct_are_no_numbers(tmp_path):
 
 
 def test_the_table_of_the_document_is_that_of_the_code():
-    assert limits.table() in DOCUMENT.read_text(encoding="utf-8")
+    text, mib = DOCUMENT.read_text(encoding="utf-8"), 1 << 20
+    for limit in (
+        f"{requests.SMALL // mib} MiB + {requests.EXPANSION} times the file",
+        f"{isolate.LIBRARIES // mib} MiB + {isolate.COPIES} times the numbers, {isolate.ADDRESSES // mib} MiB",
+        f"{isolate.SECONDS:g} s + 1 s a {isolate.BYTES_A_SECOND / 1e6:g} MB",
+        f"{requests.COLUMNS}, header in {text_table.HEADER >> 10} KiB",
+        f"{files.MOST_MARKS} keys, tables and lists, {files.DEEPEST} in one another",
+        f"| TOML | {files.MOST_TEXT // mib} MiB |",
+    ):
+        assert limit in text
 
 
 @pytest.mark.parametrize("header", ["x" + " " * 200_000 + "[", "x [" + " " * 200_000 + "m", "[" * 200_000])

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import cogging
 from cogging.cli.main import main
 from cogging.files import InputError
-from cogging.logs.readers import apart, limits
+from cogging.logs.readers import isolate
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
 HEAD = "time,position,command\n"
@@ -480,10 +480,10 @@ def test_a_reader_that_fails_in_any_way(behaviour, message, originals, tmp_path,
     path = tmp_path / "a.mat"
     path.write_bytes(originals["a.mat"])
     reader = f"('MATLAB file', 'matlab', lambda request: exec({behaviour!r}))"
-    start = f"import cogging.logs.readers.apart as apart; apart.FORMATS['matlab'] = {reader}; "
+    start = f"import cogging.logs.readers.isolate as isolate; isolate.FORMATS['matlab'] = {reader}; "
     if "sleep" in behaviour:  # the others need their time to start, where the machine is busy
-        monkeypatch.setattr(limits, "SECONDS", 2.0)
-    monkeypatch.setattr(apart, "START", apart.START.replace("from cogging", f"{start}from cogging", 1))
+        monkeypatch.setattr(isolate, "SECONDS", 2.0)
+    monkeypatch.setattr(isolate, "START", isolate.START.replace("from cogging", f"{start}from cogging", 1))
     with pytest.raises(InputError) as caught:
         cogging.read_log(path)
     assert message in str(caught.value)

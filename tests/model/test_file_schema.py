@@ -11,6 +11,7 @@ from cogging.files import parse_toml
 from cogging.model.model import COGGING_KEYS, CONTROLLERS, SECTIONS
 from cogging.outputs import to_toml
 from cogging.simulation.reference import REFERENCES, SAMPLED_KEYS
+from tests.fixtures.covering import covering
 from tests.fixtures.files import MODEL, REFERENCE
 from tests.fixtures.model_files import BAD, CONTRACT
 
@@ -66,8 +67,7 @@ def test_models_of_the_tests_are_valid(schema):
     validator(schema, "reference").validate(parse_toml(REFERENCE))
 
 
-@pytest.mark.parametrize("controller", sorted(CONTROLLERS))
-@pytest.mark.parametrize("effect", sorted(cogging.EFFECTS))
+@pytest.mark.parametrize(("controller", "effect"), covering(sorted(CONTROLLERS), sorted(cogging.EFFECTS)))
 def test_what_is_written_is_valid(schema, controller, effect):
     model = cogging.Model(
         axis=cogging.AxisParameters(mass=0.15),

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.papers.lu2008 import calibration as lu2008_calibration
 from cogging.papers.lu2008 import reproduce as lu2008_reproduce
-from cogging.papers.lu2008 import search as lu2008_search
 from cogging.papers.lu2008 import setup as lu2008
-from cogging.papers.lu2008 import study as lu2008_study
 from cogging.papers.lu2008 import tables as lu2008_tables
 from cogging.papers.lu2008.shapes import FIRST_SHAPE
+from studies.lu2008 import calibration as lu2008_calibration
+from studies.lu2008 import search as lu2008_search
+from studies.lu2008 import study as lu2008_study
 
 # Committed values, um: e_inf and e_2 of C1, C2, C3.
 COMMITTED = {

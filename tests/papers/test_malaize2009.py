@@ -8,10 +8,10 @@ import pytest
 import cogging
 from cogging.files import parse_toml
 from cogging.papers import comparison
-from cogging.papers.malaize2009 import calibration as malaize2009_calibration
 from cogging.papers.malaize2009 import figures as malaize2009_figures
 from cogging.papers.malaize2009 import setup as malaize2009_setup
 from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS
+from studies.malaize2009 import calibration as malaize2009_calibration
 from tests.fixtures.reproduced import reproduced
 
 # Committed accuracies after the first stroke, um: with unmodelled lines, and where all is as believed.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cogging.papers.malaize2009 import causes_calibration, spectra
+from cogging.papers.malaize2009 import spectra
 from cogging.papers.malaize2009.causes import CAUSES, conditions_file, other, shipped_table_1
 from cogging.papers.malaize2009.causes_tables import lines_at_speed
 from cogging.papers.malaize2009.conditions import (
@@ -19,6 +19,7 @@ from cogging.papers.malaize2009.conditions import (
 )
 from cogging.papers.malaize2009.imperfections import cogging_rms
 from cogging.papers.malaize2009.setup import MOTORS, accuracy, observer, pid, plant, run, shipped, true_error
+from studies.malaize2009 import causes_calibration
 
 
 @pytest.mark.parametrize("cause", CAUSES, ids=lambda cause: cause.name)

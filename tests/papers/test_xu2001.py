@@ -5,9 +5,10 @@ import pytest
 
 import cogging
 from cogging.files import parse_toml
-from cogging.papers.xu2001 import calibration, conditions, conditions_fit, exploration, tables
+from cogging.papers.xu2001 import conditions, conditions_fit, exploration, tables
 from cogging.papers.xu2001 import setup as xu2001_setup
-from cogging.papers.xu2001 import study as xu2001_study
+from studies.xu2001 import calibration
+from studies.xu2001 import study as xu2001_study
 from tests.fixtures.reproduced import reproduced
 
 # Committed values of the six indexes (um, um, um, V, V, 1) by controller and set: the plant fitted to the PID alone

@@ -6,7 +6,7 @@ import pytest
 import cogging
 from cogging.papers.xu2001 import fast_motion, figures, pid_poles, robust_terms, theorem_1
 from cogging.papers.xu2001 import setup as xu2001_setup
-from cogging.papers.xu2001 import study as xu2001_study
+from studies.xu2001 import study as xu2001_study
 
 
 def by_labels(table):

@@ -167,6 +167,7 @@ EXCEPTIONS = {
     "diagnosis/report/figures.py": {"center"},  # of a text in a figure
     "design/": {"periods", "start", "stop"},  # of an observer; a window of time
     "simulation/sweep": {"start", "stop"},  # the same
+    "simulation/varied.py": {"start", "stop"},
     "simulation/reductions.py": {"start", "stop", "period"},  # the same, and of a wave that is asked for
     "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
     "mapping/result.py": {"order"},  # of the splines

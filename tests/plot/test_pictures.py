@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
 import cogging
 from cogging.diagnosis.entries import Gap, Step
@@ -23,6 +22,8 @@ from cogging.plot.rows import UNITS
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import COLOURS, look, marker, named
 from cogging.plot.traces import gaps, trace
+from tests.fixtures.covering import covering
+from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
 FACTORS = {
     "ns": 1e9,
@@ -519,8 +520,9 @@ def test_the_first_colours_differ_in_grey_and_to_the_colour_blind(place):
     assert all(lightness(colour) < 80.0 for colour in COLOURS)  # on white
 
 
-@pytest.mark.parametrize("unit", ["m", "V", "s", "m/s", "N", "V/(m/s^2)", "1"])
-@pytest.mark.parametrize("power", range(-8, 4))
+@pytest.mark.parametrize(
+    ("unit", "power"), covering(["m", "V", "s", "m/s", "N", "V/(m/s^2)", "1"], range(-8, 4), rounds=2)
+)
 def test_a_scale_suits_the_size(unit, power):
     size = 3.0 * 10.0**power
     scale = scale_of(unit, [-size, 0.1 * size, np.nan], None)

@@ -16,9 +16,7 @@ import pytest
 import cogging
 from cogging.outputs import to_toml
 from cogging.simulation import sweep as sweeps
-from cogging.simulation import sweep_pieces
-from cogging.simulation.sweep_points import points_of, variation_of
-from cogging.simulation.varied import Setup, numbers_of, with_numbers
+from cogging.simulation.varied import Setup, numbers_of, points_of, variation_of, with_numbers
 from tests.fixtures.examples import MODEL
 from tests.fixtures.sweeps import DOCUMENT, DRAWN, MANY, MOVE, SMALL, same
 
@@ -214,7 +212,7 @@ def test_a_broken_piece_is_made_anew(tmp_path, monkeypatch):
 
 def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypatch):
     out, left = tmp_path / "runs.csv", [5]
-    plain = sweep_pieces.write_bytes
+    plain = sweeps.write_bytes
 
     def fills(path, content, **options):
         left[0] -= 1
@@ -222,7 +220,7 @@ def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypat
             raise cogging.InputError(f"{path}: cannot be written: No space left on device")
         plain(path, content, **options)
 
-    monkeypatch.setattr(sweep_pieces, "write_bytes", fills)
+    monkeypatch.setattr(sweeps, "write_bytes", fills)
     text = r"No space left on device; finished runs stand in .*runs\.csv\.pieces, the same call goes on from there$"
     with pytest.raises(cogging.InputError, match=text):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)

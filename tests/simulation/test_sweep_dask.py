@@ -9,7 +9,7 @@ import distributed
 import pytest
 
 import cogging
-from cogging.simulation import sweep_executor
+from cogging.simulation import sweep as sweeps
 from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 
 pytestmark = [pytest.mark.study, pytest.mark.filterwarnings("ignore")]  # its own warnings
@@ -90,8 +90,8 @@ def test_a_worker_that_lacks_the_package_is_one_line(started, tmp_path, good, is
 
 
 def test_where_no_worker_is_left_it_ends(started, monkeypatch, tmp_path):
-    monkeypatch.setattr(sweep_executor, "GONE_MOST", 1.5)
-    monkeypatch.setattr(sweep_executor, "LOOK_EVERY", 0.2)
+    monkeypatch.setattr(sweeps, "GONE_MOST", 1.5)
+    monkeypatch.setattr(sweeps, "LOOK_EVERY", 0.2)
     cluster, client = started(1)
 
     def take_all(step):

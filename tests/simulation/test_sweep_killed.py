@@ -49,10 +49,9 @@ def test_pieces_that_a_kill_left_of_a_done_sweep_are_not_another_sweeps(tmp_path
 
 #: As a worker of a pool does, a fork of it lives on when it is killed.
 HOLD = """
-import os, sys, time
-from pathlib import Path
-from cogging.file_locks import opened_alone
-with opened_alone(Path(sys.argv[1]), by_process=True):
+import fcntl, os, sys, time
+with open(sys.argv[1], "r+b") as file:
+    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     if not (child := os.fork()):
         time.sleep(60)
     print(child, flush=True)

@@ -72,7 +72,7 @@ class Form:
     Attributes:
         name: as in `--to`.
         writes: what the file is, in a few words.
-        made_by: module and function, `cogging.export.drives.akd:make`.
+        made_by: module and function, `cogging.export.drives:akd`.
         options: that it takes.
         of_map: whether `[cogging]` alone is enough, as `cogging map` writes it: there need be no `[axis]`.
     """
@@ -121,22 +121,22 @@ _NAME = Option("name", str, "name in code: of the namespace, of the unit; defaul
 _RATE = Option("sample_rate", float, "Hz, at which a unit draws noise; default the controller's", "HZ")
 
 
-def _drive(name: str, writes: str, module: str, *options: Option) -> Form:
+def _drive(name: str, writes: str, *options: Option) -> Form:
     """A form of a map; all have the frame's options."""
-    return Form(name, writes, f"cogging.export.drives.{module}:make", (*_FRAME, *options), of_map=True)
+    return Form(name, writes, f"cogging.export.drives:{name}", (*_FRAME, *options), of_map=True)
 
 
 #: Forms by name, in the order of the help.
 FORMS: dict[str, Form] = {
     form.name: form
     for form in (
-        _drive("csv", "a map by position: position, force", "by_position", _ENTRIES, _OVER, _BETWEEN),
-        _drive("akd", "a map as Kollmorgen AKD's compensation table (csv)", "akd", _ENTRIES, _BETWEEN, _QUANTUM),
-        _drive("sinamics", "a map as Siemens SINAMICS' p5260[0..4095]", "sinamics", _BETWEEN, _WIDTH),
-        _drive("ax8000", "a map as Beckhoff AX8000's coefficients (0x32CB)", "ax8000", _WAVE, _CHANNEL),
-        _drive("novanta", "a map as Novanta's 0x2306 to 0x2308", "novanta", _ENTRIES, _PAIRS, _WIDTH, _BETWEEN),
-        _drive("odrive", "a map as the anticogging map of ODrive 0.5", "odrive", _QUANTITY),
-        _drive("moteus", "a map as moteus' motor.cogging_dq_comp", "moteus"),
+        _drive("csv", "a map by position: position, force", _ENTRIES, _OVER, _BETWEEN),
+        _drive("akd", "a map as Kollmorgen AKD's compensation table (csv)", _ENTRIES, _BETWEEN, _QUANTUM),
+        _drive("sinamics", "a map as Siemens SINAMICS' p5260[0..4095]", _BETWEEN, _WIDTH),
+        _drive("ax8000", "a map as Beckhoff AX8000's coefficients (0x32CB)", _WAVE, _CHANNEL),
+        _drive("novanta", "a map as Novanta's 0x2306 to 0x2308", _ENTRIES, _PAIRS, _WIDTH, _BETWEEN),
+        _drive("odrive", "a map as the anticogging map of ODrive 0.5", _QUANTITY),
+        _drive("moteus", "a map as moteus' motor.cogging_dq_comp"),
         Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (_NAME,)),
         Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (_NAME, _RATE)),
     )

@@ -11,7 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.files import InputError, require_file
 from cogging.logs.readers import text_table
-from cogging.logs.readers.apart import FORMATS, read_apart
+from cogging.logs.readers.isolate import FORMATS, read_isolated
 from cogging.logs.readers.request import Request
 from cogging.shown import nearest
 
@@ -65,7 +65,7 @@ def read_columns(
     """
     request = _request(path, names, optional, columns, scale, rows, progress)
     kind = format_of(path)
-    arrays = text_table.read(request) if kind is None else read_apart(kind, request)
+    arrays = text_table.read(request) if kind is None else read_isolated(kind, request)
     if notes is not None:
         notes += request.notes
     if not arrays or not next(iter(arrays.values())).size:
@@ -90,7 +90,7 @@ def survey_columns(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
     if kind is None:
         text_table.survey(request)
     else:
-        read_apart(kind, request)
+        read_isolated(kind, request)
     return request.survey or []
 
 

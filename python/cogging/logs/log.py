@@ -23,7 +23,8 @@ from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.memory import require_table
 from cogging.model.units import Units
-from cogging.outputs import settle, sidecar, target_of, to_toml, write_files
+from cogging.outputs import Checksum, checksum_of, sidecar, target_of, to_toml, write_files
+from cogging.shown import quoted
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
@@ -35,6 +36,7 @@ SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square
 REQUIRED = ("time", "position", "command")
 ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
 READ_WITH = "read_with"  # key of the metadata: what was found of the file that bears on its numbers
+CHECKSUM = "log_checksum"  # key of a sidecar: of its log as it was written
 TRUE = ("true_position", "true_velocity")
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
 
@@ -206,13 +208,15 @@ class Log(ByValue):
             pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
         except ImportError as error:
             raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[parquet]'") from None
-        files: dict[str, Iterable[bytes] | None] = {os.fspath(path): pieces}
+        checksum = Checksum(pieces)
+        files: dict[str, Iterable[bytes] | None] = {os.fspath(path): checksum}
         beside = sidecar(path)
         _require_sidecar(beside)
         metadata = {key: value for key, value in self.metadata.items() if key != READ_WITH}  # of the other file
         if metadata:
-            document = {"version": importlib.metadata.version("cogging"), **metadata}
-            files[beside] = [to_toml(_plain(document)).encode()]
+            known = {"version": importlib.metadata.version("cogging"), **metadata}
+            # Formatted after the log has been written: its checksum is known then.
+            files[beside] = (to_toml(_plain({**known, CHECKSUM: str(checksum)})).encode() for _ in range(1))
         else:
             files[beside] = None  # what stands there is of another log
         write_files(files)
@@ -325,7 +329,8 @@ def read_log(
         The log.
 
     Raises:
-        InputError: the file cannot be used, has fewer than two rows, or `time` is not strictly increasing.
+        InputError: the file cannot be used, has fewer than two rows, `time` is not strictly increasing, or what stands
+            beside it was written beside another log.
 
     Example:
         >>> log.write("log.csv")
@@ -334,7 +339,6 @@ def read_log(
         [True, True]
     """
     notes: list[str] = []
-    settle(path)
     table = read_columns(path, REQUIRED, optional=OPTIONAL, columns=columns, scale=scale, rows=rows, notes=notes)
     time = table["time"]
     if time.size < 2:
@@ -361,8 +365,18 @@ def units_beside(path: str | os.PathLike[str]) -> Units | None:
 
 
 def _metadata_beside(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The metadata beside a log; its checksum, where one stands there, is compared and left out.
+
+    Raises:
+        InputError: the file cannot be used, or was written beside another log.
+    """
     beside = Path(sidecar(path))
-    return read_toml(beside) if beside.exists() else {}
+    metadata = read_toml(beside) if beside.exists() else {}
+    expected, found = metadata.pop(CHECKSUM, None), None
+    if expected is not None and expected != (found := checksum_of(path)):
+        rule = f"must be the {CHECKSUM} of {path}, {found}: remove the line if that log was changed on purpose"
+        raise InputError(f"{beside}: {CHECKSUM}: {rule}, got {quoted(expected)}")
+    return metadata
 
 
 def _units_told(metadata: Mapping[str, Any]) -> Units | None:

@@ -1,34 +1,64 @@
-"""Many runs of one model, each with other numbers."""
+"""Many runs of one model, each with other numbers.
+
+Runs are made in pieces, by threads of this process or by the workers of an executor. Finished pieces stand in a folder
+beside the output until the whole is written, so that a sweep that was ended goes on where it was."""
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
+import importlib.metadata
+import io
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
+import pickle
+import re
+import sys
+import time
+import uuid
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from cogging import plot
-from cogging._core import Reference
+from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, takes
-from cogging.files import InputError
+from cogging.files import InputError, require_file
 from cogging.model.model import Model
-from cogging.outputs import target_of
+from cogging.outputs import PART_FILE, target_of, write_bytes
 from cogging.progress import Progress, steps
+from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of
 from cogging.simulation.frames import is_parquet, to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import Kept, kept_of_runs, names_of, require_reductions
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
-from cogging.simulation.sweep_executor import run_elsewhere
-from cogging.simulation.sweep_pieces import Pieces, Table, joined, missing
-from cogging.simulation.sweep_points import BOUNDS, points_of, require_numbers, variation_of
-from cogging.simulation.varied import SEED, Setup, make_controller, refuse_unknown_paths, units_of, with_numbers
+from cogging.simulation.varied import (
+    BOUNDS,
+    SEED,
+    Setup,
+    make_controller,
+    points_of,
+    refuse_unknown_paths,
+    require_numbers,
+    units_of,
+    variation_of,
+    with_numbers,
+)
 from cogging.tables import library
 from cogging.values import ByValue
 
@@ -379,3 +409,320 @@ def _setup(model: Any, reference: Any) -> tuple[Model, Reference, float]:
     if isinstance(reference, Reference):
         return model, reference, 0.0
     return model, *(reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference))
+
+
+if sys.platform != "win32":
+    import fcntl
+
+Table = dict[str, Any]
+OTHERWISE = "remove it, or write to another file"
+PIECE = re.compile(r"[0-9]{9}-[0-9a-f]{64}\.npz")  # the first run, and what `_name` makes of the content
+
+
+class Pieces:
+    """Keeps the tables of a sweep's pieces, so that a sweep that was ended goes on where it was.
+
+    One process at a time has them: it holds a lock on `sweep.json`, which goes with the process. That file is the first
+    in the folder and the first to go: without it, what else stands there is of a sweep that is done. A piece has in its
+    name a checksum of the sweep and of all that it holds: what is not as it was written is made anew. What has another
+    name is not the sweep's: a folder that holds any is refused, and none is ever removed.
+
+    Attributes:
+        folder: where they stand; it goes when the sweep is done.
+    """
+
+    def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
+        """Make the folder, or open the one that an earlier call of the same sweep left.
+
+        Args:
+            out: the output beside which it stands.
+            digest: of all that decides what the runs give.
+
+        Raises:
+            InputError: something else or another sweep's pieces stand there, another process is at it, or none can be
+                written.
+        """
+        target = target_of(out)
+        self.folder = target.with_name(f"{target.name}.pieces")
+        self._called = f"{os.fspath(out)}.pieces"
+        self._told = self.folder / "sweep.json"
+        self._digest = digest.encode()
+        try:
+            self._lock = self._opened()
+        except BlockingIOError:
+            raise InputError(
+                f"{self._called}: another process is making this sweep, or another to the same file"
+            ) from None
+        except OSError as error:
+            raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
+        try:
+            self._begin()
+        except BaseException:
+            self._lock.close()
+            raise
+
+    def _opened(self) -> IO[bytes]:
+        while True:
+            if self.folder.is_symlink():
+                raise InputError(f"{self._called}: must be a folder, got a link: {OTHERWISE}")
+            self.folder.mkdir(exist_ok=True)
+            if others := [path.name for path in self.folder.glob("*") if not self._is_own(path)]:
+                what = f"must hold nothing but the pieces of a sweep, got {quoted(min(others))}"
+                raise InputError(f"{self._called}: {what}: {OTHERWISE}")
+            with contextlib.suppress(FileNotFoundError):  # the folder has gone meanwhile, with a sweep that was done
+                flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+                descriptor = os.open(self._told, flags, 0o666)
+                file = os.fdopen(descriptor, "r+b", buffering=0)
+                try:
+                    require_file(self._told)
+                    if sys.platform != "win32":
+                        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # a forked worker has no part in it
+                    if os.path.samestat(os.fstat(descriptor), os.lstat(self._told)):
+                        return file
+                except BaseException:
+                    file.close()
+                    raise
+                file.close()
+
+    def _begin(self) -> None:
+        """Hold the sweep against that of the folder; a new one begins with none of what stands there."""
+        wanted = b'{"digest": "' + self._digest + b'"}\n'
+        try:
+            if text := self._lock.read(len(wanted) + 1):
+                if text != wanted:
+                    what = "holds pieces of another sweep, or of another version"
+                    raise InputError(f"{self._called}: {what}: {OTHERWISE}")
+                return
+            for path in self._finished():
+                path.unlink()
+            self._lock.write(wanted)
+            os.fsync(self._lock.fileno())
+        except OSError as error:
+            self.remove()
+            raise InputError(f"{self._called}: cannot be written: {error.strerror}") from None
+
+    def __enter__(self) -> Pieces:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.close()
+
+    def keep(self, table: Table) -> None:
+        """Write a piece.
+
+        Raises:
+            InputError: it cannot be written, as on a full disk; those before it stand.
+        """
+        file = io.BytesIO()
+        np.savez(file, **{name: _saved(values) for name, values in table.items()})  # type: ignore[arg-type]
+        try:
+            write_bytes(self.folder / self._name(table["run"][0], file.getvalue()), file.getvalue(), sync=False)
+        except InputError as error:
+            raise InputError("; ".join(filter(None, (str(error), self.stands)))) from None
+
+    def tables(self, runs: int) -> list[Table]:
+        """The pieces that were finished, of a sweep of so many runs; no two hold the same run. Broken ones go."""
+        done, tables = np.zeros(runs, dtype=bool), []
+        for path in self._finished():
+            table = self._read(path)
+            if table is None:
+                with contextlib.suppress(OSError):
+                    path.unlink()
+            elif not done[table["run"]].any():
+                done[table["run"]] = True
+                tables.append(table)
+        return tables
+
+    def remove(self) -> None:
+        """Take away what the sweep has written, and the folder with it."""
+        own = [path for path in self.folder.glob("*") if self._is_own(path)]
+        if sys.platform == "win32":  # which removes no file that is open
+            self._lock.close()
+        for path in (self._told, *own):
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()
+
+    def remove_empty(self) -> None:
+        """Take the folder away where it has no piece."""
+        if not self._finished():
+            self.remove()
+
+    @property
+    def stands(self) -> str:
+        """What to tell of the finished runs where a sweep has ended before its time; nothing where none is."""
+        if not self._finished():
+            return ""
+        return f"finished runs stand in {self._called}, the same call goes on from there"
+
+    def _finished(self) -> list[Path]:
+        return sorted(path for path in self.folder.glob("*") if PIECE.fullmatch(path.name))
+
+    def _is_own(self, path: Path) -> bool:
+        return bool(path == self._told or PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name))
+
+    def _name(self, first: int, content: bytes) -> str:
+        return f"{first:09d}-{hashlib.sha256(self._digest + content).hexdigest()}.npz"
+
+    def _read(self, path: Path) -> Table | None:
+        """A piece, or None where it is not what the sweep wrote there."""
+        try:
+            require_file(path)
+            content = path.read_bytes()
+        except (OSError, InputError):
+            return None
+        if path.name != self._name(int(path.name[:9]), content):
+            return None
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+
+
+def missing(tables: Iterable[Table], runs: int, size: int) -> list[range]:
+    """Which of so many runs are in none of the tables, in parts of a size at most."""
+    done = np.zeros(runs, dtype=bool)
+    for table in tables:
+        done[table["run"]] = True
+    places = np.flatnonzero(~done)
+    gaps = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else []
+    ends = [(int(gap[0]), int(gap[-1]) + 1) for gap in gaps]
+    return [range(first, min(first + size, end)) for begin, end in ends for first in range(begin, end, size)]
+
+
+def joined(tables: list[Table]) -> Table:
+    """The rows of all pieces, in the order of their runs."""
+    tables = sorted(tables, key=lambda table: int(table["run"][0]))
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def _saved(values: Any) -> np.ndarray[Any, Any]:
+    array = np.asarray(values)
+    return array.astype(str) if array.dtype == object else array
+
+
+PieceOf = TypeVar("PieceOf")
+Found = TypeVar("Found")
+WAITING_MOST = 1024  # pieces that an executor is given ahead: as many workers are kept busy
+LOOK_EVERY = 2.0  # s, between two looks at whether workers are left
+GONE_MOST = 60.0  # s, that all workers may be gone, as those are that are started anew
+
+#: What a worker runs, as text: one that lacks the package, or has another, cannot be sent a function of it, and must
+#: answer with what it lacks. The task is unpickled by the package, and not before it is known to be the same.
+WORKER = """
+def run(version, task):
+    import importlib, importlib.metadata, os, pickle, platform
+    worker = f"{platform.node()}, process {os.getpid()}"
+    try:
+        importlib.import_module("cogging")
+        own = importlib.metadata.version("cogging")
+    except Exception as error:
+        return "cannot import the package", f"{worker}: {type(error).__name__}: {error}"
+    if own != version:
+        return "has another version of the package", f"{worker}: {own}, where this is {version}"
+    function, piece = pickle.loads(task)
+    return "", function(piece)
+"""
+#: Runs it: of all that every worker has, `eval` alone takes a program and gives its value.
+CALL = "(exec(program, space), space['run'](version, task))[1]"
+
+
+def run_elsewhere(
+    function: Callable[[PieceOf], Found], pieces: Sequence[PieceOf], executor: Executor, stands: Callable[[], str]
+) -> Iterator[Found]:
+    """What a function of the package gives for each piece, as an executor's workers finish them.
+
+    Never more than a few pieces ahead are waiting there.
+
+    Args:
+        function: that can be pickled.
+        pieces: its arguments.
+        executor: whose workers run it.
+        stands: gives what to tell of finished work where the executor does not do its own, or nothing.
+
+    Raises:
+        InputError: the executor has died, no worker is left, or one lacks the package or has another version of it.
+    """
+    stop = StopFlag()
+    waiting: set[Future[Any]] = set()
+    left = iter(pieces)
+    seen = _Workers(executor)
+    try:
+        while True:
+            for piece in left:
+                waiting.add(_submitted(function, piece, executor, stop))
+                if len(waiting) >= WAITING_MOST:
+                    break
+            if not waiting:
+                return
+            done = wait(waiting, LOOK_EVERY, return_when=FIRST_COMPLETED).done
+            for future in sorted(done, key=_failed):  # those last
+                waiting.remove(future)
+                refused, found = future.result()
+                if refused:
+                    raise InputError(_told(executor, f"has a worker that {refused}: {found}", stands()))
+                yield found
+            if seen.gone(bool(done)):
+                raise InputError(_told(executor, f"has had no worker left for {GONE_MOST:g} s", stands()))
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(_told(executor, _died(error), stands())) from error
+    finally:
+        stop.set()
+        for future in waiting:
+            future.cancel()
+
+
+def _submitted(function: Callable[[Any], Any], piece: Any, executor: Executor, stop: StopFlag) -> Future[Any]:
+    if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can heed a flag
+        return executor.submit(_run_and_heed, function, piece, stop)
+    given = {
+        "program": WORKER,
+        "space": {},
+        "version": importlib.metadata.version("cogging"),
+        "task": pickle.dumps((function, piece)),
+        "call": uuid.uuid4().hex,  # Dask answers a call that equals an earlier one with what that gave, errors too
+    }
+    return executor.submit(eval, CALL, given)
+
+
+def _run_and_heed(function: Callable[[Any], Any], piece: Any, stop: StopFlag) -> tuple[str, Any]:
+    stop.heed()
+    return "", function(piece)
+
+
+def _failed(future: Future[Any]) -> bool:
+    return future.cancelled() or future.exception() is not None or bool(future.result()[0])
+
+
+class _Workers:
+    """Whether workers that were there are all gone: a task of Dask waits for a new one without an end."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._client = getattr(executor, "_client", None)  # of Dask's; it has no public name there
+        self._last = float("inf")  # when there was one; before the first, as in a queue, there is no end
+
+    def gone(self, worked: bool) -> bool:
+        """Whether there has been none for so long that there will be none; one that has just worked is there."""
+        if self._client is None or not hasattr(self._client, "nthreads"):
+            return False
+        try:
+            if worked or self._client.nthreads():
+                self._last = time.monotonic()
+        except Exception:  # what has happened to it, its futures tell
+            return False
+        return time.monotonic() - self._last > GONE_MOST
+
+
+def _died(error: Exception) -> str:
+    what = ": ".join(filter(None, (type(error).__name__, str(error))))
+    if isinstance(error, CancelledError):
+        return "has cancelled a piece, as one does that was closed or has lost its scheduler"
+    if isinstance(error, ImportError):
+        return f"has a worker that cannot import the package: {what}"
+    return f"{'has died' if isinstance(error, BrokenExecutor) else 'could not run a piece'}: {what}"
+
+
+def _told(executor: Executor, what: str, stands: str) -> str:
+    """One line about an executor that did not do its work."""
+    return f"executor: {type(executor).__name__} {' '.join(what.split())}" + (f"; {stands}" if stands else "")

@@ -1,21 +1,22 @@
-"""Sweep files: which runs are made, of which model, along which reference."""
+"""Sweep files: which runs are made, of which model, along which reference; and what they share with tune files."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from cogging.files import FieldError, read_text, read_toml
+from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
+from cogging.model.model import is_number
 from cogging.outputs import AnyPath
 from cogging.shown import nearest, quoted
-from cogging.simulation.job_file import files_of_job, require_keys, run_job
 from cogging.simulation.reductions import names_of, reduction
+from cogging.simulation.reference import files_of_reference
 from cogging.simulation.sweep import SweepRuns, sweep
-from cogging.simulation.sweep_points import BOUNDS, METHODS, require_numbers
-from cogging.simulation.sweep_points import KEYS as VARIATION
+from cogging.simulation.varied import BOUNDS, METHODS, require_numbers
+from cogging.simulation.varied import KEYS as VARIATION
 
 #: The keys of a sweep file: type and meaning.
 KEYS: dict[str, tuple[type, str]] = {
@@ -119,3 +120,54 @@ def _flat(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]
             yield from _flat(told, f"{before}{name}.")
         else:
             yield f"{before}{name}", told
+
+
+WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
+
+Result = TypeVar("Result")
+
+
+def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str]], needed: tuple[str, ...]) -> None:
+    """Refuse a document with another key, without one that is needed, or with one of another type.
+
+    Args:
+        document: of the file.
+        keys: type and meaning of each.
+        needed: those that must be given.
+
+    Raises:
+        FieldError: names field, rule and value.
+    """
+    refuse_unknown_keys(document, keys, "")
+    for key in needed:
+        if key not in document:
+            raise FieldError("", key, "must be given, got nothing")
+    for key, value in document.items():
+        kind = keys[key][0]
+        fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
+        if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == BOUNDS)):
+            what = f'{WORDS[kind]} or "{BOUNDS}"' if key == "vary" else WORDS[kind]
+            raise FieldError("", key, f"must be {what}, got {quoted(value)}")
+
+
+def files_of_job(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
+    """All that it reads: the file, its model, its reference and what that names."""
+    return [path, arguments["model"], *files_of_reference(arguments["reference"])]
+
+
+def run_job(
+    path: str | os.PathLike[str], work: Callable[..., Result], arguments: Mapping[str, Any], options: Mapping[str, Any]
+) -> Result:
+    """Call `work` with what the file gives and with further options.
+
+    Raises:
+        InputError: what only the work itself can find; names the file, and the line where it stands in it.
+    """
+    try:
+        return work(**{**arguments, **options})
+    except InputError:
+        raise
+    except FieldError as error:
+        raise error.in_file(path, read_text(path)) from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None

@@ -11,8 +11,7 @@ from cogging.design.drawn_machines import DRAWS_MAX
 from cogging.files import FieldError
 from cogging.memory import require_machines
 from cogging.model.intervals import Intervals
-from cogging.simulation.sweep_points import BOUNDS, Variation, variation_of
-from cogging.simulation.varied import SEED, Setup, refuse_unknown_paths, with_numbers
+from cogging.simulation.varied import BOUNDS, SEED, Setup, Variation, refuse_unknown_paths, variation_of, with_numbers
 
 
 class Machine(NamedTuple):

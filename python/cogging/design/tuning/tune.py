@@ -29,8 +29,7 @@ from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
-from cogging.simulation.sweep_points import BOUNDS
-from cogging.simulation.varied import Setup
+from cogging.simulation.varied import BOUNDS, Setup
 
 CHATTER = "command_chatter"  # what rms error is traded against where nothing else is asked for
 MOST = 1_000_000

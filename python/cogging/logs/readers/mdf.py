@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from cogging.files import InputError
-from cogging.logs.readers.formulas import Formulas
 from cogging.logs.readers.request import Request
 
 #: Conversions that make numbers of numbers, by the library's codes. Those of value ranges to texts may hold others.
@@ -17,6 +17,46 @@ FLOATS = (4, 5)  # data types of version 4
 VALUES_TO_TEXTS = {3: (11, 12), 4: (7, 8)}
 FORMULA = {3: 10, 4: 3}
 OF_TIME = (65535, 0)  # that the library applies to the time of version 2 and 3: none and linear
+
+
+class Formulas:
+    """Keep asammdf, imported after this was made, from evaluating texts of a file.
+
+    It hands formulas to numexpr and sympy, which run them as Python; its own texts are evaluated.
+
+    Attributes:
+        refused: texts that were not evaluated.
+    """
+
+    def __init__(self) -> None:
+        self.refused: list[str] = []
+        sys.modules["sympy"] = None  # type: ignore[assignment]  # so that importing it fails
+        try:
+            import numexpr
+        except ImportError:  # and asammdf says what it needs
+            return
+        evaluate, own = numexpr.evaluate, None
+
+        def guarded(text: str, *arguments: Any, **named: Any) -> Any:
+            nonlocal own
+            own = _own_texts() if own is None else own
+            if text not in own:
+                self.refused.append(str(text)[:60])
+                raise ValueError("a formula of a file is not evaluated")
+            named.setdefault("local_dict", sys._getframe(1).f_locals)
+            return evaluate(text, *arguments, **named)
+
+        numexpr.evaluate = guarded
+
+
+def _own_texts() -> set[str]:
+    """The library's own: rational and polynomial laws of the parameters that a file holds as numbers."""
+    from asammdf.blocks import v2_v3_constants, v4_constants
+
+    texts = set()
+    for constants in (v2_v3_constants, v4_constants):
+        texts |= {value for name, value in vars(constants).items() if "CONV" in name and name.endswith("_TEXT")}
+    return {text for text in texts if isinstance(text, str)}
 
 
 def _unit(channel: Any) -> str:

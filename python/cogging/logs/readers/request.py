@@ -8,9 +8,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cogging.files import InputError
-from cogging.logs.readers.limits import COLUMNS, numbers_most
 from cogging.shown import nearest, printable, shortened
 
+MIB = 1 << 20
+COLUMNS = 16384  # as many as a spreadsheet has
+SMALL = 256 * MIB  # bytes of numbers that a small file may ask for
+EXPANSION = 256  # bytes of numbers for each byte of a file: packed time that rises has never been seen beyond 50
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
 SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
 #: Spellings of units that need no conversion.
@@ -36,6 +39,11 @@ OTHER_UNITS = ("rpm", "%", "counts", "count", "inc", "g")
 SQUARED = ("s^2", "s2", "s²")
 SHOWN = 40  # columns that an error lists
 LONGEST = 80  # characters of a name in an error
+
+
+def numbers_most(size: int) -> int:
+    """Return the bytes of numbers, 8 each, that a file of so many bytes may ask for."""
+    return SMALL + EXPANSION * size
 
 
 @dataclass(frozen=True)

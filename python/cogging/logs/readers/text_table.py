@@ -14,9 +14,9 @@ from tqdm import tqdm
 from cogging._core import NumberReader, require_memory
 from cogging.arrays import FloatArray
 from cogging.files import InputError
-from cogging.logs.readers.limits import HEADER
 from cogging.logs.readers.request import Request, split_unit
 
+HEADER = 1 << 18  # bytes of a text table in which its header row must stand
 BLOCK = 1 << 22  # bytes read at once
 HEAD_LINES = 200
 ROWS_ALIKE = 3  # lines of as many numbers, one after the other, that are taken for a table's

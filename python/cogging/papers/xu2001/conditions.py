@@ -23,6 +23,14 @@ from cogging.papers.xu2001.setup import (
 #: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 4.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
 JOINT_FREE = (*PID_FREE, "adaptation_factor", "earlier_runs")
+#: Which numbers of Table 1 a fit takes: sets by controller.
+PID: Mapping[str, Sequence[str]] = {"PID": SETS}
+ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
+#: Which numbers take part in a held-out fit; the others are predicted.
+HELD_OUT: dict[str, Mapping[str, Sequence[str]]] = {
+    "set_2": {"PID": ("1", "3"), "ARC": ("1", "3")},
+    "arc_sets_2_3": {"PID": SETS, "ARC": ("1",)},
+}
 
 
 @dataclass(frozen=True)

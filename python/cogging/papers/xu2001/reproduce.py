@@ -12,8 +12,7 @@ from collections.abc import Callable
 from cogging._core import OutputFeedbackArc, Pid
 from cogging.model.controller import ListedController
 from cogging.papers.result import Reproduction
-from cogging.papers.xu2001.calibration import ALL
-from cogging.papers.xu2001.conditions import JOINT_FREE, PID_FREE, joint_conditions
+from cogging.papers.xu2001.conditions import ALL, JOINT_FREE, PID_FREE, joint_conditions
 from cogging.papers.xu2001.exploration import explore, explore_conditions
 from cogging.papers.xu2001.fast_motion import fast_motion_table, run_fast
 from cogging.papers.xu2001.figures import OF_SET, figure_errors, figure_fast, figure_increment, figure_reference

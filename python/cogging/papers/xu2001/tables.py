@@ -9,8 +9,7 @@ import numpy as np
 
 from cogging.logs.log import Log
 from cogging.papers.result import Row, Table
-from cogging.papers.xu2001.calibration import HELD_OUT, PID
-from cogging.papers.xu2001.conditions import JOINT_FREE, conditions_of, joint_conditions, shipped_file
+from cogging.papers.xu2001.conditions import HELD_OUT, JOINT_FREE, PID, conditions_of, joint_conditions, shipped_file
 from cogging.papers.xu2001.conditions_fit import FITTED, JOINT_LAW
 from cogging.papers.xu2001.setup import CONTROLLERS, INDEXES, SETS, TABLE_1, UNITS, indexes
 

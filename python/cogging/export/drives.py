@@ -1,0 +1,365 @@
+"""Maps in the forms that drives take: what each drive is known to do stands in drives.toml, what it is given here.
+
+A function of this module makes the file of one drive. Its options `scale`, `sign`, `zero`, `reverse` and `turn` are
+those of `drive_frame.frame_of`; all raise ValueError for what cannot be used.
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.export.drive_frame import Frame, frame_of, looked_at
+from cogging.export.drive_table import ALONE, Law, Rest, Table, misfits, table_of
+from cogging.export.forms import Exported
+from cogging.files import parse_toml
+from cogging.model.model import Model
+from cogging.model.units import Units
+from cogging.shown import quoted
+
+MOST_ENTRIES = 1 << 20
+SHOWN = 5  # periods that are listed
+#: The questions that drives.toml answers, in the order of the text, each with its key.
+QUESTIONS = {
+    "takes": "quantity",
+    "entries": "entries",
+    "one entry": "quantum",
+    "between entries": "between",
+    "sign": "sign",
+    "zero and direction": "zero",
+    "loaded by": "loading",
+    "source": "source",
+}
+SHEETS: dict[str, dict[str, Any]] = parse_toml(
+    importlib.resources.files("cogging.export").joinpath("drives.toml").read_text(encoding="utf-8")
+)
+
+# The drives -----------------------------------------------------------------------------------------------------------
+
+
+def csv(
+    model: Model, *, entries: int = 1000, over: str | None = None, between: str = "linear", **view: Any
+) -> Exported:
+    """Make a table of position and force, over the "travel", the "turn" or one "period"."""
+    unit = model.units.command
+    frame = frame_of(model, unit, **view)
+    if over is None:
+        over = "turn" if frame.turn > 0.0 else "travel" if frame.bounded else "period"
+    _require_word("over", over, ("travel", "turn", "period"))
+    _require_entries(entries)
+    if over == "travel":
+        low, high = _travel_of(frame)
+        law = Law(entries, low, high - low, False, between)
+    else:
+        span = _turn_of(frame, "this range") if over == "turn" else frame.pitch or float(frame.periods.max())
+        law = Law(entries, 0.0, span, True, between)
+    table = table_of(frame, law, quantum=None)
+    rows = [f"{place!r},{value!r}" for place, value in zip(law.places.tolist(), table.values.tolist(), strict=True)]
+    return _exported(model, "csv", table, unit, ["position,force", *rows])
+
+
+def akd(model: Model, *, entries: int = 8192, between: str = "linear", quantum: float = 0.001, **view: Any) -> Exported:
+    """Make the csv of Kollmorgen AKD's compensation table; on a linear axis it covers the travel."""
+    frame = frame_of(model, "A", **view)
+    _require_entries(entries, 8192)
+    notes = []
+    if frame.turn > 0.0:
+        law = Law(entries, 0.0, frame.turn, True, between)
+    else:
+        low, high = _travel_of(frame)
+        law = Law(entries, low, high - low, False, between)
+        ends = " and ".join(
+            f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in (("LOW", low), ("HIGH", high))
+        )
+        notes.append(f"set {ends}, in the drive's own unit")
+    table = table_of(frame, law, quantum=_require_positive("quantum", quantum))
+    return _exported(model, "akd", table, "A", [f"{value:.9g}" for value in table.values.tolist()], notes)
+
+
+def sinamics(model: Model, *, between: str = "hold", pole_pair_width: float | None = None, **view: Any) -> Exported:
+    """Make the parameters of Siemens SINAMICS; on a linear axis they cover the travel."""
+    turn, entries = view.get("turn"), 4096
+    rotary = turn > 0.0 if turn is not None else model.units.position == "rad"
+    unit = "Nm" if rotary else "N"
+    frame = frame_of(model, unit, **view)
+    if frame.turn > 0.0:
+        span, factor = frame.turn, 1.0
+    else:
+        low, high = _travel_of(frame)
+        width = pole_pair_width if pole_pair_width is not None else frame.pitch or high - low
+        # The table repeats, and its index 0 need not be where the travel begins: two entries beside the travel keep its
+        # ends apart.
+        span = (high - low) * entries / (entries - 2)
+        factor = span / _require_positive("pole_pair_width", width)
+    table = table_of(frame, Law(entries, 0.0, span, True, between))
+    rows = [f"p5260,{index},{_single(value)}" for index, value in enumerate(table.values.tolist())]
+    return _exported(model, "sinamics", table, unit, ["parameter,index,value", *rows], [f"set p5253 to {factor:.9g}"])
+
+
+def novanta(
+    model: Model,
+    *,
+    entries: int | None = None,
+    pole_pairs: int | None = None,
+    pole_pair_width: float | None = None,
+    between: str = "linear",
+    **view: Any,
+) -> Exported:
+    """Make the list of index and value of a Novanta Summit, over one electrical period."""
+    if entries is None:
+        raise ValueError("entries: must be given: as many as register 0x2307 of the drive has, got nothing")
+    frame = frame_of(model, "A", **view)
+    if frame.turn > 0.0:
+        if not isinstance(pole_pairs, int) or pole_pairs < 1:
+            rule = "must be a whole number of at least 1 on a rotary axis"
+            raise ValueError(f"pole_pairs: {rule}, got {pole_pairs or 'nothing'}")
+        span = frame.turn / pole_pairs
+    else:
+        width = frame.pitch if pole_pair_width is None else pole_pair_width
+        if width == 0.0 and pole_pair_width is None:
+            raise ValueError("pole_pair_width: must be given for a map of periods without a pitch, got nothing")
+        span = _require_positive("pole_pair_width", width)
+    table = table_of(frame, Law(_require_entries(entries), 0.0, span, True, between))
+    rows = [f"{index},{_single(value)}" for index, value in enumerate(table.values.tolist())]
+    return _exported(model, "novanta", table, "A", ["index,value", *rows], ["set 0x2306 to 1, then store all"])
+
+
+def odrive(model: Model, *, quantity: str = "torque", **view: Any) -> Exported:
+    """Make the array of an ODrive's map, of "torque" or "current"."""
+    _require_word("quantity", quantity, ("torque", "current"))
+    unit, entries = "Nm" if quantity == "torque" else "A", 3600
+    frame = frame_of(model, unit, **view)
+    table = table_of(frame, Law(entries, 0.0, _turn_of(frame, "the map of an ODrive"), True, "hold"))
+    head = [f"// ODrive 0.5 anticogging map, {unit}, entry i from i/{entries} of a turn on", "{"]
+    rows = [f"    {_single(value)}f," for value in table.values.tolist()]
+    return _exported(model, "odrive", table, unit, [*head, *rows, "}"])
+
+
+def moteus(model: Model, **view: Any) -> Exported:
+    """Make the lines that set the table of a moteus: whole numbers from -127 to 127 and their factor."""
+    frame = frame_of(model, "A", **view)
+    table = table_of(frame, Law(1024, 0.0, _turn_of(frame, "the table of a moteus"), True, "linear"), steps=127)
+    quantum = table.quantum or 1.0
+    whole = np.round(table.values / quantum).astype(int).tolist()
+    rows = [f"conf set motor.cogging_dq_comp.{index} {value}" for index, value in enumerate(whole)]
+    lines = [f"conf set motor.cogging_dq_scale {_single(quantum)}", *rows, "conf write"]
+    return _exported(model, "moteus", table, "A", lines)
+
+
+def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: Any) -> Exported:
+    """Make the objects of a Beckhoff AX8000: up to ten waves a turn, with "cosine" or "sine" phase, channel A or B."""
+    _require_word("wave", wave, ("cosine", "sine"))
+    _require_word("channel", channel, ("A", "B"))
+    frame = frame_of(model, "Nm", **view)
+    _turn_of(frame, "an AX8000 has coefficients for rotary motors alone (0x32D3 has none) and")
+    found = _waves_of(frame, wave)
+    kept = [*found[:COEFFICIENTS], *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(found))]
+    index = "32CB" if channel == "A" else "36CB"
+    lines = ["object,type,value", f"{index}:01,INT16,3", f"{index}:02,REAL32,1.0"]
+    for number, one in enumerate(kept):  # from subindex 7 on: n, phi and r of each
+        values = (("UINT32", str(one.times)), ("REAL32", _single(one.phase)), ("REAL32", _single(one.size)))
+        lines += [f"{index}:{7 + 3 * number + k:02X},{kind},{value}" for k, (kind, value) in enumerate(values)]
+    return _written("ax8000", lines, _summary_of_waves(model, frame, found, wave), [])
+
+
+# The waves of an AX8000 -----------------------------------------------------------------------------------------------
+
+COEFFICIENTS, MOST_A_TURN = 10, 200
+POINTS = 1 << 14  # at which a turn of the map is analysed
+SMALLEST = 1e-6  # of the largest wave: what is below is the analysis' own
+
+
+@dataclass(frozen=True)
+class Wave:
+    """One coefficient: r cos(n angle + phi), or sin.
+
+    Attributes:
+        times: n, a turn.
+        phase: phi, degrees, 0 to 360.
+        size: r, Nm.
+    """
+
+    times: int
+    phase: float
+    size: float
+
+
+def _waves_of(frame: Frame, wave: str) -> list[Wave]:
+    """Return the waves of the map a turn, largest first, as the drive keeps them."""
+    angle = np.arange(POINTS) / POINTS
+    wanted = frame.wanted(frame.axis_position(frame.turn * angle))
+    lines = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
+    sizes = np.abs(lines)
+    order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
+    phases = np.degrees(np.angle(lines)) + (90.0 if wave == "sine" else 0.0)
+    single = [(float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
+    return [Wave(n, phase, size) for n, (phase, size) in zip(order, single, strict=True)]
+
+
+def _torque_of(waves: list[Wave], wave: str, angle: FloatArray) -> FloatArray:
+    """Return what the drive adds, Nm, at angles in turns."""
+    shape = np.sin if wave == "sine" else np.cos
+    parts = [one.size * shape(2.0 * np.pi * one.times * angle + np.radians(one.phase)) for one in waves]
+    return np.sum(parts, axis=0) if parts else np.zeros(angle.shape)
+
+
+def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) -> str:
+    x, unit, gain = looked_at(frame, frame.turn), model.units.command, abs(frame.gain)
+    wanted, kept, more = frame.wanted(x), found[:COEFFICIENTS], found[COEFFICIENTS:]
+    left = wanted - _torque_of(kept, wave, frame.place(x) / frame.turn)
+    rest = Rest(float(np.sqrt(np.mean(wanted**2))) / gain, float(np.sqrt(np.mean(left**2))) / gain, 0.0, 0.0)
+    waves = ", ".join(f"{one.times}" for one in kept) or "none"
+    lines = [
+        f"{SHEETS['ax8000']['drive']}: {len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {waves}; "
+        f"{_frame_line(frame, model.units, 'Nm')}",
+        _removed_line(rest, unit),
+    ]
+    if more:
+        power = float(np.sqrt(0.5 * sum(one.size**2 for one in more))) / gain
+        listed = _listed([str(one.times) for one in more])
+        lines.append(f"cannot hold {power:.3g} {unit} rms: more than {COEFFICIENTS} waves: {listed}")
+    beyond = [f"{frame.turn / period:.0f}" for period in frame.periods if round(frame.turn / period) > MOST_A_TURN]
+    if beyond:
+        lines.append(f"cannot hold waves of more than {MOST_A_TURN} a turn: {', '.join(beyond[:SHOWN])}")
+    mean = float(wanted.mean()) / gain
+    if abs(mean) > 1e-3 * rest.cogging:
+        lines.append(f"cannot hold the mean, {mean:.3g} {unit}")
+    return "\n".join([*lines, *_assumptions(frame, model.units, "Nm", "ax8000")])
+
+
+# What all drives share ------------------------------------------------------------------------------------------------
+
+
+def _exported(
+    model: Model, name: str, table: Table, unit: str, lines: Iterable[str], notes: Iterable[str] = ()
+) -> Exported:
+    """Return the file of a table, the text beside it and the summary.
+
+    Args:
+        model: that it was made of.
+        name: of the form.
+        table: as the drive keeps it.
+        unit: of an entry.
+        lines: of the file.
+        notes: what to set in the drive beside the table, a line each.
+    """
+    law, frame, units, rest = table.law, table.frame, model.units, table.rest
+    bits = f"{53 if table.quantum is None else 24}-bit numbers in {unit}"
+    entry = f"steps of {table.quantum:.6g} {unit}" if table.quantum else bits
+    size = max(abs(float(table.values.max())), abs(float(table.values.min())))
+    said = [
+        f"{SHEETS[name]['drive']}: {law.entries} entries, {entry}, largest {size:.6g} {unit}",
+        f"over {law.span:.6g} {units.position} of the drive's own position, from {law.start:.6g}, "
+        f"{'repeated' if law.wraps else 'nothing outside'}; {_frame_line(frame, units, unit)}",
+        _removed_line(rest, units.command),
+    ]
+    if rest.span > ALONE * rest.cogging and law.wraps:
+        why = []
+        if found := misfits(frame, law.span):
+            periods = _listed([f"{period:.5g}" for period in found])
+            why.append(f"periods that do not go into {law.span:.5g} {units.position}: {periods}")
+        if frame.modulated:
+            why.append("amplitudes that change along the travel")
+        said.append(f"cannot hold {rest.span:.3g} {units.command} rms: {'; '.join(why) or 'other spans differ'}")
+    if rest.entries > ALONE * rest.cogging:
+        said.append(f"leaves {rest.entries:.3g} {units.command} rms between its entries and in their last digit")
+    return _written(name, lines, "\n".join([*said, *_assumptions(frame, units, unit, name)]), list(notes))
+
+
+def _written(name: str, lines: Iterable[str], said: str, notes: list[str]) -> Exported:
+    beside = "\n".join([sheet_text(name), "", "This file:", *notes, said, ""])
+    return Exported(("\n".join(lines) + "\n").encode(), "\n".join([said, *notes]), {".txt": beside.encode()})
+
+
+def _removed_line(rest: Rest, unit: str) -> str:
+    share = f"{100.0 * rest.removed:.5g} % of the cogging's rms"
+    return f"removes {share}, {rest.cogging:.4g} {unit} to {rest.left:.3g} {unit}, if the drive reads it so"
+
+
+def _assumptions(frame: Frame, units: Units, unit: str, name: str) -> list[str]:
+    """Return what of the model is in no map of cogging, and what no source tells of the drive and the model's unit."""
+    left = [f"not in it, as no cogging: {', '.join(frame.left_out)}"] if frame.left_out else []
+    own = [] if frame.scale_said else [f"1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)"]
+    return [*left, *(f"assumed: {one}" for one in (*own, *SHEETS[name]["assumed"]))]
+
+
+def _frame_line(frame: Frame, units: Units, unit: str) -> str:
+    """Return zero, direction, sign and scale."""
+    way = "counts as the model does" if frame.direction > 0 else "counts and pushes the other way"
+    sign = "adds the entry to its command" if frame.sign > 0 else "takes the entry off its command"
+    scale = f", {frame.scale:.6g} {unit} per {units.command}" if frame.scale != 1.0 or unit != units.command else ""
+    return f"its zero at {frame.zero:.6g} {units.position}, it {way} and {sign}{scale}"
+
+
+def _listed(words: list[str]) -> str:
+    return ", ".join(words[:SHOWN]) + ", ..." * (len(words) > SHOWN)
+
+
+def _single(value: float) -> str:
+    """Return a number of 24 bits in as few digits as restore it."""
+    return str(np.float32(value))
+
+
+def _require_word(name: str, value: str, words: tuple[str, ...]) -> None:
+    if value not in words:
+        raise ValueError(f"{name}: must be one of {', '.join(words)}, got {quoted(value)}")
+
+
+def _require_entries(entries: int, most: int = MOST_ENTRIES) -> int:
+    if not isinstance(entries, int) or not 2 <= entries <= most:
+        raise ValueError(f"entries: must be a whole number from 2 to {most}, got {quoted(entries)}")
+    return entries
+
+
+def _require_positive(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name}: must be finite and above 0, got {quoted(value)}")
+    return value
+
+
+def _turn_of(frame: Frame, drive: str) -> float:
+    """Return the turn, for a drive whose table covers a revolution."""
+    if frame.turn == 0.0:
+        raise ValueError(f"turn: must be given: {drive} covers one revolution, got a linear axis")
+    return frame.turn
+
+
+def _travel_of(frame: Frame) -> tuple[float, float]:
+    """Return the ends of the motion at the drive's own position."""
+    if not frame.bounded:
+        rule = "must have two finite ends where a table covers the travel of a linear axis (or give turn)"
+        raise ValueError(f"axis.travel: {rule}, got [{frame.low:g}, {frame.high:g}]")
+    low, high = np.sort(frame.place(np.array([frame.low, frame.high])))
+    return float(low), float(high)
+
+
+# The sheets -----------------------------------------------------------------------------------------------------------
+
+
+def sheet_text(name: str) -> str:
+    """Return what is known of a drive, in lines."""
+    sheet = SHEETS[name]
+    lines = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
+    return "\n".join([sheet["drive"], *lines, *(f"{'assumed:':20s}{one}" for one in sheet["assumed"])])
+
+
+def markdown() -> str:
+    """Return the sheets of all drives, as docs/export.md shows them."""
+    lines = ["| `--to` | drive | takes | entries | between entries |", "|---|---|---|---|---|"]
+    for name, sheet in SHEETS.items():
+        lines.append(f"| `{name}` | {sheet['drive']} | {sheet['quantity']} | {sheet['entries']} | {sheet['between']} |")
+    for sheet in SHEETS.values():
+        rows = [f"| {title} | {sheet[key]} |" for title, key in QUESTIONS.items()]
+        rows += [f"| assumed | {one} |" for one in sheet["assumed"]]
+        lines += ["", f"### {sheet['drive']}", "", "| | |", "|---|---|", *rows]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(markdown())
