@@ -9,11 +9,8 @@ import pytest
 # Before numpy is imported: threads of the linear algebra that spin on two busy cores cost more than they bring.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-
 from cogging import outputs
-from cogging.diagnosis.evidence.null import fit_null
 from tests.fixtures.browser import browser  # noqa: F401 - a fixture, of which there can be one in a process
-from tests.fixtures.moving_axis import machine, record
 
 TESTS = Path(__file__).parent
 outputs.synced = False  # thousands of files that no power failure matters to
@@ -26,13 +23,6 @@ def pytest_configure():
         number = getattr(signal, name, None)  # not every system has all
         if number is not None and signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, answer)
-
-
-@pytest.fixture(scope="session")
-def quiet_evidence():
-    """Evidence of a log in which nothing is hidden."""
-    nominal = machine()
-    return fit_null([record(nominal, 3)], nominal)[1]
 
 
 #: Folders and files that `-m "not slow"` leaves out: whole studies, processes, compilers, fits of many runs.

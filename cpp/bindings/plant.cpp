@@ -153,6 +153,8 @@ void bind_plant(py::module_& module) {
                                "their fields.");
   bind_parameters<Travel>(submodule, "Travel",
                           "The ends of the travel, of the plant where not given; the field's name.");
+  bind_parameters<Place>(submodule, "Place", "A stretch of the travel about a place; the names of its fields.");
+  bind_parameters<Turn>(submodule, "Turn", "A wave of exactly one turn of a rotary axis; the field's name.");
   bind_own_effect(submodule);
   py::dict effects;
   bind_effects(submodule, effects, static_cast<const Effect<>*>(nullptr));

@@ -26,6 +26,7 @@ enum class Quantity {
   stiffness,                   // V/m: the Coulomb level over length of the travel
   position,                    // m: a place, 0 = lower end and 1 = upper end of the travel
   distance,                    // m: length of the travel
+  angle,                       // rad: one turn, 2 pi
   velocity,                    // m/s: largest speed
   time,                        // s: duration
   sample_time,                 // s: between two samples
@@ -50,6 +51,7 @@ constexpr std::string_view to_string(Quantity quantity) {
                                         "stiffness",
                                         "position",
                                         "distance",
+                                        "angle",
                                         "velocity",
                                         "time",
                                         "sample_time",

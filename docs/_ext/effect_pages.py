@@ -14,7 +14,7 @@ from law_formula import formula
 from small_machine import MOTIONS
 
 import cogging
-from cogging.diagnosis.candidates.sizes import is_sought
+from cogging.diagnosis.detection_limits import is_sought
 from cogging.effects.effect import VOCABULARY, Effect
 
 #: What each hook of the core acts on, in words, and what its law gives.

@@ -7,31 +7,27 @@ which it makes a stated share of the command, and acts on one small machine alon
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from coordinates import Place, places
-from small_machine import MOTIONS, REST, left_by, machine, motion
+from small_machine import MOTIONS, RATE, left_by, machine, motion
 
 import cogging
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.diagnosis.candidates.findings import Finding, judged
-from cogging.diagnosis.candidates.scan import begun, sharpen
-from cogging.diagnosis.candidates.signatures import Candidate, place
-from cogging.diagnosis.candidates.sizes import Size, directions, is_share, is_sought, likely_shapes, range_of, size_of
-from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.diagnosis.evidence.null import nuisances
-from cogging.diagnosis.experiment.observation import as_residual, evidence_of, looked_for
-from cogging.diagnosis.thresholds import LIMIT
-from cogging.effects.effect import VOCABULARY, Effect, Knots, kind_of
+from cogging.diagnosis.balance.candidates import search_once
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.diagnosis.detection_limits import size_of
+from cogging.effects.effect import VOCABULARY, Effect, Knots, SplineKnots, Window, kind_of
 
 SECONDS_DRAWN = 24.0  # of that of a figure: so long that each place is passed at many times and speeds
 SHARE = 0.05  # of the rms command: what the effect of a figure makes
 SMALLEST = 1e-6  # of the strongest size: where the search for the size begins
-NODES = 6  # of a list along the travel of which a search makes none
-HOPE = 0.03  # share from which a better shape is looked for
+NODES = 6  # of a list along the travel
+BEHIND = 0.2  # of the mass, where a share of it is behind a contact or a spring
 TRIES = 12  # until the size is found, or the largest that the machine bears
 CLOSE_ENOUGH = 0.02  # of that share
 SEPARATES = 0.5  # share that a coordinate has to explain; below it the residual is drawn over time, close up
@@ -82,13 +78,17 @@ def signature(law: Effect) -> Signature:
 def _confused(effect: Effect, name: str) -> Confusion:
     """What else explains what an effect leaves along a motion."""
     model = machine()
-    truth = model.replace(effects=(effect,))
-    log = cogging.simulate(truth, motion(name), seed=1)
-    evidence, signal = evidence_of(log, model, nuisances(model), REST, truth)
-    seen = as_residual(evidence, signal)
-    left = max(float(seen.free_residual @ seen.free_residual), 1e-300)
-    shares = {other: _explained(seen, VOCABULARY[other], effect, left) for other in VOCABULARY if other != effect.NAME}
-    retuned = 1.0 - left / max(float(signal @ signal), 1e-300)
+    log = cogging.simulate(model.replace(effects=(effect,)), motion(name), seed=1)
+    balance = ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution)
+    evidence = Evidence([balance], model, model).prepare(2, listen=True)
+    root, _, free = evidence.basis
+    left = max(float(free @ free), 1e-300)
+    found = search_once(evidence, {})
+    most = max([one.T for one in found], default=0.0) or 1.0  # what can be explained at all: noise cannot
+    seen = {one.name: min(1.0, one.T / most) for one in found}
+    shares = {other: float(seen.get(other, 0.0)) for other in VOCABULARY if other != effect.NAME}
+    whole = evidence.screen.r * root
+    retuned = max(0.0, 1.0 - left / max(float(whole @ whole), left))
     return Confusion(retuned, tuple(sorted(shares.items(), key=lambda item: -item[1])))
 
 
@@ -97,20 +97,21 @@ def _sized(law: Effect) -> Effect:
     model, course, size = machine(), motion(list(MOTIONS)[-1], SECONDS_DRAWN), size_of(law)
     assert size is not None, law.NAME
     empty = cogging.simulate(model, course, seed=1)
-    evidence, _ = evidence_of(empty, model, nuisances(model), REST, model)
-    candidate = _middle(evidence, law)
     goal = SHARE * float(np.sqrt(np.mean(empty.command**2)))
-    weak, strong = range_of(evidence, law, size)
-    weak = weak or SMALLEST * strong
-    value = float(np.sqrt(weak * strong))
+    role, scales = law.ROLES[size.field], _scales(empty)
+    weak, strong = (float(role[end]) * scales.get(role["quantity"], 1.0) for end in ("low", "high"))
+    weak, strong = (max(weak, SMALLEST * strong), strong) if size.grows else (strong, weak)
+    if role["role"] == "amplitude":
+        weak = SMALLEST * strong
+    fields, value = _middle(law, scales, size.field), float(np.sqrt(weak * strong))
     for _ in range(TRIES):
-        left = _rms_left(_at(candidate, size, value), course)
+        left = _rms_left(_at(law, fields, size.field, value), course)
         if abs(left / goal - 1.0) < CLOSE_ENOUGH:
-            return _at(candidate, size, value)
+            return _at(law, fields, size.field, value)
         weak, strong = (weak, value) if left > goal else (value, strong)
         guess = value * (goal / left if size.grows else left / goal) if 0.0 < left < np.inf else 0.0
         value = guess if min(weak, strong) < guess < max(weak, strong) else float(np.sqrt(weak * strong))
-    return _at(candidate, size, weak)
+    return _at(law, fields, size.field, weak)
 
 
 def _rms_left(effect: Effect, course: Any) -> float:
@@ -122,46 +123,48 @@ def _rms_left(effect: Effect, course: Any) -> float:
     return float(np.sqrt(np.mean(residual**2)))
 
 
-def _middle(evidence: Evidence, law: Effect) -> Candidate:
-    """The effect in the middle of the shapes at which it may hide; lists of which a search makes none, along x."""
-    if is_sought(law):
-        shapes, _ = likely_shapes(evidence, law)
-        return shapes[len(shapes) // 2]
-    knots = kind_of(law, Knots)
-    assert knots is not None, law.NAME
-    nodes = [float(value) for value in np.linspace(*place(evidence), NODES)]
-    columns = tuple((knots.levels, i) for i in range(NODES))
-    return Candidate(law, {knots.nodes: nodes}, columns, (1.0,) * NODES)
+def _scales(log: cogging.Log) -> dict[str, float]:
+    """What ranges of a search are multiples of, on the small machine."""
+    travel, speed = float(np.ptp(log.position)), float(np.abs(np.gradient(log.position, log.time)).max())
+    force, axis = float(np.abs(log.command).max()), machine().axis
+    known = {"position": travel, "distance": travel, "velocity": speed, "time": float(log.time[-1]), "force": force}
+    known |= {"command": force, "friction": axis.coulomb, "sample_time": 1.0 / RATE, "frequency": 0.5 * RATE}
+    known |= {"force_per_position": force / travel, "force_per_velocity": force / speed}
+    return known | {"force_per_velocity_squared": force / speed**2, "stiffness": axis.coulomb / travel, "angle": 6.28}
 
 
-def _at(candidate: Candidate, size: Size, value: float) -> Effect:
-    """The effect of this size."""
-    if not size.made_by_shape:
-        return candidate.effect([float(part) for part in value * directions(candidate)[0]])
-    shares = {
-        field: LIMIT.share_behind
-        for field, role in candidate.law.ROLES.items()
-        if role["role"] == "shape" and is_share(role) and field != size.field
-    }
-    return replace(candidate, shape={**candidate.shape, **shares, size.field: value}).effect()
+def _middle(law: Effect, scales: Mapping[str, float], sized: str) -> dict[str, Any]:
+    """The fields of an effect beside its size: each shape in the middle of its range, lists along the travel."""
+    fields: dict[str, Any] = {}
+    for field, role in law.ROLES.items():
+        if role["role"] != "shape" or field == sized or isinstance(getattr(law, field), list):
+            continue
+        low, high = float(role["low"]), float(role["high"])
+        value = np.sqrt(low * high) if role["logarithmic"] and low > 0.0 else 0.5 * (low + high)
+        fields[field] = float(value * scales.get(role["quantity"], 1.0))
+        if role["quantity"] == "relative" and role["neutral"] == 0.0:
+            fields[field] = BEHIND
+    window, knots, spline = kind_of(law, Window), kind_of(law, Knots), kind_of(law, SplineKnots)
+    if window is not None:
+        fields |= {window.start: 0.3 * scales["time"], window.stop: 0.6 * scales["time"]}
+    if knots is not None:
+        fields[knots.nodes] = np.linspace(0.0, machine().axis.travel[1], NODES).tolist()
+    if spline is not None:
+        fields |= {spline.pitch: machine().axis.travel[1] / (NODES - 2), spline.order: 3, spline.origin: 0.0}
+    return fields
 
 
-def _explained(seen: Evidence, other: Effect, effect: Effect, left: float) -> float:
-    """Share of what an effect leaves after re-tuning that another explains at its best shape and size."""
-    if not is_sought(other):
-        return 0.0
-    findings = judged(seen, looked_for(seen, other, effect), 1.0)
-    if not findings:
-        return 0.0
-    best = max(findings, key=lambda finding: finding.score)
-    if not best.candidate.amplitudes:
-        known = judged(seen, [begun(best)], 1.0, exact=True)
-        best = known[0] if known else best
-    share = _share(best, left)
-    return _share(sharpen(seen, best), left) if share > HOPE else share
-
-
-def _share(finding: Finding, left: float) -> float:
-    """Of the power that was left, what a finding explains."""
-    explained = finding.test.explained
-    return float(min(1.0, explained @ explained / left))
+def _at(law: Effect, fields: Mapping[str, Any], sized: str, value: float) -> Effect:
+    """The effect of this size; lists go up and down along the travel."""
+    told = dict(fields)
+    pattern = np.cos(np.pi * np.arange(NODES)) * np.linspace(0.5, 1.0, NODES)
+    for field, role in law.ROLES.items():
+        listed = isinstance(getattr(law, field), list)
+        if role["role"] == "amplitude":
+            of_first_knots = not listed or field == sized or kind_of(law, SplineKnots) is not None
+            size = value if field == sized else 0.0
+            if of_first_knots:
+                told[field] = (size * pattern).tolist() if listed else size
+    return law.replace(
+        **told if sized in law.ROLES and law.ROLES[sized]["role"] == "amplitude" else {**told, sized: value}
+    )

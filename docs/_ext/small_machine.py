@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import cogging
 from cogging.arrays import FloatArray
-from cogging.diagnosis.evidence.null import sources_of
-from cogging.diagnosis.experiment.limits import MotionLimits
-from cogging.diagnosis.experiment.motion import KINDS, Element, Track
+from cogging.design.experiment.limits import MotionLimits
+from cogging.design.experiment.motion import SURVEY, Element, planned
 from cogging.effects.effect import Effect
+from cogging.estimation.innovations import Innovations
 from cogging.model.model import Model
 
 SECONDS = 6.0  # of the motions
 RATE = 1000.0  # Hz
 REST = 0.005  # m/s, below which rows do not count
-#: The motions, by what they are called: of the dictionary of `cogging experiment`.
+#: The motions, by what they are called: of the kinds of `cogging experiment`.
 MOTIONS = {
-    "even strokes": Element("strokes", {"reach": 1.0, "speed": 1.0}),
+    "even strokes": replace(SURVEY, parameters={**SURVEY.parameters, "speeds": 1.0}),
     "random moves": Element("random_moves", {"seed": 1.0, "slowest": 0.2}),
 }
 LIMITS = MotionLimits(travel=(0.0, 0.5), velocity=0.5, acceleration=10.0, jerk=1000.0, duration=SECONDS)
@@ -41,17 +42,14 @@ def machine() -> Model:
 
 def motion(name: str, seconds: float = SECONDS) -> Any:
     """One of MOTIONS."""
-    element = MOTIONS[name]
-    track = Track(LIMITS, RATE, seconds)
-    KINDS[element.kind](track, element.parameters)
-    return track.motion()
+    return planned([MOTIONS[name]], replace(LIMITS, duration=seconds), RATE)
 
 
 def left_by(effect: Effect, course: Any) -> tuple[FloatArray, dict[str, FloatArray]]:
     """What the model without the effect does not foresee, V, and where, in rows in motion; no noise, no encoder."""
     model = machine().replace(noise=cogging.NoiseParameters(), encoder=cogging.EncoderParameters())
     log = cogging.simulate(model.replace(effects=(effect,)), course)
-    source = sources_of([log], model, rest=REST, quick=True)[0]
+    source = Innovations(log, model, rest=REST, quick_starts=True)
     kept, velocity = source.mask > 0, source.along.velocity
     rows = {"time": log.time, "position": log.position, "velocity": velocity}
     rows |= {"acceleration": np.gradient(velocity, log.time), "command": log.command}

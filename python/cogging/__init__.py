@@ -1,169 +1,44 @@
-"""Cogging of permanent-magnet linear motors: simulate, control and identify the axis."""
+"""Cogging of permanent-magnet linear motors: simulate, control and identify the axis.
 
-import importlib.metadata
+A name is imported when it is first asked for; `__init__.pyi` lists all of them and where they stand.
+"""
 
-from cogging import effects, export, plot
+import ast
+import importlib.util
+import sys
+
 from cogging._core import controllers as _controllers
 from cogging._core import references as _references
 from cogging._core.controllers import *  # noqa: F403  (the lists stand in the core alone)
 from cogging._core.references import *  # noqa: F403
-from cogging._core import (
-    CONTROLLERS,
-    EFFECTS,
-    REFERENCES,
-    AxisParameters,
-    BSpline,
-    CoggingModel,
-    CompiledController,
-    ControllerError,
-    DivergedError,
-    EncoderParameters,
-    NoiseParameters,
-    Performance,
-    Plant,
-    Reference,
-    SplineHarmonics,
-    cogging_slope_max,
-    desired_compensation_condition,
-    desired_compensation_matrix,
-    friction_slope_max,
-    performance,
-    project,
-    replay_controller,
-)
 from cogging.core_values import as_values
-from cogging.log_check.audit import Audit, audit
-from cogging.log_check.unit_check import check_against_model
-from cogging.design.bounds import Bounds
-from cogging.log_check.controller import ControllerCheck, check_controller
-from cogging.log_check.recovery import RecoveredController, recover_controller
-from cogging.diagnosis.result import Diagnosis
-from cogging.diagnosis.location import Location
-from cogging.diagnosis.diagnose import diagnose
-from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
-from cogging.diagnosis.experiment.limits import MotionLimits
-from cogging.diagnosis.experiment.plan import plan_experiment
-from cogging.diagnosis.locate import locate_gap
-from cogging.cpp_library import get_cmake_dir, get_include
-from cogging.design.predicted_error import ErrorPrediction
-from cogging.design.error_prediction import predict_error
-from cogging.files import InputError
-from cogging.first_model.draft import draft_model
-from cogging.first_model.model_draft import ModelDraft
-from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
-from cogging.friction.law import FrictionParameter
-from cogging.design.pid import pid_gains, pid_poles
-from cogging.identification.result import Identification
-from cogging.identification.identify import identify
-from cogging.logs.log import Log, read_log
-from cogging.mapping.fit import fit_map
-from cogging.mapping.result import MapFit
-from cogging.model.controller import Controller, ReferencePoint
-from cogging.model.model import Model
-from cogging.model.units import Units
-from cogging.design.tuning.tune import tune
-from cogging.design.tuning.tuning import Tuning
-from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
-from cogging.papers.reproduction import compare
-from cogging.papers.reproduction import reproduce
-from cogging.model.parameters import parameters_of
-from cogging.simulation.batch import Batch, closed_loop_batch
-from cogging.simulation.closed_loop import closed_loop
-from cogging.simulation.reference import read_reference
-from cogging.simulation.sweep import SweepRuns, sweep
-from cogging.file_schema import schema
-from cogging.simulation.run import repeat, simulate
-from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 
-as_values()
-__version__ = importlib.metadata.version("cogging")
-
+with open(f"{__file__}i", encoding="utf-8") as _file:
+    _STUB = ast.parse(_file.read())
+_HOMES = {
+    alias.name: str(node.module) for node in _STUB.body if isinstance(node, ast.ImportFrom) for alias in node.names
+}
 __all__ = [
-    "CONTROLLERS",
-    "EFFECTS",
-    "REFERENCES",
-    "Audit",
-    "AxisParameters",
-    "BSpline",
-    "Batch",
-    "Bounds",
-    "CoggingModel",
-    "CompiledController",
-    "Controller",
-    "ControllerCheck",
-    "ControllerError",
-    "Diagnosis",
-    "DivergedError",
-    "EncoderParameters",
-    "ErrorPrediction",
-    "ExperimentPlan",
-    "FrictionCurve",
-    "FrictionModel",
-    "FrictionParameter",
-    "Identification",
-    "InputError",
-    "Location",
-    "Log",
-    "MapFit",
-    "Model",
-    "ModelDraft",
-    "MotionLimits",
-    "NoiseParameters",
-    "ObserverDesign",
-    "ObserverProblem",
-    "Performance",
-    "Plant",
-    "RecoveredController",
-    "Reference",
-    "ReferencePoint",
-    "SplineHarmonics",
-    "SweepRuns",
-    "TrackingSpectrum",
-    "Tuning",
-    "Units",
-    "audit",
-    "check_against_model",
-    "check_controller",
-    "closed_loop",
-    "closed_loop_batch",
-    "cogging_slope_max",
-    "compare",
-    "design_observer",
-    "desired_compensation_condition",
-    "desired_compensation_matrix",
-    "diagnose",
-    "draft_model",
-    "effects",
-    "export",
-    "fit_friction_curve",
-    "fit_map",
-    "friction_slope_max",
-    "get_cmake_dir",
-    "get_include",
-    "identify",
-    "locate_gap",
-    "parameters_of",
-    "performance",
-    "pid_gains",
-    "pid_poles",
-    "plan_experiment",
-    "plot",
-    "predict_error",
-    "project",
-    "read_log",
-    "read_reference",
-    "recover_controller",
-    "repeat",
-    "replay_controller",
-    "reproduce",
-    "schema",
-    "simulate",
-    "sweep",
-    "tracking_spectrum",
-    "tune",
+    *next(ast.literal_eval(node.value) for node in _STUB.body if isinstance(node, ast.Assign)),
+    *_controllers.__all__,
+    *_references.__all__,
 ]
-__all__ += _controllers.__all__
-__all__ += _references.__all__
+as_values()
+
+
+def __getattr__(name: str) -> object:
+    """A public name, a module of the package or its version, imported now."""
+    home = _HOMES.get(name, "cogging")
+    if home != "cogging":
+        value = getattr(importlib.import_module(home), name)
+    elif name == "__version__":
+        value = importlib.import_module("importlib.metadata").version("cogging")
+    elif not name.startswith("__") and importlib.util.find_spec(f"cogging.{name}"):
+        value = importlib.import_module(f"cogging.{name}")
+    else:
+        raise AttributeError(f"module 'cogging' has no attribute {name!r}", name=name, obj=sys.modules[__name__])
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -5,8 +5,10 @@
 Machines with one hidden effect, by the simulator of the blind suite, are drawn until M of their logs are ambiguous: the
 right name has alternatives. `plan_experiment` then proposes 20 s of motion; the machine runs it, the given motion once
 more for as long, and random motion for as long, each with noise of its own; each new log is diagnosed together with
-the old one. A case is settled where the right name stands alone. DIR/cases.jsonl holds what came out, case by case: a
-second call with the same seed goes on where the first ended.
+the old one. A case is settled where the right name stands alone. The proposal is worth its while where it settles at
+least twice as many as a repetition. What was promised (how often the right one is the likelier) stands beside how
+often the right name came first of the pair. DIR/cases.jsonl holds what came out, case by case: a second call with the
+same seed goes on where the first ended.
 """
 
 from __future__ import annotations
@@ -87,6 +89,7 @@ def told(result: cogging.Diagnosis, name: str) -> dict[str, Any]:
         "verdict": result.verdict,
         "names": names,
         "settled": names == [[name]],
+        "first": any(group[0] == name for group in names),
         "held": any(name in group for group in names),
         "wrong": bool(names) and not any(name in group for group in names),
     }
@@ -110,7 +113,7 @@ def ask(seed: int, index: int) -> dict[str, Any] | None:
     limits = cogging.MotionLimits(machine.velocity, machine.acceleration, SECONDS, command=3.0 * machine.peak)
     begun = time.perf_counter()
     try:
-        plan = cogging.plan_experiment(model, limits, result=first, seed=index)
+        plan = cogging.plan_experiment(model, limits, result=first, logs=[old], seed=index)
     except ValueError as error:
         return {"name": name, "ratio": ratio, "before": told(first, name), "refused": str(error)}
     answer: dict[str, Any] = {
@@ -125,12 +128,9 @@ def ask(seed: int, index: int) -> dict[str, Any] | None:
     for number, (arm, motion) in enumerate(motions(case, plan, seed + index).items()):
         try:
             log = record(case, motion, moments, [seed, index, number])
-            planned = plan if arm == "proposed" else None
-            result = cogging.diagnose([old, log], model, planned=planned)
+            answer[arm] = told(cogging.diagnose([old, log], model), name)
         except ArithmeticError as error:
-            answer[arm] = {"error": str(error), "settled": False, "held": False, "wrong": False}
-            continue
-        answer[arm] = told(result, name) | {"outcomes": [vars(outcome) for outcome in result.planned]}
+            answer[arm] = dict.fromkeys(("settled", "first", "held", "wrong"), False) | {"error": str(error)}
     return answer
 
 
@@ -138,13 +138,17 @@ def table(answers: list[dict[str, Any]]) -> str:
     """The table of what was settled."""
     run = [answer for answer in answers if "refused" not in answer]
     lines = [f"{len(answers)} ambiguous cases, {len(run)} with a proposed motion of {SECONDS:g} s"]
-    lines.append(f"{'new motion':<12}{'settled':>9}{'right among':>13}{'wrong':>7}")
-    for arm in ARMS:
-        counts = [sum(answer[arm][key] for answer in run) for key in ("settled", "held", "wrong")]
-        lines.append(f"{arm:<12}{counts[0]:>9}{counts[1]:>13}{counts[2]:>7}")
-    outcomes = [one for answer in run for one in answer["proposed"].get("outcomes", []) if one["came_true"] is not None]
-    lines.append(f"expectations that came true: {sum(one['came_true'] for one in outcomes)} of {len(outcomes)}")
+    lines.append(f"{'new motion':<12}{'settled':>9}{'right first':>13}{'right among':>13}{'wrong':>7}")
+    counts = {arm: [sum(one[arm][key] for one in run) for key in ("settled", "first", "held", "wrong")] for arm in ARMS}
+    lines += [f"{arm:<12}{a:>9}{b:>13}{c:>13}{d:>7}" for arm, (a, b, c, d) in counts.items()]
     if run:
+        promised = [min((one["expected"] or 0.0 for one in answer["expected"]), default=0.0) for answer in run]
+        came = counts["proposed"][1] / len(run)
+        lines.append(
+            f"promised: the right one likelier in {np.mean(promised):.0%}; the right name came first in {came:.0%}"
+        )
+        enough = counts["proposed"][0] >= 2 * counts["repeated"][0]
+        lines.append(f"at least twice as many as a repetition: {'yes' if enough else 'no'}")
         lines.append(f"seconds a plan: median {np.median([answer['seconds'] for answer in run]):.0f}")
     for answer in run:
         marks = " ".join(f"{arm} {'settled' if answer[arm]['settled'] else answer[arm]['names']}" for arm in ARMS)

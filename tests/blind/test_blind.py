@@ -15,6 +15,7 @@ from scipy.stats import binomtest
 import cogging
 from tests.blind import benchmark, truth
 from tests.blind.cases import LAMBDAS, TOLERANCE, Specification, draw_case
+from tests.blind.large.effects import EFFECTS as IN_THE_LARGE
 from tests.blind.machines import NULL_FAMILIES, draw_machine
 from tests.blind.motions import move, play, rest, sine
 from tests.blind.naive import diagnose_naively
@@ -65,8 +66,8 @@ def test_drawing_a_suite_never_loads_the_package():
 
 
 def test_every_effect_of_the_vocabulary_is_in_the_bed():
-    known = set(VOCABULARY) | set(CHANGES)
-    assert len(known) == 26
+    known = {*VOCABULARY, *CHANGES, *IN_THE_LARGE}
+    assert len(known) == 28
     assert set(cogging._core.EFFECTS) - known == {"empirical_force"}  # it names no cause: nothing looks for it
     assert len(OUTSIDE) >= 12
     assert not set(OUTSIDE) & known

@@ -88,6 +88,24 @@ def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hi
     return Hidden("end_effect", shape, 5e-3 * peak, 1e-5 * peak, 0.5 * peak, add_map("force", push), parameters)
 
 
+def local_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
+    """At a place that the motion passes: a bell, or a pulse of any kind that is as wide."""
+    shape, sign, peak, pulse = _shape(rng, DRAWN), _sign(rng), machine.peak, any_pulse(rng)
+    center = float(np.quantile(motion.position, rng.uniform(0.1, 0.9)))
+    width = _length(machine) * log_uniform(rng, 0.004, 0.06)
+
+    def push(plan: Plan) -> np.ndarray:
+        distance = (plan.positions - center) / width
+        return sign * (pulse(distance / 3 + 0.5) if shape == DRAWN else np.exp(-(distance**2)))
+
+    def parameters(a: float) -> Parameters:
+        if shape != "usual":
+            return {}
+        return {"force": (sign * a, "V", 1.0), "center": (center, "m", None), "width": (width, "m", None)}
+
+    return Hidden("local_force", shape, 5e-3 * peak, 1e-5 * peak, 0.5 * peak, add_map("force", push), parameters)
+
+
 def _free_period(rng: np.random.Generator, machine: Machine) -> float:
     while True:
         period = log_uniform(rng, 4e-3, 0.09)
@@ -480,12 +498,14 @@ def disturbance_tone(rng: np.random.Generator, machine: Machine, motion: Motion)
 
 
 #: Effects of the vocabulary that are scaled to a ratio; the three changes of nominal parameters are set in cases.py.
+#: These machines are straight: `gravity` is hidden in the large alone.
 VOCABULARY: dict[str, Draw] = {
     draw.__name__: draw
     for draw in (
         constant_force,
         cable_spring,
         end_effect,
+        local_force,
         cogging_harmonic,
         cogging_modulation,
         coulomb_asymmetry,

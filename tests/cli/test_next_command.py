@@ -172,6 +172,8 @@ VERDICTS = [
             "model.toml",
             "--result",
             "r.json",
+            "--logs",
+            "log.csv",
             "--limits",
             "LIMITS.toml",
             "--out",

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="terminals of PO
 WAITS = {
     "audit": "cogging.log_check.audit.audit",
     "diagnose": "cogging.diagnosis.diagnose.diagnose",
-    "experiment": "cogging.diagnosis.experiment.plan.plan_experiment",
+    "experiment": "cogging.design.experiment.plan.plan_experiment",
     "map": "cogging.mapping.fit.fit_map",
     "predict": "cogging.design.error_prediction.predict_error",
     "simulate": "cogging.cli.simulate.simulate",

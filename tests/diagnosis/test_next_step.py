@@ -57,6 +57,17 @@ def test_a_name_that_is_sure_is_written_checked_then_used(found):
     assert next_step(found, patched).line.startswith("cogging predict new.toml")
 
 
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_what_was_just_followed_is_not_next(verdict):
+    """A call is not proposed again as it was given."""
+    generator = np.random.default_rng(5 + VERDICTS.index(verdict))
+    followed = replace(NAMED, empirical=True)
+    call = ["diagnose", *NAMED.logs, "--model", NAMED.model, "--confirm", *NAMED.confirm, "--out", NAMED.patched]
+    for _ in range(8):
+        words = shlex.split(next_step(drawn_result(generator, verdict), followed).line)
+        assert words[1:] not in (call, [*call, "--empirical"])
+
+
 def test_the_report_of_the_command_says_what_the_screen_says(tmp_path, capsys):
     """The command in it names the files and how they were read."""
     log = run(duration=0.3)

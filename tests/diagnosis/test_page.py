@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from markupsafe import Markup, escape
 
-from cogging.diagnosis.entries import NearRest, ShapeTerm
 from cogging.diagnosis.report.pictures import pictures_of
 from tests.fixtures.drawn_results import drawn_result
 
@@ -25,7 +24,7 @@ def test_the_report_says_what_why_and_what_next(found):
     for words in (
         "viscous asymmetry",
         "standard deviations out of the noise",
-        "Check on other motion",
+        "How sure",
         "Before and after",
         "Everything that was tried in earnest",
         "effects.viscous_asymmetry.difference",
@@ -37,35 +36,19 @@ def test_the_report_says_what_why_and_what_next(found):
     assert len(found.plot().axes) == 4
 
 
-def test_a_shape_of_its_own_and_friction_near_rest_stand_on_page_and_screen(found):
-    term = ShapeTerm(
-        "position near the ends",
-        "m",
-        [0.0, 0.01, 0.5, 0.49],
-        [0.2, 0.1, -0.3, -0.1],
-        [0.01, 0.02, 0.03, np.inf],
-        812.0,
-        0.3,
-        {"coordinate": "position", "places": [0.0, 0.01], "force": [0.2, 0.1]},
-    )
-    friction = NearRest(93.0, 6, -40.0, -20.0, ("presliding_friction", "stribeck_friction"), "creep at five speeds")
-    told = replace(found, effects=(replace(found.effects[0], shape_term=term),), near_rest=friction)
-    page, text = told.html(), told.text()
-    for words in (
-        "viscous asymmetry of a shape of its own",
-        "of another shape than its plainest law, T = 812 in position near the ends: +0.2 more about 0 m",
-        "What viscous asymmetry has beside its plainest law",
-        "Friction near rest",
-        "this motion cannot tell which law it follows",
-        "presliding friction or stribeck friction",
-        "To tell the friction near rest: creep at five speeds.",
-    ):
-        assert words in page, words
+def test_a_shape_of_its_own_stands_on_page_and_screen(found):
+    curve = {"coordinate": "position", "places": [0.0, 0.01, 0.5], "force": [0.2, 0.1, -0.3]}
+    told = replace(found, effects=(replace(found.effects[0], shape="other", curve=curve),))
+    page, text = told.html(), told.text(verbose=True)
+    words = "of another shape than its plainest law: -0.3 V at most, about position 0.5 m"
+    assert words in page
+    assert words in text
+    assert "viscous asymmetry of a shape of its own" in page
+    assert words not in found.text(verbose=True)
     assert page.count("data:image/png") == found.html().count("data:image/png") + 1
-    for words in ("of another shape than its plainest law, T = 812", "near rest the friction is not the model's"):
-        assert words in text, words
-        assert words not in found.text()
-    assert "Friction near rest" not in found.html()
+    assert told.to_dict()["effects"][0]["shape"] == "other"
+    without = replace(told.effects[0], curve=None, in_model=False)
+    assert "it is not in the model" in replace(told, effects=(without,)).text(verbose=True)
 
 
 def test_a_way_that_the_axis_did_not_move_has_no_empty_picture():

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.entries import Gap
-from cogging.diagnosis.evidence.evidence import Evidence
-from cogging.diagnosis.residual.location_words import shape_text
 from cogging.estimation import gauss_newton
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.replay import Replay
@@ -57,7 +56,7 @@ def test_showing_a_result_computes_nothing(found, monkeypatch):
     for owner, names in (
         (Innovations, ["__init__", "of"]),
         (Replay, ["__init__", "of", "run"]),
-        (Evidence, ["test", "whitened", "unwhitened_fit"]),
+        (Evidence, ["make", "fitted", "score"]),
         (np.linalg, ["lstsq", "solve", "eigh", "pinv"]),
         (gauss_newton, ["fit"]),
     ):
@@ -75,8 +74,19 @@ def test_showing_a_result_computes_nothing(found, monkeypatch):
 def test_a_result_holds_where_its_gap_sits(found):
     shapes = found.location.shapes
     assert [shape.log_p_value for shape in shapes] == sorted(shape.log_p_value for shape in shapes)
-    assert found.where_text == tuple(shape_text(shape) for shape in shapes if shape.log_p_value < -7.0)
+    assert found.where_text == tuple(found.location.lines())
     assert {shape.coordinate for shape in found.location.significant} >= {"velocity"}
+
+
+def test_a_result_holds_what_each_effect_takes_and_what_is_left(found):
+    told = found.to_dict()
+    (effect,), gap = told["effects"], told["gap"]
+    assert effect["share"] == pytest.approx(1.0 - (gap["after"] / gap["before"]) ** 2, rel=0.05)
+    command = found.series["command"][0][found.series["mask"][0]]
+    assert gap["share"] == pytest.approx(gap["after"] / np.sqrt(np.mean(command**2)), rel=0.05)
+    assert 0.0 <= gap["predictable"] < 0.2
+    assert gap["signal"] == "command of the replayed loop"
+    assert gap["given"] > 0.0
 
 
 @pytest.mark.parametrize(

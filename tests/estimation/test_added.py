@@ -37,7 +37,7 @@ def sample(name, random):
     """An effect with random amplitudes, and shapes somewhere in this log."""
     effect = EFFECTS[name]
     neutral, fields = effect(), {}
-    sizes = {"distance": 0.03, "position": 0.2, "time": 1.0, "velocity": 0.2, "frequency": 30.0, "relative": 0.1}
+    sizes = {"distance": 0.03, "position": 0.1, "time": 1.0, "velocity": 0.2, "frequency": 30.0, "relative": 0.1}
     for field, role in effect.ROLES.items():
         value = getattr(neutral, field)
         if role["role"] == "amplitude":

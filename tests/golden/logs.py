@@ -76,6 +76,8 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "constant_force": {"force": -0.7},
     "cable_spring": {"stiffness": 13.0, "center": 0.04},
     "end_effect": {"force": 0.9, "decay_length": 0.06},
+    "local_force": {"force": -0.6, "center": 0.12, "width": 0.02},
+    "gravity": {"moment": 0.8, "angle": 0.4},
     "cogging_harmonic": {"period": 0.023, "sine": 0.9, "cosine": -0.4},
     "cogging_modulation": {"period": 0.025, "sine": [0.5, 0.2, -0.4, 0.8, 0.1], "cosine": [-0.3, 0.6, 0.2, 0.0, 0.4]}
     | {"pitch": 0.04, "order": 4, "origin": 0.005},

@@ -18,7 +18,7 @@ from cogging.identification.misreading.balance import AXIS, Balance
 from cogging.identification.misreading.explained import explained_share, stated_bounds
 from cogging.identification.misreading.misreading import misreading
 from cogging.log_check.unit_check import check_against_model
-from tests.fixtures import emps, moving_axis, unlike_machines
+from tests.fixtures import emps, moving_axis, slow_rotary, unlike_machines
 from tests.fixtures.unlike_machines import MISREADINGS, MISSING
 
 
@@ -46,6 +46,15 @@ def test_a_log_read_right_is_not_doubted(missing):
     for seed, motion in ((11, "strokes"), (12, "multisine"), (13, "slow")):
         case = drawn(seed, missing, motion)
         assert misreading([case.log], case.model) is None, (missing, motion)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_nor_is_one_that_cogging_drives_back_and_forth(seed):
+    """Under a soft loop the command follows the axis; but it does work, as no command of the other sign does."""
+    amplitudes, poles = np.repeat([0.3, 1.0], 4), np.tile([3.45, 5.0, 9.0, 20.0], 2)
+    for log in slow_rotary.logs(seed, amplitudes, poles):
+        assert misreading([log], slow_rotary.model()) is None
+        assert Balance.of(replace(log, command=-log.command), slow_rotary.model()).work < 0.0
 
 
 @pytest.mark.study

@@ -7,7 +7,7 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.diagnosis.evidence.preparation import prepared
+from cogging.diagnosis.preparation import prepared
 from cogging.identification.identify import identify
 from cogging.log_check.hints import hints
 from tests.fixtures import moving_axis

@@ -55,10 +55,13 @@ print(json.dumps(told))
                 assert abs(told[name][path][0] - value) < 0.25 * (high - low), (name, path)
                 assert 0.6 < (told[name][path][2] - told[name][path][1]) / (high - low) < 1.7, (name, path)
     assert told["verdict"] == "no_gap"
-    assert told["notes"] == [
+    pause, replay = told["notes"]
+    assert pause == (
         "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 3999: cut to 0.5 s, and all times here count "
         "without the rest"
-    ]
+    )
+    assert replay.startswith("time: must be evenly spaced")
+    assert replay.endswith("the gap is that of the force balance")
 
 
 def test_what_is_hidden_is_found_beside_a_pause():

@@ -6,7 +6,7 @@ import pytest
 from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
 from cogging.identification.determinability import size_of
 from cogging.model.difference_steps import central, one_sided
-from cogging.model.parameters import Parameter, Scales, effect_at, effect_paths, paths_in, role_of, with_values
+from cogging.model.parameters import Parameter, Scales, effect_at, effect_paths, role_of, with_values
 
 SCALES = Scales(force=2.0, position=0.5, velocity=0.4, acceleration=5.0, time=20.0, sample_time=2e-4)
 
@@ -149,18 +149,3 @@ def test_difference_steps_stay_within_the_rules_of_the_fields(model):
 def test_a_parameter_that_no_step_may_move_is_named(model, step):
     with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
         step(model, parameters_of(model)["axis.mass"], np.nan)
-
-
-def test_a_path_of_an_effect_that_was_alone_is_that_of_the_first():
-    """A second of its name joins, and the first is still found."""
-    step = EFFECTS["disturbance_step"](force=0.1, start=1.0, stop=2.0)
-    spring = EFFECTS["cable_spring"](stiffness=0.3)
-    axis = AxisParameters(mass=1.0)
-    alone = Model(axis=axis, effects=(step, spring))
-    joined = alone.replace(effects=(step, spring, step.replace(force=0.7)))
-    paths = list(parameters_of(alone))
-    assert paths_in(alone, paths) == paths
-    values = parameters_of(joined)
-    assert [values[path].value for path in paths_in(joined, paths)] == [
-        parameter.value for parameter in parameters_of(alone).values()
-    ]

@@ -163,7 +163,8 @@ SECTION = {"pitch", "order", "origin", "periods", *COGGING}  # keys of [cogging]
 EXCEPTIONS = {
     "model/": {"levels", *SECTION},  # and an example of a path
     "file_schema.py": {"start", "stop", *SECTION},  # of a window of time
-    "diagnosis/candidates/map_errors.py": COGGING,
+    "diagnosis/balance/candidates.py": {"center", "width"},  # each law that is tried stands there with its fields
+    "diagnosis/balance/evidence.py": COGGING,
     "diagnosis/report/figures.py": {"center"},  # of a text in a figure
     "design/": {"periods", "start", "stop"},  # of an observer; a window of time
     "simulation/sweep": {"start", "stop"},  # the same
@@ -174,6 +175,7 @@ EXCEPTIONS = {
     "mapping/request.py": {"pitch", "order", "origin"},  # the same
     "simulation/reference.py": {"sine"},  # of a motion
     "core_values.py": SECTION,  # what classes of the core are made of
+    "cli/parser.py": {"width"},  # of a terminal
     "log_check/": {"start"},  # columns of a fit
     "first_model/": {"sine", "center", "start"},  # of a motion
     "datasets/": COGGING,
@@ -201,6 +203,12 @@ def test_kinds_name_fields_that_are_what_the_kind_says(name):
             assert isinstance(getattr(one, kind.levels), list)
             assert roles[kind.levels]["role"] == "amplitude"
             assert kind_of.FIELDS[kind.nodes][0] == {"position": "m", "velocity": "m/s", "time": "s"}[kind.coordinate]
+        if isinstance(kind, cogging.effects.Place):
+            assert roles[kind.center]["quantity"] == "position"
+            assert roles[kind.width]["quantity"] == "distance"
+        if isinstance(kind, cogging.effects.Turn):
+            assert roles[kind.angle]["quantity"] == "angle"
+            assert one.force_at(position=2 * math.pi + 0.3) == pytest.approx(one.force_at(position=0.3))
         if isinstance(kind, cogging.effects.Travel):
             assert getattr(one, kind.ends) == [-math.inf, math.inf]
             assert getattr(one.resolved(cogging.AxisParameters(travel=[0.1, 0.4])), kind.ends) == [0.1, 0.4]
@@ -215,13 +223,22 @@ def test_every_effect_whose_fields_belong_together_says_so():
         assert ("Knots" in said[name]) == any(field.endswith("nodes") for field in fields), name
         assert ("SplineKnots" in said[name]) == ({"pitch", "order"} <= fields), name
         assert ("Travel" in said[name]) == ("travel" in fields), name
+        assert ("Place" in said[name]) == ({"center", "width"} <= fields), name
+        assert ("Turn" in said[name]) == ("angle" in fields), name
 
 
 def test_no_program_asks_for_the_fields_of_an_effect_by_name():
     """Quoted names of fields of effects, outside file formats and what is no field there."""
     names = {value for effect in cogging.EFFECTS.values() for kind in effect.KINDS for value in kind.to_dict().values()}
     names |= {"periods", "center"}
-    names -= {"position", "velocity", "time", "travel", "frequency"}  # coordinates, the axis' own, and a quantity
+    names -= {
+        "position",
+        "velocity",
+        "time",
+        "travel",
+        "frequency",
+        "angle",
+    }  # coordinates, the axis' own, and quantities
     quoted = re.compile(r"""["'.](""" + "|".join(sorted(names)) + r""")["'\[]""")
     found = set()
     for path in PACKAGE.rglob("*.py"):

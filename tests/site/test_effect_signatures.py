@@ -25,7 +25,13 @@ def signatures():
 
 def drawn_force(name, random):
     """An effect that is a force of place, speed or time, with numbers drawn over all that its fields may be."""
-    values = {"position": (0.0, 0.5), "distance": (0.05, 0.3), "time": (0.5, 5.0), "frequency": (0.5, 4.0)}
+    values = {
+        "position": (0.0, 0.5),
+        "distance": (0.05, 0.3),
+        "angle": (-3.0, 3.0),
+        "time": (0.5, 5.0),
+        "frequency": (0.5, 4.0),
+    }
     fields = {}
     for field, role in VOCABULARY[name].ROLES.items():
         if isinstance(getattr(VOCABULARY[name], field), list):

@@ -74,7 +74,28 @@ struct Travel {
   void validate() const {}
 };
 
-using Kind = std::variant<Wave, Window, Knots, SplineKnots, Travel>;
+/// A stretch of the travel about a place.
+struct Place {
+  std::string center, width;
+
+  static constexpr auto fields() {
+    return std::tuple{Field<Place, std::string>{"center", &Place::center, "", "its middle (m)"},
+                      Field<Place, std::string>{"width", &Place::width, "", "how far it reaches to each side (m)"}};
+  }
+  void validate() const {}
+};
+
+/// A wave of exactly one turn, which only an axis with a position in rad has.
+struct Turn {
+  std::string angle;
+
+  static constexpr auto fields() {
+    return std::tuple{Field<Turn, std::string>{"angle", &Turn::angle, "", "where it is zero and rises (rad)"}};
+  }
+  void validate() const {}
+};
+
+using Kind = std::variant<Wave, Window, Knots, SplineKnots, Travel, Place, Turn>;
 using Kinds = std::vector<Kind>;
 
 template <class E>

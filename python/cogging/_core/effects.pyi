@@ -7,7 +7,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'CompiledLaw', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EmpiricalForce', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'Knots', 'OwnLaw', 'OwnLaws', 'PositionDependentFriction', 'PreslidingFriction', 'PythonLaw', 'QuadraticDrag', 'SplineKnots', 'StribeckFriction', 'Travel', 'ViscousAsymmetry', 'Wave', 'Window']
+__all__: list[str] = ['ActuatorLag', 'Backlash', 'CableSpring', 'CoggingHarmonic', 'CoggingModulation', 'CommandDeadZone', 'CommandDelay', 'CommandSaturation', 'CompiledLaw', 'ConstantForce', 'CoulombAsymmetry', 'DisturbanceStep', 'DisturbanceTone', 'EmpiricalForce', 'EncoderPeriodicError', 'EncoderScaleError', 'EndEffect', 'FlexibleMode', 'ForceConstantDrift', 'ForceConstantRipple', 'Gravity', 'Knots', 'LocalForce', 'OwnLaw', 'OwnLaws', 'Place', 'PositionDependentFriction', 'PreslidingFriction', 'PythonLaw', 'QuadraticDrag', 'SplineKnots', 'StribeckFriction', 'Travel', 'Turn', 'ViscousAsymmetry', 'Wave', 'Window']
 class Wave:
     """
     A sine and a cosine of one period; the names of their fields.
@@ -260,6 +260,96 @@ class Travel:
         """
         lower and upper end (m)
         """
+class Place:
+    """
+    A stretch of the travel about a place; the names of its fields.
+    
+    Fields:
+        center: its middle (m)
+        width: how far it reaches to each side (m)
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Place()
+        >>> one.replace(**one.to_dict()) == one
+        True
+    """
+    FIELDS: typing.ClassVar[dict] = {'center': ('', 'its middle (m)'), 'width': ('', 'how far it reaches to each side (m)')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, center: str = '', width: str = '') -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Place:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def center(self) -> str:
+        """
+        its middle (m)
+        """
+    @property
+    def width(self) -> str:
+        """
+        how far it reaches to each side (m)
+        """
+class Turn:
+    """
+    A wave of exactly one turn of a rotary axis; the field's name.
+    
+    Fields:
+        angle: where it is zero and rises (rad)
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Turn()
+        >>> one.replace(**one.to_dict()) == one
+        True
+    """
+    FIELDS: typing.ClassVar[dict] = {'angle': ('', 'where it is zero and rises (rad)')}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, angle: str = '') -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def replace(self, **kwargs) -> Turn:
+        """
+        A copy with the given fields changed.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def angle(self) -> str:
+        """
+        where it is zero and rises (rad)
+        """
 class OwnLaw:
     """
     One law of an effect of the user's own.
@@ -509,6 +599,140 @@ class EndEffect:
     def travel(self) -> typing.Annotated[list[float], "FixedSize(2)"]:
         """
         ends x0, x1 from which it is measured; infinite = of [axis], m
+        """
+class LocalForce:
+    """
+    Effect `local_force`: force exp(-((x - center) / width)^2).
+    
+    Fields:
+        force (V): at the center, towards +x
+        center (m): place of the largest force
+        width (m): distance from the center at which it has fallen to 1/e
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.LocalForce()
+        >>> one.replace(**one.to_dict()) == one
+        True
+    """
+    FIELDS: typing.ClassVar[dict] = {'force': ('V', 'at the center, towards +x'), 'center': ('m', 'place of the largest force'), 'width': ('m', 'distance from the center at which it has fallen to 1/e')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
+    LAW: typing.ClassVar[str] = 'force exp(-((x - center) / width)^2)'
+    NAME: typing.ClassVar[str] = 'local_force'
+    ROLES: typing.ClassVar[dict] = {'force': {'role': 'amplitude', 'quantity': 'force', 'low': -1.0, 'high': 1.0, 'logarithmic': False, 'neutral': 0.0}, 'center': {'role': 'shape', 'quantity': 'position', 'low': 0.0, 'high': 1.0, 'logarithmic': False, 'neutral': None}, 'width': {'role': 'shape', 'quantity': 'distance', 'low': 0.002, 'high': 0.1, 'logarithmic': True, 'neutral': None}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, force: typing.SupportsFloat | typing.SupportsIndex = 0.0, center: typing.SupportsFloat | typing.SupportsIndex = 0.0, width: typing.SupportsFloat | typing.SupportsIndex = 0.01) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        Force (V) at positions (m), velocities (m/s) and times (s).
+        """
+    def replace(self, **kwargs) -> LocalForce:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> LocalForce:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def center(self) -> float:
+        """
+        place of the largest force, m
+        """
+    @property
+    def force(self) -> float:
+        """
+        at the center, towards +x, V
+        """
+    @property
+    def width(self) -> float:
+        """
+        distance from the center at which it has fallen to 1/e, m
+        """
+class Gravity:
+    """
+    Effect `gravity`: -moment sin(x - angle).
+    
+    Fields:
+        moment (V): weight times arm, felt a quarter turn from `angle`
+        angle (rad): where the mass hangs at rest
+    
+    Raises:
+        ValueError: a value breaks its rule; the message names field, rule and value.
+    
+    Example:
+        >>> one = cogging.effects.Gravity()
+        >>> one.replace(**one.to_dict()) == one
+        True
+    """
+    FIELDS: typing.ClassVar[dict] = {'moment': ('V', 'weight times arm, felt a quarter turn from `angle`'), 'angle': ('rad', 'where the mass hangs at rest')}
+    HOOKS: typing.ClassVar[tuple] = ('force')
+    KINDS: typing.ClassVar[tuple]
+    LAW: typing.ClassVar[str] = '-moment sin(x - angle)'
+    NAME: typing.ClassVar[str] = 'gravity'
+    ROLES: typing.ClassVar[dict] = {'moment': {'role': 'amplitude', 'quantity': 'force', 'low': 0.0, 'high': 5.0, 'logarithmic': False, 'neutral': 0.0}, 'angle': {'role': 'shape', 'quantity': 'angle', 'low': -0.5, 'high': 0.5, 'logarithmic': False, 'neutral': None}}
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, moment: typing.SupportsFloat | typing.SupportsIndex = 0.0, angle: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    def __reduce__(self) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: dict) -> None:
+        ...
+    def force_at(self, *, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0, time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] = 0.0) -> typing.Any:
+        """
+        Force (V) at positions (m), velocities (m/s) and times (s).
+        """
+    def replace(self, **kwargs) -> Gravity:
+        """
+        A copy with the given fields changed.
+        """
+    def resolved(self, axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> Gravity:
+        """
+        A copy whose fields that stand for those of the plant (travel, knots) are filled in.
+        
+        Raises:
+            ValueError: the plant lacks what it needs.
+        """
+    def to_dict(self) -> dict:
+        """
+        All fields by name.
+        """
+    @property
+    def angle(self) -> float:
+        """
+        where the mass hangs at rest, rad
+        """
+    @property
+    def moment(self) -> float:
+        """
+        weight times arm, felt a quarter turn from `angle`, V
         """
 class CoggingHarmonic:
     """

@@ -35,15 +35,15 @@ def add_parser(commands: Commands) -> None:
     command.add_argument(
         "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
     )
-    command.add_argument(
-        "--planned", metavar="REF.toml", help="the planned experiment that a log is of: what became of what it expected"
-    )
     add_log_options(command)
     group = command.add_argument_group(COMES_OUT)
     group.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
     group.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
     group.add_argument(
         "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
+    )
+    group.add_argument(
+        "--verbose", action="store_true", help="print all that the result holds, not what to act on alone"
     )
     add_answer_options(group)
     command.set_defaults(run=run)
@@ -52,13 +52,10 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Diagnose the logs, write what was asked for, print the verdict."""
     from cogging.diagnosis.diagnose import diagnose
-    from cogging.diagnosis.experiment.experiment_plan import plan_path
     from cogging.model.model import Model
 
     outputs = {"--json": json_file(arguments), "--report": arguments.report, "--out": arguments.out}
     inputs = [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])]
-    if arguments.planned is not None:
-        inputs += [arguments.planned, plan_path(arguments.planned)]
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
@@ -70,7 +67,6 @@ def run(arguments: argparse.Namespace) -> None:
             names=[printable(path) for path in arguments.logs],
             confirm_names=[printable(path) for path in arguments.confirm],
             empirical=arguments.empirical,
-            planned=arguments.planned,
             progress=begin,
         )
         files = {}
@@ -83,7 +79,7 @@ def run(arguments: argparse.Namespace) -> None:
             files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
     give(
         arguments,
-        result.text(),
+        result.text(verbose=arguments.verbose),
         document=result.to_dict(),
         files=files,
         next_command=following.line,

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 
 from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
-from cogging.cli.next_command import command_line, option
+from cogging.cli.log_options import add_log_options, read_logs
+from cogging.cli.next_command import command_line, files, log_options, option
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.run_options import add_seed, require_seed
 from cogging.cli.working import working
 from cogging.files import FieldError, InputError, read_text
-from cogging.outputs import check_outputs
+from cogging.outputs import check_outputs, with_sidecars
 
 PURPOSES = "separate: alternatives of the result stand apart; detect: small effects are seen; fit: intervals narrow"
 LIMITS = """LIMITS.toml:
@@ -28,8 +29,7 @@ def add_parser(commands: Commands) -> None:
         help="compute the motion that would tell alternatives apart",
         description="Compute a motion within the machine's limits that best tells apart the alternatives of a result, "
         "shows small effects, or narrows the intervals of a fit, and say what is to be expected of it. It writes the "
-        "reference (for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it; "
-        "`diagnose --planned` says whether it came true.",
+        "reference (for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it.",
         epilog=LIMITS,
         examples=(
             "cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml",
@@ -38,6 +38,10 @@ def add_parser(commands: Commands) -> None:
     )
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model that the result is of")
     command.add_argument("--result", metavar="RESULT.json", help="what `diagnose --json` wrote")
+    command.add_argument(
+        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result: their motion is not proposed again"
+    )
+    add_log_options(command)
     command.add_argument("--limits", required=True, metavar="LIMITS.toml", help="what the machine may do, as below")
     command.add_argument(
         "--goal",
@@ -53,22 +57,26 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the motion, write its files, print what is to be expected."""
-    from cogging.diagnosis.experiment.experiment_plan import plan_path, samples_path
-    from cogging.diagnosis.experiment.limits import MotionLimits
-    from cogging.diagnosis.experiment.plan import NoMotion, plan_experiment
-    from cogging.diagnosis.experiment.result_file import read_result
+    from cogging.design.experiment.limits import MotionLimits
+    from cogging.design.experiment.plan import NoMotion, beside, plan_experiment, read_result
     from cogging.file_schema import LIMITS
     from cogging.model.model import Model
 
     require_seed(arguments)
     outputs = {"--out": arguments.out, "--json": json_file(arguments)}
-    outputs |= {"its samples": samples_path(arguments.out), "its plan": plan_path(arguments.out)}
+    outputs |= {"its samples": beside(arguments.out, ".csv"), "its plan": beside(arguments.out, ".plan.json")}
     inputs = [arguments.model, arguments.limits, *([arguments.result] if arguments.result is not None else [])]
+    inputs += with_sidecars(arguments.logs)
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     limits = MotionLimits.read(arguments.limits)
     result = None if arguments.result is None else read_result(arguments.result)
-    options = {"result": result, "goal": arguments.goal, "seed": arguments.seed}
+    options = {
+        "result": result,
+        "logs": read_logs(arguments, arguments.logs),
+        "goal": arguments.goal,
+        "seed": arguments.seed,
+    }
     with working(arguments, "experiment") as begin:
         try:
             plan = plan_experiment(model, limits, progress=begin, **options)
@@ -78,7 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
             raise InputError(f"{arguments.result}: {error}") from None
         except NoMotion as error:
             raise InputError(f"{arguments.limits} with {arguments.model}: {error.why}") from None
-    again = ["NEW_LOG.csv", *option("--model", arguments.model), *option("--planned", arguments.out)]
+    again = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
     give(
         arguments,
         f"{plan.text()}\nrun this motion on the machine, and log it",

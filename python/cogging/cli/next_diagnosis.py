@@ -34,19 +34,24 @@ def after_a_diagnosis(arguments: argparse.Namespace, result: Diagnosis) -> NextS
 def _lines(arguments: argparse.Namespace, result: Diagnosis, step: NextStep) -> dict[str, Callable[[], str]]:
     """The command of each kind of next step."""
     out = arguments.out or free_name(arguments.model, "patched")
-    written: dict[str, Any] = {"out": out, "empirical": result.verdict == "unlisted"}
+    written: dict[str, Any] = {"out": out, "empirical": "--empirical" in step.line.split()}
     *given, last = arguments.logs
     return {
         "mend": lambda: _mended(arguments, result),
         "audit": lambda: _audit(arguments),
         "move": lambda: experiment(arguments.model),
         "write_result": lambda: _again(arguments, json=free_name("result.json")),
-        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json)),
+        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json), *_followed(arguments)),
         "write_model": lambda: _again(arguments, **written),
         "confirm": lambda: _again(arguments, confirm=["OTHER_LOG.csv"], **written),
         "confirm_by_last": lambda: _again(arguments, logs=given, confirm=[last], **written),
-        "use": lambda: after_a_model(arguments.out or arguments.model, result.model, arguments.planned),
+        "use": lambda: after_a_model(arguments.out or arguments.model, result.model),
     }
+
+
+def _followed(arguments: argparse.Namespace) -> list[str]:
+    """The logs whose motion is not to be proposed again."""
+    return ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
 
 
 def _audit(arguments: argparse.Namespace) -> str:
@@ -71,7 +76,6 @@ def _again(
         files(arguments.logs if logs is None else logs),
         option("--model", arguments.model),
         option("--confirm", *others) if others else [],
-        option("--planned", arguments.planned),
         log_options(arguments),
         list(more),
         option("--json", json or arguments.json),

@@ -12,34 +12,38 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
-from cogging.diagnosis.assembly import assemble, with_empirical_term
-from cogging.diagnosis.entries import Gap
-from cogging.diagnosis.evidence.given_logs import Logs
-from cogging.diagnosis.evidence.preparation import Prepared, prepared, seconds_of_motion, whole_logs
-from cogging.diagnosis.evidence.running_controller import obeys, running_controller
-from cogging.diagnosis.experiment.expectation import Expectation
-from cogging.diagnosis.experiment.experiment_plan import ExperimentPlan
-from cogging.diagnosis.experiment.outcomes import PLANNED, read_plan, with_outcomes
-from cogging.diagnosis.labelled import labelled
-from cogging.diagnosis.limits import unmeasured
+from cogging.diagnosis.balance.decision import Outcome, search
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.detection_limits import limits, unmeasured
+from cogging.diagnosis.entries import Gap, Limit, Step
+from cogging.diagnosis.generic_force import predicted
+from cogging.diagnosis.locate import location_of
+from cogging.diagnosis.named_effects import final_verdict, named, unlisted
+from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals
+from cogging.diagnosis.physical import seconds_of_motion, unphysical
+from cogging.diagnosis.places import empirical_term
+from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
 from cogging.diagnosis.result import Diagnosis
-from cogging.diagnosis.search.search import search
-from cogging.diagnosis.thresholds import PREPARATION
+from cogging.diagnosis.running_controller import running_controller
+from cogging.diagnosis.separating import separating
+from cogging.diagnosis.yardstick import GROWTH, REPLAYED, Discrepancy, Yardstick, growth, replayable
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
-from cogging.estimation.whitening import NothingCounts
 from cogging.identification.misreading.misreading import misreading
 from cogging.memory import require_rows
 from cogging.model.model import Model
+from cogging.model.parameters import effect_paths
 from cogging.model.units import Units
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
 
-#: Parts of a result that write in their model's or their plan's units by themselves, or have no words.
-IN_THEIR_OWN_UNITS = ("location", "series", "vocabulary", "planned")
+MOTION_MIN = 1.0  # s in motion, in all given logs together: in less, friction hides every force
+NOISE = 0.01  # of a gap's power: where a generic force predicts less, a replayed loop shows nothing but noise
+CONTRADICTED = 1.25  # of the power of a replayed gap: with an effect it may not be more
+FOLLOWED = 3.0  # floors of noise: a replay farther off the logs measures something else
 
 
-@takes(logs=LOGS, model=MODEL, confirm=LOGS, planned=PLANNED)
+@takes(logs=LOGS, model=MODEL, confirm=LOGS)
 @np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
 @on_one_blas_thread(scipy=True)
 def diagnose(
@@ -51,28 +55,25 @@ def diagnose(
     confirm_names: Sequence[str] | None = None,
     empirical: bool = False,
     also: Sequence[Custom] = (),
-    planned: ExperimentPlan | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Diagnosis:
     """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
 
-    The model is driven by the logged command and held to the readings by an observer; its innovations are made white
-    and freed of all that re-tuning the model could explain. Every effect of the vocabulary is then tried at all its
-    shapes, by what the simulator says it does. What stands in the logs, or in them and other motion (`confirm`)
-    together, is added and refitted, up to four effects; what other motion refutes is not.
+    Along the measured motion the model's forces are held against mass times acceleration. What is left is made white
+    and freed of all that re-tuning could explain; every effect of the vocabulary is tried at all its shapes. What
+    stands in the logs, or in them and other motion (`confirm`) together, is added; what other motion refutes is not.
+    How much that is worth is measured by replaying the loop, where its controller is known.
 
     Args:
         logs: one log or several, or their files.
         model: model that is held against them, or its file.
-        confirm: logs of other motion, which take no part in choice or fit.
-            Rows that stand in several logs of one kind count once.
+        confirm: logs of other motion: what they refute is not added. Rows that stand in several logs of one kind count
+            once.
         names, confirm_names: names of the logs in messages; their files by default.
         empirical: whether to add what no effect explains to the model as a force of any shape, where it does not make
             the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
         also: effects of your own (cogging.effects.Custom) that are tried beside the vocabulary: what stands of them
             bears their names.
-        planned: experiment that the logs are of (plan_experiment), or the reference file that it was written to: the
-            result then says what became of what it expected.
         progress: True shows a line of what is being done, a function is told each step in words.
 
     Returns:
@@ -89,26 +90,16 @@ def diagnose(
         >>> print(result.verdict, result.notes[-1])
         insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
     """
-    expected = read_plan(planned)
-    model, vocabulary = _with_vocabulary(model, also)
+    own = by_name(also)
+    if not isinstance(model, Model):
+        model = Model.read(model, effects=list(own.values()))
+    refuse_two_of_one_name([*own.values(), *model.effects])
+    vocabulary = VOCABULARY | {name: effect.neutral() for name, effect in own.items()}
     ready = prepared(logs, model, confirm, names, confirm_names)
     require_rows("diagnose", [*ready.given, *ready.confirm])
-    told = _diagnosed(ready, model, vocabulary, expected, empirical=empirical, progress=progress)
-    return labelled(told, model.units, [*ready.names, *ready.confirm_names], apart=IN_THEIR_OWN_UNITS)
-
-
-def _diagnosed(
-    ready: Prepared,
-    model: Model,
-    vocabulary: Mapping[str, Effect],
-    expected: Sequence[Expectation],
-    *,
-    empirical: bool,
-    progress: Progress,
-) -> Diagnosis:
-    """The result in V and m."""
-    if (misread := misreading([*ready.given, *ready.confirm], model, [*ready.names, *ready.confirm_names])) is not None:
-        return replace(_unmeasured("data_mismatch", model, ready.notes, vocabulary), mismatch=misread.to_dict())
+    called = [*ready.names, *ready.confirm_names]
+    if (misread := misreading([*ready.given, *ready.confirm], model, called)) is not None:
+        return _unmeasured("data_mismatch", model, ready.notes, vocabulary, misread.to_dict())
     running = running_controller(ready.given, model)
     model, notes = running.model, (*ready.notes, *running.notes)
     if running.contradiction is not None:
@@ -116,47 +107,331 @@ def _diagnosed(
         return _unmeasured("controller_mismatch", model, notes, vocabulary)
     ready = whole_logs(replace(ready, notes=notes), model)
     moving = sum(seconds_of_motion(log) for log in ready.given)
-    if moving < PREPARATION.motion_min:
+    if moving < MOTION_MIN:
         rest = f"the axis moves for {moving:.2g} s only: at rest, friction hides every force"
         return _unmeasured("insufficient_excitation", model, (*ready.notes, rest), vocabulary)
-    _require_commands(ready, model.units)
-    with steps(progress, "diagnose") as begin:
-        try:
-            loops = running.replay and all(obeys(log, model) for log in ready.confirm)
-            found = search(ready.given, model, ready.confirm, begin, loops, vocabulary=vocabulary)
-        except NothingCounts as error:
-            return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)), vocabulary)
-        except DivergedError as error:
-            raise DivergedError("; ".join((str(error), *ready.notes))) from None
-        begin("measuring the gap")
-        result = with_outcomes(assemble(found, ready, model, running.replay), expected, found)
-    wanted = empirical and result.unlisted is not None
-    return with_empirical_term(result, found, model, ready) if wanted else result
-
-
-def _with_vocabulary(model: Model | str | os.PathLike[str], also: Sequence[Custom]) -> tuple[Model, dict[str, Effect]]:
-    """The model, and all effects that are tried by name, as they are when they do nothing.
-
-    Raises:
-        ValueError: two effects of one name.
-        InputError: the model's file cannot be read.
-    """
-    own = by_name(also)
-    if not isinstance(model, Model):
-        model = Model.read(model, effects=list(own.values()))
-    refuse_two_of_one_name([*own.values(), *model.effects])
-    return model, {**VOCABULARY, **{name: effect.neutral() for name, effect in own.items()}}
-
-
-def _require_commands(logs: Prepared, units: Units) -> None:
-    """Refuse a log of an axis that moves without a command."""
-    for name, log in zip(logs.names, logs.given, strict=True):
+    for name, log in zip(ready.names, ready.given, strict=True):
         if not np.any(log.command):
-            raise ValueError(f"{name}: command: must act on an axis that moves, got 0 {units.command} in every row")
+            unit = model.units.command
+            raise ValueError(f"{name}: command: must act on an axis that moves, got 0 {unit} in every row")
+    with steps(progress, "diagnose") as begin:
+        begin("searching for what is missing")
+        found = search(ready.given, ready.confirm, model, own)
+        begin("measuring the gap")
+        replay = running.replay and replayable(ready.given, ready.confirm, model)
+        return _result(found, ready, model, vocabulary, replay=replay, wanted=empirical)
 
 
-def _unmeasured(verdict: str, model: Model, notes: Sequence[str], vocabulary: Mapping[str, Effect]) -> Diagnosis:
+def _unmeasured(
+    verdict: str,
+    model: Model,
+    notes: Sequence[str],
+    vocabulary: Mapping[str, Effect],
+    mismatch: Mapping[str, Any] | None = None,
+) -> Diagnosis:
     """A verdict that comes before anything can be measured."""
-    gap = Gap("V", 0.0, 0.0, 0.0, None, None, "not measured")
-    limits = unmeasured(vocabulary)
-    return Diagnosis(verdict, (), None, gap, None, model, model, notes=tuple(notes), limits=limits)
+    gap = Gap(model.units.command, 0.0, 0.0, 0.0, None, None, "not measured")
+    unseen = _labelled(unmeasured(vocabulary), model.units)
+    return Diagnosis(
+        verdict,
+        (),
+        None,
+        gap,
+        None,
+        model,
+        model,
+        notes=tuple(notes),
+        vocabulary=vocabulary,
+        limits=unseen,
+        mismatch=mismatch,
+    )
+
+
+def _labelled(known: Mapping[str, Limit], units: Units) -> dict[str, Limit]:
+    return {name: replace(limit, unit=units.of(limit.unit)) for name, limit in known.items()}
+
+
+def _result(
+    found: Outcome,
+    logs: Prepared,
+    stated: Model,
+    vocabulary: Mapping[str, Effect],
+    *,
+    replay: bool,
+    wanted: bool,
+) -> Diagnosis:
+    """The result of a search: what of it enters the model, what that is worth, and what it is called."""
+    units, notes = stated.units, list(logs.notes)
+    yardstick = Yardstick(found, logs.given, logs.confirm, stated, replay)
+    final, terms = terms_of(found, stated)
+    nominal = found.nominal.model
+
+    # 1. the gap of the re-tuned model, then with one term more at a time; what of these does not enter the model
+    sequence = [nominal, *_one_by_one(terms, final)]
+    families = {id(term.accepted): [t.path for t in terms if t.accepted is term.accepted] for term in terms}
+    less = [_less(final, families[id(term.accepted)], nominal) for term in terms]
+    fitted = _gaps(yardstick.as_fitted(), [*less, final])
+    replayed = _replayed(yardstick, sequence, notes) if replay else None
+    balanced = _gaps(yardstick.by_balance(), sequence) if replayed is None else None
+    held_out, refused = _objections(terms, fitted, replayed or balanced or fitted, logs, stated)
+    shown = replayed is not None and not any(growth(a, b) for a, b in _ends_of(replayed))
+    if replayed is not None and not shown and len(held_out) + len(refused) < len(terms):
+        notes.append("the replayed loop does not show what was found: the gap is that of the force balance")
+    noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
+    if replayed is None or (not shown and len(held_out) + len(refused) < len(terms)):
+        yardstick = yardstick.by_balance()
+    given, confirm = (replayed if yardstick.replay else balanced) or _gaps(yardstick, sequence)
+    contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
+    out = {**held_out, **refused}
+    if out:
+        final = _without(final, [terms[place] for place in out], found, stated)
+    patched = any(term.path and place not in out for place, term in enumerate(terms))
+    before, before_there = given[0], confirm[0]
+    read = _as_read(yardstick, stated, before)
+    if read is not None and read.rms < before.rms:  # re-tuning that makes the gap larger is none
+        nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
+    if not patched:
+        final = nominal
+    after = before if not patched else given[-1] if not out else yardstick.on_given(final)
+    after_there = before_there if not patched else confirm[-1] if not out else yardstick.on_confirm(final)
+    ends = [(before, after)] + ([(before_there, after_there)] if before_there and after_there else [])
+    if patched and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
+        notes.append("all that was found, together, makes the gap larger: the model is left without it")
+        final, after, after_there, patched = nominal, before, before_there, False
+        out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}
+
+    # 2. what is left, what is called what, and what has no name
+    rest = predicted(after, after_there)
+    command = np.concatenate([rows["command"][mask] for rows, mask in zip(after.rows, after.masks, strict=True)])
+    rms = float(np.sqrt(np.mean(command**2))) if len(command) else 0.0
+    gap = Gap(
+        units.command,
+        min(rest.noise, after.rms),
+        before.rms,
+        after.rms,
+        None if before_there is None else before_there.rms,
+        None if after_there is None else after_there.rms,
+        before.signal,
+        before.position,
+        after.position,
+        None if read is None else read.rms,
+        after.rms / rms if rms > 0.0 else None,
+        rest.elsewhere,
+    )
+    shares = [
+        None if k in out else (given[k].rms ** 2 - given[k + 1].rms ** 2) / given[0].rms ** 2 for k in range(len(terms))
+    ]
+    kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
+    left_out = {kept.index(k): why for k, why in out.items() if k in kept}
+    effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)
+    without_name = unlisted([terms[k] for k in kept], rest, gap, units, confirmed=bool(logs.confirm))
+    if without_name is None and refused and not effects:
+        first = terms[min(refused)]
+        without_name = _refused_entry(first, refused[min(refused)])
+    if wanted and without_name is not None:
+        final, without_name = _with_empirical(final, without_name, yardstick, after, after_there)
+    if found.shift:
+        notes.append(f"the zero of the other motion lies {found.shift:.4g} {units.position} elsewhere, as a wave tells")
+    if found.late:
+        notes.append(f"the command is logged {found.late:.2g} s after it acts: it is taken to act so much earlier")
+    notes += [f"{terms[k].accepted.found.name}: {why}; it is not in the model" for k, why in sorted(out.items())]
+    final, of_stated = merged(final, stated)
+    notes += of_stated
+    untouched = yardstick.by_balance().on_given(found.nominal.model)
+    location = location_of(found.nominal, untouched, predicted(untouched))
+    names = sorted({name for one in effects if one.alternatives for name in (one.name, *one.alternatives)})
+    return Diagnosis(
+        final_verdict(effects, without_name),
+        tuple(effects),
+        without_name,
+        gap,
+        separating(names, vocabulary, logs.given) if names else None,
+        final,
+        nominal,
+        location,
+        tuple(location.lines()),
+        tuple(_ledger(terms, out, given, confirm, found)),
+        tuple(notes),
+        _series(before, after) | {"given": stated},
+        vocabulary,
+        _labelled(limits(found, vocabulary), units),
+    )
+
+
+Gaps = tuple[list[Discrepancy], list[Discrepancy | None]]  # on given and confirm logs, one a model
+
+
+def _gaps(yardstick: Yardstick, models: Sequence[Model]) -> Gaps:
+    """What each model leaves of given and confirm logs."""
+    return [yardstick.on_given(model) for model in models], [yardstick.on_confirm(model) for model in models]
+
+
+def _replayed(yardstick: Yardstick, models: Sequence[Model], notes: list[str]) -> Gaps | None:
+    """The same by replay of the loop; None, with a note, where that does not follow the logs."""
+    try:
+        gaps = _gaps(yardstick, models)
+        if min(one.rms for one in gaps[0]) <= FOLLOWED * max(predicted(gaps[0][-1]).noise, 1e-300):
+            return gaps
+        notes.append("the replayed loop does not follow the logs closely enough to measure with")
+    except (DivergedError, ValueError) as error:
+        notes.append(f"{error}: the gap is that of the force balance")
+    return None
+
+
+def _ends_of(gaps: Gaps) -> list[tuple[Discrepancy, Discrepancy]]:
+    """Of given and of confirm logs, what the first and the last model leave."""
+    ends = [(one[0], one[-1]) for one in gaps]
+    return [(first, last) for first, last in ends if first is not None and last is not None]
+
+
+def _objections(
+    terms: Sequence[Term], fitted: Gaps, shown: Gaps, logs: Prepared, stated: Model
+) -> tuple[dict[int, str], dict[int, str]]:
+    """By place, why a term does not enter the model, and why another is none that a machine can have.
+
+    Args:
+        terms: what was accepted.
+        fitted: gaps of the model without each of them, then with all: no more may be left with it than chance leaves.
+        shown: gaps with one more at a time: no more may be left with it by GROWTH, or by CONTRADICTED of the replayed
+            loop, in which the friction about every reversal counts.
+        logs: what was diagnosed.
+        stated: model as it was read.
+    """
+    held_out: dict[int, str] = {}
+    refused: dict[int, str] = {}
+    unit = stated.units.command
+    for place, term in enumerate(terms):
+        if term.accepted.found.name.startswith("~"):
+            continue
+        why = "" if term.effect is None else unphysical(stated.replace(effects=[term.effect]), 0, logs.given)
+        if why:
+            refused[place] = why
+            continue
+        if not term.certain:
+            held_out[place] = "its interval includes zero"
+        # a family, as of harmonics, is judged as a whole
+        family = [k for k, other in enumerate(terms) if other.accepted is term.accepted]
+        for gaps, first, last in ((fitted, place, len(terms)), (shown, family[0], family[-1] + 1)):
+            for which, measured in zip(("", " on the other motion"), gaps, strict=True):
+                one, two = measured[first], measured[last]
+                if one is None or two is None:
+                    continue
+                most = CONTRADICTED if one.signal == REPLAYED else 1.0 + GROWTH
+                if two.rms**2 > most * one.rms**2 or (gaps is fitted and growth(one, two)):
+                    why = f"with it the gap{which} ({one.signal}) goes from {one.rms:.4g} to {two.rms:.4g} {unit}"
+                    held_out.setdefault(place, why)
+    return held_out, refused
+
+
+def _one_by_one(terms: Sequence[Term], final: Model) -> list[Model]:
+    """The models with one term more at a time, each re-tuned; what has no parameters in the fit comes as it stands."""
+    models: list[Model] = []
+    known, without_law = dict(effect_paths(final.effects)), []
+    for place, term in enumerate(terms):
+        if term.path in known and term.accepted.after is not None:
+            law_of_its_own = len(term.accepted.after.effects) > len(term.accepted.before.effects)
+            without_law += [] if law_of_its_own else [known[term.path]]
+        after = term.accepted.after or final
+        later = {other.path for other in terms[place + 1 :] if other.accepted is term.accepted}
+        effects = [effect for path, effect in effect_paths(after.effects) if path not in later]
+        models.append(after.replace(effects=(*effects, *without_law)))
+    if models and terms[-1].path:
+        models[-1] = final
+    return models
+
+
+def _less(final: Model, paths: Sequence[str], nominal: Model) -> Model:
+    """The patched model without the effects of some paths, or with their parameters of the axis as they were."""
+    effects = [effect for path, effect in effect_paths(final.effects) if path not in paths]
+    axis = {path[5:]: getattr(nominal.axis, path[5:]) for path in paths if path.startswith("axis.")}
+    return final.replace(effects=tuple(effects), axis=final.axis.replace(**axis))
+
+
+def _without(final: Model, terms: Sequence[Term], found: Outcome, stated: Model) -> Model:
+    """The patched model without some terms, re-tuned."""
+    gone = [term.path for term in terms]
+    free = tuple(path for path in found.evidence.free if path not in gone)
+    smaller = _less(final, gone, found.nominal.model)
+    evidence = Evidence(found.evidence.balances, stated, smaller, [], free).prepare(1)
+    return with_intervals(evidence.model, evidence)
+
+
+def _as_read(yardstick: Yardstick, stated: Model, before: Discrepancy) -> Discrepancy | None:
+    """What the stated model leaves of the given logs; None where its replay fails."""
+    try:
+        return yardstick.on_given(stated)
+    except (DivergedError, ValueError):
+        return None
+
+
+def _refused_entry(term: Term, why: str) -> dict[str, Any]:
+    found = term.accepted.found
+    return {
+        "coordinate": "position" if term.curve is None else str(term.curve["coordinate"]),
+        "shape": f"something acts that is most like {found.name.replace('_', ' ')}, but {why}",
+        "share": None,
+        "statistic": float(term.accepted.score),
+        "confirmed": None,
+    }
+
+
+def _with_empirical(
+    final: Model,
+    entry: Mapping[str, Any],
+    yardstick: Yardstick,
+    after: Discrepancy,
+    there: Discrepancy | None,
+) -> tuple[Model, dict[str, Any]]:
+    """The model with an empirical force where it makes the gap smaller, and what that is worth."""
+    term = empirical_term(entry)
+    if term is None:
+        note = f"no empirical term is a function of {entry['coordinate']} alone: it is described, not added"
+        return final, dict(entry) | {"not_added": note}
+    larger = final.replace(effects=(*final.effects, term))
+    try:
+        with_it, with_it_there = yardstick.on_given(larger), yardstick.on_confirm(larger)
+    except (DivergedError, ValueError) as error:
+        return final, dict(entry) | {"not_added": f"the model with an empirical term cannot be measured: {error}"}
+    worse = with_it.rms >= after.rms or bool(there and with_it_there and with_it_there.rms >= there.rms)
+    if worse:
+        return final, dict(entry) | {"not_added": "an empirical term does not make the gap smaller: it is not added"}
+    told = {"name": term.NAME, "signal": after.signal, "gap_before": after.rms, "gap_after": with_it.rms}
+    told |= {"confirm_before": None if there is None else there.rms}
+    told |= {"confirm_after": None if with_it_there is None else with_it_there.rms}
+    return larger, dict(entry) | {"added": told}
+
+
+def _ledger(
+    terms: Sequence[Term],
+    out: Mapping[int, str],
+    given: Sequence[Discrepancy],
+    confirm: Sequence[Discrepancy | None],
+    found: Outcome,
+) -> list[Step]:
+    """What was accepted, with the gaps without and with it, then what was refused, and why."""
+    told = []
+    for k, term in enumerate(terms):
+        one, score = term.accepted, float(term.accepted.score)
+        name = one.found.name.lstrip("~")
+        if k in out or not term.path:
+            why = out.get(k, "it is there, but has no law that the model could have")
+            told.append(Step(name, False, why, score, None, None, None, None))
+            continue
+        there = [None if d is None else d.rms for d in (confirm[k], confirm[k + 1])]
+        reason = f"the likeliest in {100.0 * one.share:.0f} of 100 resampled motions"
+        told.append(Step(name, True, reason, score, given[k].rms, given[k + 1].rms, *there))
+    for name, gains, expected in found.refused:
+        logs = ("given", "other")
+        against = [
+            f"{g:.0f} on the {which} motion, {e:.0f} expected"
+            for g, e, which in zip(gains, expected, logs, strict=True)
+        ]
+        reason = f"logs that can show it show the contrary: gains of 2 ln likelihood are {'; '.join(against)}"
+        told.append(Step(name.lstrip("~"), False, reason, float(sum(gains)), None, None, None, None))
+    return told
+
+
+def _series(before: Discrepancy, after: Discrepancy) -> dict[str, Any]:
+    """Rows of the logs by name, for the figures."""
+    told: dict[str, Any] = {name: [rows[name] for rows in before.rows] for name in before.rows[0]}
+    return told | {"gap_before": before.series, "gap_after": after.series, "mask": before.masks}

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from cogging import plot
 from cogging.arrays import FloatArray
-from cogging.diagnosis.labelled import in_words
-from cogging.diagnosis.residual.location_words import length_text, ranges, shape_text, share_text
-from cogging.diagnosis.residual.shape import Shape
-from cogging.diagnosis.thresholds import LOCATION
+from cogging.diagnosis.places import Shape, length_text, ranges, shape_text, share_text
 from cogging.model.model import Model
+from cogging.model.units import Units
 from cogging.outputs import finite
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+TOLD = -9.5  # ln p: a coordinate or wave of less is told
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Wave:
         unit: m or Hz.
         amplitude: amplitude of the force, V.
         log_p_value: ln of the probability that noise alone shows as much at any period or frequency.
-        share: share of the gap's power below 60 Hz.
+        share: of the gap's power.
     """
 
     coordinate: str
@@ -47,12 +47,12 @@ class Wave:
         told = vars(self)
         return {"log_chance" if name == "log_p_value" else name: told[name] for name in told}
 
-    def text(self) -> str:
+    def text(self, units: Units) -> str:
         """In words."""
-        size = f"{self.amplitude:.3g} V, {share_text(self.share)} of the gap"
+        size = f"{self.amplitude:.3g} {units.command}, {share_text(self.share)} of the gap"
         if self.coordinate == "frequency":
             return f"at {self.value:.4g} Hz: {size}"
-        return f"every {length_text(self.value)} of position: {size}"
+        return f"every {length_text(self.value, units)} of position: {size}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,13 +81,14 @@ class Location(ByValue):
     @property
     def significant(self) -> tuple[Shape, ...]:
         """The coordinates in which noise alone would not show as much."""
-        return tuple(shape for shape in self.shapes if shape.log_p_value < LOCATION.told)
+        return tuple(shape for shape in self.shapes if shape.log_p_value < TOLD)
 
     def lines(self) -> list[str]:
         """Coordinates, periods and frequencies in words, by the share of the gap that each explains."""
-        told = [(shape.share, shape_text(shape)) for shape in self.significant]
-        told += [(wave.share, wave.text()) for wave in self.waves]
-        return [in_words(line, self.model.units) for _, line in sorted(told, key=lambda one: -one[0])]
+        units = self.model.units
+        told = [(shape.share, shape_text(shape, units)) for shape in self.significant]
+        told += [(wave.share, wave.text(units)) for wave in self.waves]
+        return [line for _, line in sorted(told, key=lambda one: -one[0])]
 
     def text(self) -> str:
         """For the screen."""
@@ -107,7 +108,7 @@ class Location(ByValue):
                     "unit": units.of(shape.unit),
                     "share": shape.share,
                     "log_chance": shape.log_p_value,
-                    "where": in_words(ranges(shape), units),
+                    "where": ranges(shape, units),
                     "places": shape.places.tolist(),
                     "force": shape.force.tolist(),
                     "deviation": shape.deviation.tolist(),

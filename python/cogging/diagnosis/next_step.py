@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from cogging.diagnosis.places import empirical_term
+
 if TYPE_CHECKING:
     from cogging.diagnosis.result import Diagnosis
 
@@ -95,8 +97,12 @@ def _take_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
 
 
 def _look_where_it_sits(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = "What is left has no name: look at where it sits, and repeat the motion with that alone changed. To work "
-    words += "with it meanwhile, let a force of that shape be added to the model"
+    words = "What is left has no name: look at where it sits, and repeat the motion with that alone changed"
+    if result.unlisted is not None and empirical_term(result.unlisted) is None:
+        if not result.effects:
+            return _move_more(result, files, words + ". ")
+        return _adopt(files, _is_confirmed(result, files), words + ". To work with what was found, write the model")
+    words += ". To work with it meanwhile, let a force of that shape be added to the model"
     return _adopt(files, _is_confirmed(result, files), words, empirical=True)
 
 
@@ -141,9 +147,9 @@ def _state_the_controller(result: Diagnosis, files: GivenFiles) -> NextStep:
     return NextStep("audit", words, _line("audit", *files.logs, *files.confirm, "--model", files.model))
 
 
-def _move_more(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = "Move the axis over its travel, in both directions, at several speeds, for ten seconds or more. A motion "
-    return NextStep("move", words + "within the limits of the machine can be computed.", _experiment(files))
+def _move_more(result: Diagnosis, files: GivenFiles, words: str = "") -> NextStep:
+    words += "Move the axis over its travel, in both directions, at several speeds, for ten seconds or more. "
+    return NextStep("move", words + "A motion within the limits of the machine can be computed.", _experiment(files))
 
 
 def _line(*words: str) -> str:

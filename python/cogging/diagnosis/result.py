@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from cogging import plot
-from cogging.diagnosis.entries import Gap, Limit, NamedEffect, NearRest, Outcome, Placebo, Step
+from cogging.diagnosis.entries import Gap, Limit, NamedEffect, Step
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.next_step import NextStep
 from cogging.diagnosis.report.page import html
-from cogging.diagnosis.report.sentences import headline, percent, shared_text
-from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
+from cogging.diagnosis.report.printed_answer import axis_line, full_text, short_text
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.model.model import Model
 from cogging.outputs import finite, write_text
@@ -44,16 +43,13 @@ class Diagnosis(ByValue):
         where_text: lines on that place, one a coordinate, the likeliest first.
         ledger: effects that were tried.
         notes: sentences on what else was seen.
-        placebo: gains of terms that explain nothing.
-        series: rows for the figures by name: `logs`, the `given` model, and of each log time, position, velocity,
+        series: rows for the figures by name: the `given` model, and of each log time, position, velocity,
             acceleration, command (V, without the gap where that is part of it), gap_before, gap_after (V) and mask
             (rows in motion).
         vocabulary: effects that were tried, as they are when they do nothing, by name.
         limits: smallest size of each effect that these logs would have shown with a chance of 95 %; empty where
             nothing was measured.
         mismatch: column of a log that was read as something it is not, and what to do: of a data_mismatch, else None.
-        planned: what became of a planned experiment, one entry an expectation of it; empty without a plan.
-        near_rest: friction near rest that is not the model's, of a law that these logs cannot tell; None else.
     """
 
     verdict: str
@@ -67,13 +63,10 @@ class Diagnosis(ByValue):
     where_text: tuple[str, ...] = ()
     ledger: tuple[Step, ...] = ()
     notes: tuple[str, ...] = ()
-    placebo: tuple[Placebo, ...] = ()
     series: Mapping[str, Any] = field(default_factory=dict)
     vocabulary: Mapping[str, Effect] = field(default_factory=lambda: VOCABULARY)
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mismatch: Mapping[str, Any] | None = None
-    planned: tuple[Outcome, ...] = ()
-    near_rest: NearRest | None = None
 
     def _brief(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
@@ -84,7 +77,7 @@ class Diagnosis(ByValue):
         """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""
         told = {
             "verdict": self.verdict,
-            "nominal": self._retuned_parameters(),
+            "nominal": self._axis_parameters(self.nominal),
             "effects": [effect.to_dict() for effect in self.effects],
             "mismatch": None if self.mismatch is None else dict(self.mismatch),
             "unlisted": None if self.unlisted is None else dict(self.unlisted),
@@ -92,23 +85,20 @@ class Diagnosis(ByValue):
             "separating_experiment": self.separating_experiment,
             "limits": {name: limit.to_dict() for name, limit in self.limits.items()},
             "unseen": {name: limit.why for name, limit in self.limits.items() if limit.value is None},
-            "near_rest": None if self.near_rest is None else self.near_rest.to_dict(),
             "where": list(self.where_text),
             "ledger": [vars(step) for step in self.ledger],
-            "placebo": [vars(entry) for entry in self.placebo],
             "notes": list(self.notes),
-            "planned": [vars(outcome) for outcome in self.planned],
         }
         return {name: finite(value) for name, value in told.items()}
 
-    def _retuned_parameters(self) -> dict[str, dict[str, Any]]:
-        """Mass and friction of the re-tuned model beside what was stated of them, by path."""
+    def _axis_parameters(self, model: Model) -> dict[str, dict[str, Any]]:
+        """Mass and friction of a model beside what was stated of them, by path."""
         stated = self.series.get("given")
         if not isinstance(stated, Model):
             return {}
         return {
             f"axis.{name}": {
-                "value": float(getattr(self.nominal.axis, name)),
+                "value": float(getattr(model.axis, name)),
                 "stated": float(getattr(stated.axis, name)),
                 "uncertainty": stated.uncertainty.get(name),
                 "unit": self.model.units.of(type(stated.axis).FIELDS[name][0]),
@@ -116,9 +106,10 @@ class Diagnosis(ByValue):
             for name in ("mass", "viscous", "coulomb")
         }
 
-    def retuned_text(self) -> str:
-        """What re-tuning made of mass and friction, in words; empty where nothing was measured."""
-        return "; ".join(_parameter_text(path, told) for path, told in self._retuned_parameters().items())
+    def axis_lines(self) -> list[str]:
+        """What became of mass and friction, a line each: old, new, 95 % interval; none where nothing was measured."""
+        told = self._axis_parameters(self.model)
+        return [axis_line(path, one, self.model.intervals.get(path)) for path, one in told.items()]
 
     def html(self, *, title: str = "", step: NextStep | None = None) -> str:
         """The report as a text: one HTML page with its figures inside.
@@ -207,66 +198,6 @@ class Diagnosis(ByValue):
             raise ValueError(f"what: must be residual or ledger, got {what!r}")
         return plot.residual(self, units=units, ax=ax).figure
 
-    def text(self) -> str:
-        """The result for the screen."""
-        retuned = self.retuned_text()
-        lines = [f"verdict: {self.verdict}", *([headline(self)] if self.effects else [])]
-        lines += [f"re-tuned: {retuned}"] if retuned else []
-        if self.mismatch is not None:
-            lines.append(f"  {self.mismatch['text']}")
-        for effect in self.effects:
-            lines += self._effect_lines(effect)
-        if self.unlisted is not None:
-            lines.append(f"  unlisted: {self.unlisted['shape']}")
-            if "added" in self.unlisted:
-                lines.append(f"    {term_text(self.unlisted['added'], self.gap.unit)}")
-        if self.near_rest is not None:
-            lines += [f"  {self.near_rest.text()}", f"    what would: {self.near_rest.experiment}"]
-        g = self.gap
-        as_read = "" if g.given is None else f"{g.given:.4g} {g.unit} as given, "
-        lines.append(f"gap ({g.signal}): {as_read}{g.before:.4g} re-tuned, {g.after:.4g} after, floor {g.floor:.4g}")
-        if g.confirm_before is not None and g.confirm_after is not None:
-            lines.append(f"  on the confirm logs: {g.confirm_before:.4g} {g.unit} before, {g.confirm_after:.4g} after")
-        if self.where_text:
-            lines.append("where the gap sits:")
-            lines += [f"  {line}" for line in self.where_text]
-        if self.ledger:
-            lines.append("ledger:")
-            lines += [f"  {step_text(step, g.unit)}" for step in self.ledger]
-        if self.placebo:
-            lines.append("placebo terms, T here and gain of 2 ln likelihood on the confirm logs:")
-            lines += [f"  {p.name}: T = {p.statistic:.1f}, {_number(p.confirm_gain)}" for p in self.placebo]
-        if self.separating_experiment:
-            lines.append(f"what would tell them apart: {self.separating_experiment}")
-            lines.append("  (cogging experiment computes a motion for the limits of your machine)")
-        lines += limit_lines(self.limits)
-        lines += [f"planned: {outcome.text()}" for outcome in self.planned]
-        lines += [f"note: {note}" for note in self.notes]
-        return "\n".join(lines)
-
-    def _effect_lines(self, effect: NamedEffect) -> list[str]:
-        name, others = effect.name, effect.alternatives
-        lines = [f"  {name}: confidence {effect.confidence:.2f}"]
-        if others:
-            shared = f"{percent(effect.confidence)} that it is {name}; {shared_text(effect, self.vocabulary)}"
-            lines = [f"  {name} or {', '.join(others)}: confidence {effect.confidence:.2f}", f"    {shared}"]
-        if effect.shape_term is not None:
-            lines.append(f"    {other_shape_text(effect.shape_term)}")
-        for quantity, p in effect.parameters.items():
-            low, high = map(_number, p.ci95)
-            lines.append(f"    {quantity} = {_number(p.value)} {p.unit}, 95 % {low} to {high}")
-        return lines
-
-
-def _parameter_text(path: str, told: Mapping[str, Any]) -> str:
-    sure = told["uncertainty"]
-    known = "not stated how well" if sure is None else "stated to be exact" if sure == 0.0 else f"+- {100 * sure:.3g} %"
-    return f"{path.removeprefix('axis.')} {told['stated']:.4g} to {told['value']:.4g} {told['unit']} ({known})"
-
-
-def _number(value: float | Sequence[float | None] | None) -> str:
-    if value is None:
-        return "not known"
-    if isinstance(value, int | float):
-        return f"{value:.4g}"
-    return "[" + ", ".join("?" if v is None else f"{v:.3g}" for v in value) + "]"
+    def text(self, *, verbose: bool = False) -> str:
+        """The result for the screen: what to act on, in 15 lines at most; `verbose`: all that it holds."""
+        return full_text(self) if verbose else short_text(self)

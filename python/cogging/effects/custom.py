@@ -72,7 +72,8 @@ class Custom(OwnLaws):
         reading_error: m, by which the encoder reads too much; of position.
         parameters: by name; a number stands for `Parameter(number)`.
         law: the formula, for reports.
-        kinds: what parameters are together (`Wave`, `Window`, `Knots`, `SplineKnots`), where a search shall know.
+        kinds: what parameters are together (`Wave`, `Window`, `Knots`, `SplineKnots`, `Place`), where a search shall
+            know.
         length_scale: m, the shortest along the travel on which a law changes.
         velocity_scale: m/s, the same in velocity.
         time_scale: s, the same in time.
@@ -372,13 +373,6 @@ def _checked_kinds(name: str, kinds: tuple[Any, ...], parameters: Mapping[str, P
             if value not in parameters:
                 raise ValueError(f"{name}.kinds: must name parameters ({', '.join(parameters)}), got {value!r}")
     return kinds
-
-
-def is_serial(effect: Any) -> bool:
-    """Whether an effect asks Python, which answers one thread at a time."""
-    return isinstance(effect, Custom) and any(
-        compiled_function(function) is None for function in effect._definition.laws.values()
-    )
 
 
 def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:

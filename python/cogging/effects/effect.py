@@ -7,13 +7,15 @@ from typing import Any, Protocol, TypeVar, cast
 
 from cogging._core import EFFECTS, AxisParameters, CoggingModel
 from cogging._core.effects import Knots as Knots
+from cogging._core.effects import Place as Place
 from cogging._core.effects import SplineKnots as SplineKnots
 from cogging._core.effects import Travel as Travel
+from cogging._core.effects import Turn as Turn
 from cogging._core.effects import Wave as Wave
 from cogging._core.effects import Window as Window
 
-Kind = Wave | Window | Knots | SplineKnots | Travel
-K = TypeVar("K", Wave, Window, Knots, SplineKnots, Travel)
+Kind = Wave | Window | Knots | SplineKnots | Travel | Place | Turn
+K = TypeVar("K", Wave, Window, Knots, SplineKnots, Travel, Place, Turn)
 
 
 class Effect(Protocol):

@@ -20,7 +20,7 @@ BY_UNIT = {
 }
 QUANTITIES = (
     *("one", "relative", "exponent", "force", "command", "friction", "force_per_position", "force_per_velocity"),
-    *("force_per_velocity_squared", "stiffness", "position", "distance", "velocity", "time", "sample_time"),
+    *("force_per_velocity_squared", "stiffness", "position", "distance", "angle", "velocity", "time", "sample_time"),
     *("frequency", "absolute"),
 )
 

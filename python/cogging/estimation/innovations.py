@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 
@@ -83,13 +82,6 @@ class Innovations:
             time=float(log.time[-1] - log.time[0]),
             sample_time=sample_time,
         )
-
-    def with_rest(self, rest: float) -> Innovations:
-        """The same log and prediction with another speed (m/s) below which rows do not count."""
-        other = copy(self)
-        other.rest = rest
-        other.mask = other._moves().astype(float)
-        return other
 
     def _moves(self) -> Mask:
         """Rows that count: the axis has moved, and the record been without a gap, for long enough."""

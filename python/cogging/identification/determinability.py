@@ -140,6 +140,8 @@ def _of_outputs(
         seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, slopes, strict=True)]
     except (ValueError, DivergedError):
         return []
+    if not all(np.isfinite(s.columns).all() and np.isfinite(s.residual).all() for s in seen):
+        return []  # it ran away without end
     return [(s.columns, s.residual, s.block) for s in seen]
 
 

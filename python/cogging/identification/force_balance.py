@@ -28,6 +28,7 @@ Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's 
 TOLERANCE = 1e-6  # of a value, by which the last step moves it
 REST = 0.02  # of the largest speed: slower rows do not count
 GAP = 2.5  # median steps: over longer ones nothing is bridged
+NARROW = 0.05  # of the slowest rows that count: narrower friction is the same to them, to 3 % and less
 
 
 @dataclass(frozen=True)
@@ -159,6 +160,18 @@ class _Equations:
         solution: FloatArray = np.linalg.lstsq(scaled, (right.T / size).T, rcond=1e-12)[0]
         return np.asarray((solution.T / size).T)
 
+    def step(self, lowest: FloatArray) -> FloatArray:
+        """Newton step (p,), none of it below `lowest` (p,): what would be ends there, and the others allow for that."""
+        held = np.zeros(len(self.right), dtype=bool)
+        while True:
+            bread = np.where(held | held[:, None], np.diag(np.diag(self.bread)), self.bread)
+            right = self.right + np.where(held, 0.0, self.bread[:, held] @ lowest[held])
+            step = np.where(held, lowest, -self.solved(right, bread))
+            beyond = ~held & (step < lowest)
+            if not beyond.any():
+                return step
+            held |= beyond
+
 
 def fit_force_balance(
     model: Model,
@@ -211,16 +224,20 @@ def _newton(
 ) -> Model:
     """The model after Newton steps towards Z^T r = 0, halved while they raise the residual."""
     cost = _cost(model, balances)
+    narrow = min(model.axis.coulomb_width, NARROW * min(balance.rest for balance in balances))
     for _ in range(iterations):
         known = parameters_of(model)
         values = np.array([known[path].value for path in paths])
         equations = _equations(model, paths, balances, scales, simulate, weight, weight * (values - prior))
-        step = -equations.solved(equations.right)
+        lowest = {path: known[path].clipped(-np.inf) for path in paths}
+        if "axis.coulomb_width" in lowest:
+            lowest["axis.coulomb_width"] = max(lowest["axis.coulomb_width"], narrow)
+        step = equations.step(np.array(list(lowest.values())) - values)
         length, moved = 1.0, None
         while length > 1e-3:
             try:
                 wanted = zip(paths, values + length * step, strict=True)
-                trial = with_values(model, {path: known[path].clipped(value) for path, value in wanted})
+                trial = with_values(model, dict(wanted))
                 trial_cost = _cost(trial, balances)
             except ValueError:
                 length *= 0.5

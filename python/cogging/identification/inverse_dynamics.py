@@ -66,7 +66,7 @@ class InverseDynamics:
             self.readings, self.command = log.position, log.command
         else:
             self.readings = np.interp(even, running, log.position)
-            self.command = _mean_held(running, log.command, even, self.sample_time)
+            self.command = mean_held(running, log.command, even, self.sample_time)
         self.pauses = running is not log.time  # whether some were cut
         self.even = np.interp(even, running, log.time) if self.pauses else even
         self.motion = self._smooth(self.readings)
@@ -168,7 +168,7 @@ class InverseDynamics:
         return Motion(smooth, middle, _slope(smooth, self.sample_time), _slope(velocity, self.sample_time))
 
 
-def _mean_held(time: FloatArray, command: FloatArray, even: FloatArray, step: float) -> FloatArray:
+def mean_held(time: FloatArray, command: FloatArray, even: FloatArray, step: float) -> FloatArray:
     """Mean over each even step of a command that is held from its own time to the next."""
     total = np.concatenate([[0.0], np.cumsum(command[:-1] * np.diff(time))])
     edges = np.append(even, even[-1] + step)

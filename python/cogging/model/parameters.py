@@ -186,18 +186,6 @@ def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
     return paths
 
 
-def paths_in(model: Model, paths: Iterable[str]) -> list[str]:
-    """Paths of a model to which effects were added, as this model has them: beside another of its name, an effect that
-    was alone (`effects.name.field`) is the first (`effects.name[0].field`)."""
-    several = {f"{prefix.removesuffix('[0]')}." for prefix, _ in effect_paths(model.effects) if prefix.endswith("[0]")}
-    renamed = {start: f"{start[:-1]}[0]." for start in several}
-    found = []
-    for path in paths:
-        start = next((start for start in several if path.startswith(start)), "")
-        found.append(renamed[start] + path[len(start) :] if start else path)
-    return found
-
-
 def effect_at(model: Model, path: str) -> Effect:
     """The effect to which a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]` belongs.
 

@@ -166,11 +166,16 @@ def _of_result(found: Any) -> dict[str, Rows]:
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")
     same = "gap_after" in series and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None)
     names = [name for name in gaps if name in series and not (same and name == "gap_after")]
-    return {gaps[name]: _joined(series, name) for name in names}
+    return {gaps[name]: joined(series, name) for name in names}
 
 
-def _joined(series: Mapping[str, Any], name: str) -> Rows:
-    """Rows in motion of all logs, one after the other."""
+def joined(series: Mapping[str, Any], name: str) -> Rows:
+    """Rows in motion of all logs, one after the other.
+
+    Args:
+        series: of a Diagnosis or a Location.
+        name: of the residual in it.
+    """
     blocks, offset = [], 0
     kept = [np.asarray(mask) > 0 for mask in series["mask"]]
     for time, rows in zip(series["time"], kept, strict=True):

@@ -11,7 +11,7 @@ from .. import truth
 from ..hidden import Hidden
 from ..motions import Motion
 from ..truth import Plan, Run
-from .effects import COUPLED, EFFECTS, SMOOTH_LAWS, Scene
+from .effects import COUPLED, EFFECTS, SMOOTH_LAWS, TURNING, Scene
 from .machines import STATEMENTS, LargeMachine, draw_machine
 from .misreadings import KINDS as MISREADINGS
 from .misreadings import Columns, Misreading, draw_misreading
@@ -190,6 +190,7 @@ def _machine(rng: np.random.Generator, names: list[str], kind: str) -> LargeMach
         statement=statement,
         friction=0.15 if shaken else 1.0,
         laws=SMOOTH_LAWS if set(names) & set(COUPLED) else truth.LAWS,
+        turning=bool(set(names) & set(TURNING)),
     )
     if kind == "open":
         machine.controller_stated = machine.reference_columns = False

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .. import truth
 from ..hidden import Hidden, Parameters, add_map, add_row, quadratures, set_scalars, times
 from ..machines import log_uniform
+from ..shapes import any_pulse
 from ..truth import Plan
 from .machines import LargeMachine
 
@@ -58,7 +59,7 @@ def _force(
 def cogging_harmonic(rng: np.random.Generator, scene: Scene) -> Hidden:
     """One to four harmonics of one pitch, up to the hundredth a turn; the amplitude is the largest harmonic's."""
     length, turn = scene.machine.room.length, 2 * np.pi
-    longest = turn if scene.machine.rotary else 0.5 * length
+    longest = turn / 2 if scene.machine.rotary else 0.5 * length  # once a turn it would be gravity
     known = [period for period, _, _ in scene.machine.known]
     while True:
         order = int(rng.integers(1, 5))
@@ -125,6 +126,34 @@ def end_effect(rng: np.random.Generator, scene: Scene) -> Hidden:
 
     return _force(
         "end_effect", scene, shape, lambda a: {"force": (sign * a, "V", None), "decay_length": (decay, "m", None)}
+    )
+
+
+def local_force(rng: np.random.Generator, scene: Scene) -> Hidden:
+    """A snag, or a joint: a bell, or a pulse of any kind that is as wide."""
+    room, sign, pulse, usual = scene.machine.room, _sign(rng), any_pulse(rng), rng.random() < 0.4
+    center, width = room.travel[0] + room.length * rng.uniform(0.2, 0.8), room.length * log_uniform(rng, 0.01, 0.08)
+
+    def shape(plan: Plan) -> np.ndarray:
+        distance = (plan.positions - center) / width
+        return sign * (np.exp(-(distance**2)) if usual else pulse(distance / 3 + 0.5))
+
+    def parameters(a: float) -> Parameters:
+        if not usual:
+            return {}
+        return {"force": (sign * a, "V", None), "center": (center, "m", None), "width": (width, "m", None)}
+
+    return replace(_force("local_force", scene, shape, parameters), shape="usual" if usual else "drawn")
+
+
+def gravity(rng: np.random.Generator, scene: Scene) -> Hidden:
+    """An arm, or a wheel whose weight is not in its middle."""
+    angle = rng.uniform(-np.pi, np.pi)
+    return _force(
+        "gravity",
+        scene,
+        lambda plan: -np.sin(plan.positions - angle),
+        lambda a: {"moment": (a, "V", None), "angle": (angle, "rad", None)},
     )
 
 
@@ -378,6 +407,8 @@ EFFECTS: dict[str, tuple[Draw, Sequence[str]]] = {
     "constant_force": (constant_force, MOVES),
     "cable_spring": (cable_spring, MOVES),
     "end_effect": (end_effect, ("slow", "strokes", "mixed")),
+    "local_force": (local_force, ("slow", "strokes", "mixed")),
+    "gravity": (gravity, MOVES),
     "coulomb_asymmetry": (coulomb_asymmetry, MOVES),
     "viscous_asymmetry": (viscous_asymmetry, ("strokes", "sine", "mixed")),
     "stribeck_friction": (stribeck_friction, ("mixed", "sine")),
@@ -396,3 +427,5 @@ EFFECTS: dict[str, tuple[Draw, Sequence[str]]] = {
 }
 #: Effects of machines with smooth friction and one coupling: no two of them together.
 COUPLED = ("flexible_mode", "backlash")
+#: Effects of machines that turn.
+TURNING = ("gravity",)

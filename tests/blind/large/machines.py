@@ -93,10 +93,18 @@ class LargeMachine:
 
 
 def draw_machine(
-    rng: np.random.Generator, *, statement: str, friction: float = 1.0, laws: Sequence[str] = LAWS
+    rng: np.random.Generator,
+    *,
+    statement: str,
+    friction: float = 1.0,
+    laws: Sequence[str] = LAWS,
+    turning: bool = False,
 ) -> LargeMachine:
-    """Draw a machine of any size; friction: a factor on it, below 1 where little may stand against a motion."""
-    rotary = bool(rng.random() < 0.5)
+    """Draw a machine of any size; friction: a factor on it, below 1 where little may stand against a motion.
+
+    `turning`: a rotary one; else every other.
+    """
+    rotary = bool(rng.random() < 0.5) or turning
     length = 2 * np.pi * rng.uniform(0.8, 4.5) if rotary else log_uniform(rng, 0.02, 30.0)
     start = float(rng.choice([0.0, -length / 2, rng.uniform(-1.0, 1.0) * length]))
     travel = (float(f"{start:.4g}"), float(f"{start:.4g}") + float(f"{length:.4g}"))
@@ -207,7 +215,7 @@ def _model(rng: np.random.Generator, machine: LargeMachine) -> dict[str, Any]:
         axis[name] = scalars[name] / wrong if machine.statement == "exact" else float(f"{scalars[name] / wrong:.4g}")
     smooth = machine.law not in ("stick", "bristle")
     axis["coulomb_width"] = float(f"{scalars['width'] * log_uniform(rng, 0.5, 2.0):.3g}") if smooth else 0.0
-    model: dict[str, Any] = {"axis": axis}
+    model: dict[str, Any] = {"axis": axis, "units": {"position": "rad" if machine.rotary else "m"}}
     if uncertainty:
         axis["uncertainty"] = uncertainty
     if rng.random() < 0.6:

@@ -25,6 +25,8 @@
 #include "cogging/plant/effects/flexible_mode.hpp"
 #include "cogging/plant/effects/force_constant_drift.hpp"
 #include "cogging/plant/effects/force_constant_ripple.hpp"
+#include "cogging/plant/effects/gravity.hpp"
+#include "cogging/plant/effects/local_force.hpp"
 #include "cogging/plant/effects/position_dependent_friction.hpp"
 #include "cogging/plant/effects/presliding_friction.hpp"
 #include "cogging/plant/effects/quadratic_drag.hpp"
@@ -37,6 +39,8 @@ template <class Scalar = double>
 using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             CableSpring<Scalar>,                // linear in position
                             EndEffect<Scalar>,                  // close to the ends
+                            LocalForce<Scalar>,                 // at one place
+                            Gravity<Scalar>,                    // an unbalanced mass, one turn
                             CoggingHarmonic<Scalar>,            // a spatial period that the model lacks
                             CoggingModulation<Scalar>,          // a harmonic that changes along the travel
                             CoulombAsymmetry<Scalar>,           // Coulomb level by direction

@@ -5,27 +5,30 @@ Each drawing says in words what it shows, for those who cannot see it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.arrays import FloatArray
-from cogging.diagnosis.labelled import in_words
-from cogging.diagnosis.report.binning import Series, binned, bins_of, envelope, liveliest, rows_of, smoothed, spectrum
-from cogging.diagnosis.residual.shape import MOMENTS, Shape
-from cogging.diagnosis.thresholds import REPORT
+from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.places import COORDINATE_UNITS, Shape
+from cogging.estimation.statistics import moving_average
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.units import Units
+from cogging.plot.gaps import Rows, binned, joined
 
 if TYPE_CHECKING:
-    from cogging.diagnosis.entries import ShapeTerm
+    from cogging.diagnosis.entries import NamedEffect
 
+Series = Mapping[str, Sequence[FloatArray]]
 #: The largest of a curve and where it is; None where nothing stands out.
 Extreme = tuple[float, float] | None
 COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
-
-
+FEWEST = 100  # rows: fewer are no such motion
+SHOWN = 4.0  # median deviations of a shape: larger bars are cut
+POINTS = 4000  # of a trace: more cannot be seen
+MILLI = 0.1  # m: shorter periods are drawn in mm
+TRACE = 0.01  # s over which traces are averaged
 NO_MOTION = "no such motion"  # of a way that the axis did not move
 PANELS = (  # coordinate, what the axis is called, its unit, direction of motion
     ("position", "position, moving forward", "m", "forward"),
@@ -41,16 +44,23 @@ def direction_of(way: str) -> float:
     return {"forward": 1.0, "backward": -1.0}.get(way, 0.0)
 
 
+def moving(series: Series, direction: float) -> Rows:
+    """Rows in motion one way, or both (0), of all logs."""
+    ways = zip(series["mask"], series["velocity"], strict=True)
+    kept = [(np.asarray(m) > 0) & ((direction == 0.0) | (direction * np.asarray(v) > 0.0)) for m, v in ways]
+    return joined({**series, "mask": kept}, "gap")
+
+
 def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: float = 0.0) -> dict[str, Extreme]:
     """Mean gap in bins of a coordinate, with 95 % bands from blocks of rows; its largest by label, beyond its band."""
     told = {}
     axes.axhline(0.0, color="black", linewidth=0.6)
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
-        values, gap, block = rows_of(series, name, direction)
-        if len(values) < REPORT.profile_rows:
+        rows = moving(series, direction)
+        if len(rows.residual) < FEWEST:
             axes.text(0.5, 0.5, NO_MOTION, transform=axes.transAxes, ha="center")
             continue
-        places, mean, half = binned(values, gap, block, bins_of(values, name))
+        places, mean, half = binned(rows, name)
         axes.fill_between(places, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
         axes.plot(places, mean, color=colour, linewidth=1.4, label=label)
         told[label] = extreme(places, mean, half)
@@ -81,7 +91,7 @@ def draw_spectrum(axes: Any, gaps: Mapping[str, Series], units: Units) -> dict[s
 
 def limits(shape: Shape) -> tuple[float, float]:
     """A range of force that shows the places that are known, and cuts the bars of those that are hardly seen."""
-    known = shape.deviation < REPORT.deviation_shown * float(np.median(shape.deviation))
+    known = shape.deviation < SHOWN * float(np.median(shape.deviation))
     reach = np.abs(shape.force[known]) + 2.2 * shape.deviation[known] if known.any() else np.abs(shape.force)
     top = float(np.max(reach)) or 1.0
     return -1.1 * top, 1.1 * top
@@ -101,7 +111,7 @@ def draw_trace(axes: Any, gaps: Mapping[str, Series], units: Units, *, near: boo
             strip = liveliest(series["gap"][log], mask, len(time) // 12)
             axes.plot(time[strip], gap[strip], color=colour, linewidth=0.8, label=label)
             continue
-        middle, low, high = envelope(time, gap, max(1, len(time) // REPORT.trace_points))
+        middle, low, high = envelope(time, gap, max(1, len(time) // POINTS))
         axes.fill_between(middle, low, high, color=colour, alpha=0.75, linewidth=0.3, label=label)
     axes.set(xlabel="time (s), a twelfth of the log" if near else "time (s)", ylabel=f"gap ({units.of('V')})")
     return told
@@ -119,75 +129,97 @@ def draw_folded(
     """
     told: dict[str, float | None] = {}
     axes.axhline(0.0, color="black", linewidth=0.6)
-    scale, unit = (1e3, "mm") if period < REPORT.folded_milli else (1.0, "m")
+    scale, unit = (1e3, "mm") if period < MILLI else (1.0, "m")
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
-        position, gap, block = rows_of(series, "position")
-        along = sign * rows_of(series, "velocity")[0] > 0.0
+        rows = moving(series, sign)
         told[label] = None
-        if not along.any():
+        if not len(rows.residual):
             continue
-        edges = np.linspace(0.0, period, REPORT.bin_quantiles)
-        place, mean, half = binned(position[along] % period, gap[along], block[along], edges)
+        place, mean, half = binned(
+            Rows(rows.residual, {"place": rows.coordinates["position"] % period}, rows.block), "place"
+        )
         axes.fill_between(scale * place, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
         axes.plot(scale * place, mean, color=colour, linewidth=1.4, label=label)
-        if len(mean):
-            told[label] = 2.0 * float(np.abs(np.mean(mean * np.exp(-2j * np.pi * place / period))))
+        if np.isfinite(mean).any():
+            told[label] = 2.0 * float(np.abs(np.nanmean(mean * np.exp(-2j * np.pi * place / period))))
     axes.set(ylabel=f"mean gap {'forward' if sign > 0.0 else 'backward'} ({units.of('V')})")
     axes.set(xlabel=f"position within {scale * period:.4g} {units.of(unit)}")
     return told
 
 
-def draw_shape_term(panel: Any, term: ShapeTerm) -> None:
-    """What an effect has beside its plainest law, with 95 % bars; what is told twice at a place, beside each other."""
+def draw_curve(panel: Any, effect: NamedEffect, units: Units) -> None:
+    """The force over one coordinate of an effect whose law is not the plainest."""
+    curve = effect.curve or {}
     panel.axhline(0.0, color="black", linewidth=0.6)
-    force, deviation = np.array(term.force), np.array(term.deviation)
-    told = np.isfinite(deviation)
-    panel.errorbar(
-        np.array(term.places)[told],
-        force[told],
-        SIGMAS_95 * deviation[told],
-        color=COLOURS[1],
-        marker="o",
-        markersize=3,
-        linestyle="none",
-        elinewidth=1.0,
-        capsize=2,
-    )
-    if term.curve is not None:
-        panel.plot(term.curve["places"], term.curve["force"], color=COLOURS[1], linewidth=1.0)
-    panel.set(xlabel=f"{term.coordinate} ({term.unit})", ylabel="beside the plainest law")
+    panel.plot(curve["places"], curve["force"], color=COLOURS[1], linewidth=1.4)
+    name = str(curve["coordinate"])
+    panel.set(xlabel=f"{name} ({units.of(COORDINATE_UNITS[name])})", ylabel=f"force ({units.command})")
 
 
 def draw_shape(panel: Any, shape: Shape, units: Units) -> None:
     """One residual shape with 95 % bars, each direction by itself where it is told by direction."""
-    m = len(shape.places)
-    halves = [("", slice(0, len(shape.force)))]
-    if len(shape.force) == 2 * m:
-        halves = [("forward", slice(0, m)), ("backward", slice(m, 2 * m))]
-    at_moments = shape.coordinate in MOMENTS
     panel.axhline(0.0, color="black", linewidth=0.6)
     panel.set_ylim(*limits(shape))
-    for (label, half), colour, marker in zip(halves, COLOURS[1:], "os", strict=False):
-        deviation = shape.deviation[half]
+    for (label, force, deviation), colour, marker in zip(shape.sides, COLOURS[1:], "os", strict=False):
         told = np.isfinite(deviation)
         panel.errorbar(
             shape.places[told],
-            shape.force[half][told],
+            force[told],
             SIGMAS_95 * deviation[told],
             color=colour,
             marker=marker,
             markersize=3,
             linewidth=1.0,
-            linestyle="none" if at_moments else "-",
             elinewidth=1.0,
             capsize=2,
             label=label or None,
         )
-    if len(halves) > 1:
+    if len(shape.sides) > 1:
         panel.legend(fontsize=8)
-    missing = {"friction": "V of friction", "gain": "share of the command", "drag": "V per m/s", "jumps": "m"}
     panel.set(
-        xlabel=f"{shape.coordinate.split()[-1]} ({units.of(shape.unit)})",
-        ylabel=f"missing ({in_words(missing.get(shape.coordinate.split()[0], 'V'), units)})",
-        title=shape.coordinate if at_moments else f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
+        xlabel=f"{shape.coordinate} ({units.of(shape.unit)})",
+        ylabel=f"missing ({units.command})",
+        title=f"{shape.coordinate}: {100.0 * shape.share:.0f} %",
     )
+
+
+# Rows as they are drawn -----------------------------------------------------------------------------------------------
+
+
+def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and amplitude density (per √Hz), averaged over half-overlapping Hann windows of an eighth."""
+    step = float(np.median(np.diff(time)))
+    length = max(256, 2 * (len(values) // 16))
+    length = min(length, len(values))
+    window = np.hanning(length)
+    parts = [values[first : first + length] for first in range(0, len(values) - length + 1, max(1, length // 2))]
+    power = np.mean([np.abs(np.fft.rfft(window * (part - part.mean()))) ** 2 for part in parts], axis=0)
+    density = np.sqrt(2.0 * power * step / float((window**2).sum()))
+    return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
+
+
+def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
+    """Running mean over TRACE."""
+    return moving_average(values, round(TRACE / float(np.median(np.diff(time)))))
+
+
+def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
+    """A stretch of that many rows in the middle of the log in which the axis moves most of the time."""
+    moving = np.concatenate([[0], np.cumsum(mask > 0)])
+    starts = np.arange(0, max(1, len(gap) - rows), max(1, rows // 4))
+    share = moving[np.minimum(starts + rows, len(gap))] - moving[starts]
+    good = starts[share >= 0.95 * share.max()]
+    first = int(good[len(good) // 2])
+    return slice(first, first + rows)
+
+
+def envelope(time: FloatArray, values: FloatArray, few: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Smallest and largest of every `few` rows, so that a long trace loses no peak; nan where all are nan."""
+    if few < 2:
+        return time, values, values
+    end = len(time) // few * few
+    rows = values[:end].reshape(-1, few)
+    missing = np.isnan(rows).all(axis=1)
+    low = np.where(missing, np.nan, np.min(np.where(np.isnan(rows), np.inf, rows), axis=1))
+    high = np.where(missing, np.nan, np.max(np.where(np.isnan(rows), -np.inf, rows), axis=1))
+    return time[:end].reshape(-1, few).mean(axis=1), low, high

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.diagnosis.next_step import NextStep, next_step
-from cogging.diagnosis.report.pictures import pictures_of, term_picture
+from cogging.diagnosis.report.pictures import curve_picture, pictures_of
 from cogging.diagnosis.report.sentences import capital, certainty_text, explained_text, headline, meaning, standing_text
 from cogging.diagnosis.report.words import (
     law,
@@ -73,17 +73,14 @@ def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, 
         "effects": [_effect(result, effect) for effect in result.effects],
         "mismatch": result.mismatch,
         "unlisted": result.unlisted,
-        "near_rest": _near_rest(result),
         "term": _term(result),
         "unlisted_text": "" if result.unlisted is None else f"{capital(str(result.unlisted['shape']))}.",
         "where": result.location.lines() if result.location is not None else list(result.where_text),
         "further": _further(result),
         "ledger": result.ledger,
-        "placebo": result.placebo,
         "limits": _limits(result),
-        "retuned": result.retuned_text(),
+        "axis": result.axis_lines(),
         "notes": result.notes,
-        "planned": [outcome.text() for outcome in result.planned],
         "parameters": _parameters(result),
         "model": to_toml(result.model.to_dict()),
         "pictures": pictures_of(result),
@@ -108,17 +105,6 @@ def _bars(result: Diagnosis) -> list[dict[str, Any]]:
         for label, size, kind in told
         if size is not None
     ]
-
-
-def _near_rest(result: Diagnosis) -> dict[str, str] | None:
-    """What is said of friction near rest; None where it is the model's, or has a name."""
-    told = result.near_rest
-    if told is None:
-        return None
-    return {
-        "sentence": capital(told.text()),
-        "candidates": " or ".join(plain(name) for name in told.candidates),
-    }
 
 
 def _term(result: Diagnosis) -> str:
@@ -155,8 +141,8 @@ def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
         "certainty": certainty_text(effect, result.vocabulary),
         "reasons": list(dict.fromkeys(s.reason for s in result.ledger if s.accepted and s.name == effect.name)),
         "where": where_words(effect.where, result.model.units),
-        "shape": "" if effect.shape_term is None else other_shape_text(effect.shape_term),
-        "picture": term_picture(effect),
+        "shape": other_shape_text(effect, result.model.units),
+        "picture": curve_picture(effect, result.model.units),
         "alternatives": [{"words": plain(name), "law": law(result.vocabulary, name)} for name in effect.alternatives],
         "fields": _fields(result, effect.name, [effect.parameters, *effect.further]),
         "tables": _tables(result, effect.name, [effect.parameters, *effect.further]),
@@ -227,8 +213,6 @@ def _further(result: Diagnosis) -> list[str]:
     advice = []
     if result.separating_experiment:
         advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
-    if result.near_rest is not None:
-        advice.append(f"To tell the friction near rest: {result.near_rest.experiment}.")
     if result.unlisted is not None:
         advice.append(unlisted_advice(result.unlisted["coordinate"]))
     if "gap_before" in result.series and result.gap.confirm_before is None and result.verdict != "named":

@@ -9,30 +9,29 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.labelled import in_words
-from cogging.diagnosis.report.binning import Series
+from cogging.diagnosis.places import Shape, length_text, quantity_text, shape_text
 from cogging.diagnosis.report.figures import (
     NO_MOTION,
     PANELS,
     Extreme,
+    Series,
     direction_of,
+    draw_curve,
     draw_folded,
     draw_profile,
     draw_shape,
-    draw_shape_term,
     draw_spectrum,
     draw_trace,
 )
 from cogging.diagnosis.report.words import other_shape_text, plain
-from cogging.diagnosis.residual.location_words import length_text, quantity_text, shape_text
-from cogging.diagnosis.residual.shape import Shape
-from cogging.diagnosis.thresholds import REPORT
 from cogging.model.units import Units
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect
     from cogging.diagnosis.location import Location
     from cogging.diagnosis.result import Diagnosis
+
+PERIODS, SHAPES = 3, 6  # folded periods, and coordinates, on a page at most
 
 
 @dataclass(frozen=True)
@@ -71,9 +70,7 @@ def pictures_of(result: Diagnosis) -> dict[str, list[Picture]]:
     if result.location is not None:
         told["shapes"] = shape_pictures(result.location)
         waves = [wave.value for wave in result.location.waves if wave.coordinate == "spatial period"]
-        told["folded"] = [
-            _folded(gaps, units, period, sign) for period in waves[: REPORT.periods_drawn] for sign in (1.0, -1.0)
-        ]
+        told["folded"] = [_folded(gaps, units, period, sign) for period in waves[:PERIODS] for sign in (1.0, -1.0)]
     # Of a way that the axis did not move there is nothing to see.
     return {part: [one for one in pictures if NO_MOTION not in one.finding] for part, pictures in told.items()}
 
@@ -83,17 +80,17 @@ def shape_pictures(location: Location) -> list[Picture]:
     units = location.model.units
 
     def drawn(shape: Shape) -> Picture:
-        return picture(lambda axes: draw_shape(axes, shape, units), in_words(f"Missing: {shape_text(shape)}.", units))
+        return picture(lambda axes: draw_shape(axes, shape, units), f"Missing: {shape_text(shape, units)}.")
 
-    return [drawn(shape) for shape in location.significant[: REPORT.shapes_drawn]]
+    return [drawn(shape) for shape in location.significant[:SHAPES]]
 
 
-def term_picture(effect: NamedEffect) -> Picture | None:
-    """What an effect has beside its plainest law; None where that is all."""
-    term = effect.shape_term
-    if term is None:
+def curve_picture(effect: NamedEffect, units: Units) -> Picture | None:
+    """The force of an effect whose law is not the plainest; None where it has none over one coordinate."""
+    if effect.curve is None:
         return None
-    return picture(lambda axes: draw_shape_term(axes, term), f"{plain(effect.name)} is {other_shape_text(term)}.")
+    finding = f"{plain(effect.name)} is {other_shape_text(effect, units)}."
+    return picture(lambda axes: draw_curve(axes, effect, units), finding)
 
 
 def picture(draw: Callable[[Any], object], finding: str = "") -> Picture:
@@ -153,7 +150,7 @@ def _folded(gaps: Mapping[str, Series], units: Units, period: float, sign: float
         sizes = [f"{size:.2g} {units.of('V')}" for size in told.values() if size is not None]
         words = f"a wave of {sizes[0]}" if sizes else NO_MOTION
         words += f", of which {sizes[1]} is left" if len(sizes) > 1 else ""
-        return f"Gap within {in_words(length_text(period), units)} of position, moving {way}: {words}."
+        return f"Gap within {length_text(period, units)} of position, moving {way}: {words}."
 
     return picture(draw)
 
@@ -165,5 +162,5 @@ def _when(label: str) -> str:
 def _extreme(one: Extreme, unit: str, units: Units) -> str:
     if one is None:
         return "nothing that stands out"
-    place = in_words(quantity_text(one[1], unit), units)
+    place = quantity_text(one[1], unit, units)
     return f"{one[0]:+.2g} {units.of('V')} at most, about {place}"

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cogging.diagnosis.report.words import chance_text, plain
-from cogging.diagnosis.thresholds import REPORT, VERDICT
+from cogging.diagnosis.report.words import plain
 from cogging.effects.effect import Effect
 from cogging.shown import shortened
 
@@ -38,7 +37,7 @@ MEANINGS = {
     "ambiguous": (
         "Something stands out of the noise, but these logs do not say with nine chances in ten what all of it is."
     ),
-    "unlisted": "Something stands out of the noise that none of the known effects explains.",
+    "unlisted": "What is left is not noise, and none of the known effects explains it.",
     "data_mismatch": (
         "As it was read, a log contradicts the model or itself; with one column read otherwise it does not. Until that "
         "is settled, nothing can be said of the machine."
@@ -55,6 +54,7 @@ MEANINGS = {
 ALONG = {
     "position": "position",
     "distance": "position",
+    "angle": "position",
     "force_per_position": "position",
     "velocity": "velocity",
     "force_per_velocity": "velocity",
@@ -67,6 +67,9 @@ ALONG = {
     "frequency": "frequency",
 }
 HARDLY = "hardly any of the gap"
+SURE = 0.9  # confidence from which a name is stated (contract)
+LITTLE = 0.05  # of the gap: a smaller share is hardly any
+IN_HEADLINE, LONGEST = 2, 60  # effects that a headline names, and characters of a name in it
 OF_CHANGES = {"mass_change": "acceleration", "viscous_change": "velocity", "coulomb_change": "velocity"}
 
 
@@ -92,43 +95,39 @@ def meaning(result: Diagnosis) -> list[str]:
     if result.verdict == "unlisted" and result.effects:
         told[0] = "Beside what was found, something stands out of the noise that no known effect explains."
     doubts = [doubt for effect in result.effects if (doubt := doubt_text(effect, result.vocabulary))]
-    more = len(doubts) - REPORT.names_in_headline
-    told += doubts[: REPORT.names_in_headline]
+    more = len(doubts) - IN_HEADLINE
+    told += doubts[:IN_HEADLINE]
     return [*told, f"{more} more {'is' if more == 1 else 'are'} told below."] if more > 0 else told
 
 
 def names_text(effects: Sequence[NamedEffect]) -> str:
-    """The names of effects, each as sure as it is, the sure ones first; beyond a few, how many more."""
-    ranked = sorted(effects, key=lambda effect: not is_sure(effect))
-    told, more = ranked[: REPORT.names_in_headline], len(ranked) - REPORT.names_in_headline
-    sure = [name_text(effect) for effect in told if is_sure(effect)]
-    doubted = [_doubted(effect) for effect in told if not is_sure(effect)]
-    rest = [f"{more} more"] if more > 0 else []
-    if not doubted:
-        open_ones = rest and not all(map(is_sure, ranked))
-        return joined([*sure, *(f"{one}, not all of them sure" if open_ones else one for one in rest)])
-    phrases = [*doubted, *rest]
-    something = f"something that is {'; '.join(phrases[:-1])}{'; and ' * (len(phrases) > 1)}{phrases[-1]}"
-    return f"{joined(sure)}, and {something}" if sure else something
+    """The names of effects in their order, each as sure as it is, with its share of the gap; beyond a few, how many."""
+    told, more = effects[:IN_HEADLINE], effects[IN_HEADLINE:]
+    phrases = [name_text(one) if is_sure(one) else f"something that is {_doubted(one)}" for one in told]
+    phrases = [f"{phrase}{_share_text(one)}" for phrase, one in zip(phrases, told, strict=True)]
+    open_ones = "" if all(map(is_sure, more)) else ", not all of them sure"
+    return joined([*phrases, *([f"{len(more)} more{open_ones}"] if more else [])])
+
+
+def _share_text(effect: NamedEffect) -> str:
+    return "" if effect.share is None else f" ({percent(min(effect.share, 1.0))} of the gap)"
 
 
 def is_sure(effect: NamedEffect) -> bool:
     """Whether a name may be said without a doubt, as the contract has it."""
-    return effect.confidence >= VERDICT.sure and not effect.alternatives
+    return effect.confidence >= SURE and not effect.alternatives
 
 
 def name_text(effect: NamedEffect) -> str:
     """The name as words for a headline, with what its law has of its own."""
-    return shortened(plain(effect.name), REPORT.name_longest) + (
-        " of a shape of its own" if effect.shape_term is not None else ""
-    )
+    return shortened(plain(effect.name), LONGEST) + (" of a shape of its own" if effect.shape else "")
 
 
 def _doubted(effect: NamedEffect) -> str:
     if effect.alternatives:
-        others = [shortened(plain(other), REPORT.name_longest) for other in effect.alternatives]
+        others = [shortened(plain(other), LONGEST) for other in effect.alternatives]
         return joined([name_text(effect), *others], "or")
-    word = "probably" if effect.confidence >= REPORT.probable else "perhaps"
+    word = "probably" if effect.confidence >= 0.5 else "perhaps"
     return f"{word} {name_text(effect)} ({percent(effect.confidence)})"
 
 
@@ -137,7 +136,7 @@ def explained_text(gap: Gap) -> str:
     if gap.closed is None:
         return ""
     share = float(np.clip(gap.closed, 0.0, 1.0))
-    return f"{percent(share)} of the gap" if share >= REPORT.share_hardly else HARDLY
+    return f"{percent(share)} of the gap" if share >= LITTLE else HARDLY
 
 
 def doubt_text(effect: NamedEffect, vocabulary: Mapping[str, Effect]) -> str:
@@ -196,7 +195,7 @@ def standing_text(effect: NamedEffect) -> str:
     deviations = float(np.sqrt(max(effect.statistic, 0.0)))
     return (
         f"That something is there: it stands {deviations:.0f} standard deviations out of the noise "
-        f"(T = {effect.statistic:.0f}); noise alone would show as much {chance_text(effect.log_p_value)}."
+        f"(T = {effect.statistic:.0f}, the logarithm of how much likelier the logs are with it, twice, less its cost)."
     )
 
 
@@ -218,10 +217,10 @@ def joined(phrases: list[str], word: str = "and") -> str:
 
 def percent(share: float) -> str:
     """A share in whole percent; what is not all is never 100 %, what is not sure never as much as what is."""
-    if 0.0 < share < REPORT.percent_least:
+    if 0.0 < share < 0.01:
         return "under 1 %"
     whole = round(100.0 * share)
-    below = [edge for edge in (VERDICT.sure, REPORT.all_of_it) if share < edge <= whole * REPORT.percent_least]
+    below = [edge for edge in (SURE, 1.0) if share < edge <= whole * 0.01]
     return f"{whole - bool(below)} %"
 
 

@@ -7,49 +7,46 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.diagnosis.residual.shape import FRICTION_INTERVALS, JUMPS
-from cogging.diagnosis.thresholds import REPORT
+from cogging.diagnosis.places import COORDINATE_UNITS
 from cogging.effects.effect import Effect
 from cogging.model.units import Units
 
 if TYPE_CHECKING:
-    from cogging.diagnosis.entries import Limit, ShapeTerm, Step
-
-COORDINATE_UNITS = {
-    "position": "m",
-    "velocity": "m/s",
-    "acceleration": "m/s^2",
-    "time": "s",
-    "command": "V",
-    "frequency": "Hz",
-}
+    from cogging.diagnosis.entries import Limit, NamedEffect, Step
 
 
 def term_text(term: Mapping[str, Any], unit: str) -> str:
     """What an empirical term makes of the gap, in words."""
-    text = f"added to the model as {term['name']}, which is empirical and names no cause: gap (innovations of an "
-    text += f"observer) {term['gap_before']:.4g} to {term['gap_after']:.4g} {unit}"
+    text = f"added to the model as {term['name']}, which is empirical and names no cause: gap "
+    text += f"({term['signal']}) {term['gap_before']:.4g} to {term['gap_after']:.4g} {unit}"
     if term["confirm_after"] is not None:
         text += f", on the confirm logs {term['confirm_before']:.4g} to {term['confirm_after']:.4g} {unit}"
     return text
 
 
-def other_shape_text(term: ShapeTerm) -> str:
-    """What is said of an effect whose law is not the plainest, and where most of the difference is."""
-    sizes = [abs(f) / d if d > 0.0 and np.isfinite(d) else 0.0 for f, d in zip(term.force, term.deviation, strict=True)]
-    most = int(np.argmax(sizes))
-    told = f"of another shape than its plainest law, T = {term.statistic:.0f} in {term.coordinate}: "
-    return f"{told}{term.force[most]:+.2g} more about {term.places[most]:.3g} {term.unit.removesuffix('1')}".rstrip()
+def other_shape_text(effect: NamedEffect, units: Units) -> str:
+    """What is said of an effect whose law is not the plainest; empty of others."""
+    if not effect.shape:
+        return ""
+    told = "of another shape than its plainest law"
+    if effect.curve is None:
+        return f"{told}, which no function of one coordinate gives: it is not in the model"
+    places, force = effect.curve["places"], effect.curve["force"]
+    most = int(np.argmax(np.abs(force)))
+    coordinate = str(effect.curve["coordinate"])
+    place = f"{places[most]:.3g} {units.of(COORDINATE_UNITS[coordinate])}"
+    held = "; the model has it as an empirical force" if effect.in_model else ""
+    return f"{told}: {force[most]:+.2g} {units.command} at most, about {coordinate} {place}{held}"
 
 
 def step_text(step: Step, unit: str) -> str:
     """A line of the ledger in words."""
     if not step.accepted:
-        return f"refused {step.name}: T = {step.statistic:.0f}, {step.reason}"
+        return f"refused {step.name}: {step.reason}"
     gap = f"gap {step.gap_before:.4g} to {step.gap_after:.4g} {unit}"
     if step.confirm_after is not None:
         gap += f", on the confirm logs {step.confirm_before:.4g} to {step.confirm_after:.4g} {unit}"
-    return f"added   {step.name}: T = {step.statistic:.0f}, {gap}; {step.reason}"
+    return f"added   {step.name}: {gap}; {step.reason}"
 
 
 def limit_lines(limits: Mapping[str, Limit]) -> list[str]:
@@ -93,16 +90,6 @@ def law(vocabulary: Mapping[str, Effect], name: str) -> str:
     return f"{plain(name.removesuffix('_change'))} of the axis differs from what the model states"
 
 
-def chance_text(log_p_value: float) -> str:
-    """A chance given as its logarithm, in words."""
-    exponent = -log_p_value / np.log(10.0)
-    if exponent < REPORT.chance_percent:
-        return f"in {100.0 * np.exp(log_p_value):.0f} of 100 logs"
-    if exponent < REPORT.chance_never:
-        return f"in 1 of {10 ** int(exponent):,} logs"
-    return "practically never, in less than 1 of a million logs"
-
-
 def numbers(value: Any) -> str:
     """A number, or a list of numbers, for a table; a dash where it is not known."""
     if value is None:
@@ -125,10 +112,6 @@ def where_words(where: Mapping[str, Any], units: Units) -> str:
 
 def unlisted_advice(coordinate: str) -> str:
     """What to measure next where a gap of no known effect depends on a coordinate."""
-    if coordinate == JUMPS:
-        return "Readings jump at the moments told: look at the scale, at the encoder's cable, and at the log's clock."
-    if coordinate == FRICTION_INTERVALS:
-        return "Friction comes and goes: repeat the motion, and see whether it comes back at the same places or times."
     return (
         f"What no known effect explains depends on {coordinate}: repeat the motion with that alone changed, and see "
         "whether the gap follows."

@@ -183,6 +183,14 @@ class Balance:
         return float(asked @ asked) / likeness if likeness else 0.0
 
     @property
+    def work(self) -> float:
+        """Mean power of the command in motion, V m/s.
+
+        A force of place gives back what it takes, and friction only takes: a command that was read right does work.
+        """
+        return float(np.mean(self.command[self.taken] * self.speed))
+
+    @property
     def quarter_period(self) -> float:
         """A quarter of the period of the motion, s: moved by more, a wave is told from another no longer."""
         acceleration = float(np.sqrt(np.mean(self.needs["mass"] ** 2)))

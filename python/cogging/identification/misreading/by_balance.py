@@ -149,7 +149,7 @@ def _units_of_reference(case: Case) -> list[Reading]:
 
 
 def _signs(case: Case) -> Winners:
-    if case.any_size.ratio < SIGN.unexplained:
+    if case.balance.work > 0.0 or case.any_size.ratio < SIGN.unexplained:
         return Winners([])
     return _best(case, signs(case.log, follows=follows(case.log) > 0.0), case.any_size, SIGN)
 
@@ -190,7 +190,7 @@ def _scales(case: Case) -> Winners:
         return Winners([])
     values, axis = case.any_size.values, case.model.axis
     mass = values["mass"] / axis.mass
-    gain = case.balance.gain({name: getattr(axis, name) for name in AXIS})
+    gain = math.copysign(case.balance.gain({name: getattr(axis, name) for name in AXIS}), case.balance.work)
     readings = scales(case.whole, case.model, gain=gain, mass=mass, follows=follows(case.log) > 0.0)
     return _if_shown(
         case, _best(case, [r for r in readings if _on_travel(r.of(case.log), case.model)], case.near, SCALE)

@@ -13,7 +13,6 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.units import Units
 
-THOUSANDTHS, PERCENT = 1e-3, 1e-2
 TIMES = {1e-3: "ms", 1e-6: "us"}
 #: Shares of a model's unit in which a command may be written, by their factor.
 COMMANDS = {

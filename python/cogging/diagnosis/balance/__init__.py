@@ -1,0 +1,1 @@
+"""The engine of `diagnose`: the force balance along the measured motion."""

@@ -1,0 +1,924 @@
+"""Candidates: every effect of the list, and forces of any shape, as columns along the measured motion, by their scores.
+
+A candidate is a group of columns at one shape (a period, a width, a time constant). `search_once` goes through them by
+coordinate, keeps the best shape of each name and refines what may be the best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.signal import freqz, lfilter, oaconvolve
+
+from cogging.arrays import FloatArray
+from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.effects.effect import VOCABULARY, Effect
+from cogging.estimation.residuals import quiet_plant
+
+E = VOCABULARY
+Columns = Callable[[Evidence], list[FloatArray]]  # columns (k, n) of each log along its motion
+Law = Callable[[FloatArray], Effect | tuple[Effect, ...] | None]  # the effect of amplitudes (k,), or several
+
+# Sizes and limits of laws
+SMALL = 1e-2  # of the largest command: force for which the column of a law is made, on which it depends linearly
+UNIT = 1e-3  # the same of gains, errors of the reading and amplitudes of an own effect
+LEAST_DELAY = 0.02  # samples: time stamps themselves are off by as much
+WHOLE = (0.4, 2.5)  # amplitude of a column that is all of what a limit of the command does, not a share of it
+BRISTLE = (0.5, 2.0)  # the same of presliding, which replaces all of Coulomb friction
+LOAD = (0.0, 0.95)  # share of the mass that may be a load
+DAMPINGS = (0.02, 0.1)  # of a resonance: one that hardly rings is a lag by another name
+GAINS = (  # what takes a part of the command away
+    *("force_constant_ripple", "force_constant_drift", "command_saturation", "command_dead_zone"),
+    *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
+)
+LARGEST_GAIN = 0.5  # of the command's deviation: what opposes more of it is a force, which the command holds against
+LARGEST_SCALE = 0.1  # of the reading: more is no error of an encoder, but another encoder
+OWN_SHAPES = 6  # values of each number of the shape of an own effect
+BUMPS = (0.004, 0.06)  # of the travel: widths of a force at one place
+PLACES = 1001  # along the travel, at which one is looked for
+# Scans
+PEAKS = 4  # of a spectrum along the travel that are tried for each kind of wave; tones: 3
+LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it in a hundred of thousands of lines
+LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
+FAMILY_TURNS = 1.5  # the same of a wave with harmonics
+WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
+MOST_WAVES = 3  # that are looked for together
+SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
+ROWS_PER_WAVE = 2.2  # rows at the highest speed in the shortest wave: fewer are those of a longer one as well
+BAND_SHARE = 1e-3  # of the largest gain: a wave that is less in the band is not seen
+TONE_SHARE = 0.38  # of the rate of the rows: highest frequency of a tone, below the edge of the decimation
+WINDOW_SPACING = 48  # moments in the longest log of which pairs are tried for a step, before they are made finer
+STEP = 0.2  # first step of refining, of the logarithm of a number
+REFINED = 40.0  # scores below the best to which shapes are refined: refining gains less
+CERTAIN_ZERO = 5.0  # score below which nothing is refined
+
+
+class Shape(NamedTuple):
+    """A candidate at one shape: its name in the log, its columns, and its law, None where it has none."""
+
+    label: str
+    columns: Columns
+    law: Law | None = None
+
+
+Refine = tuple[float, Callable[[float], Shape], float]
+
+
+@dataclass
+class Found:
+    """The best shape of one name.
+
+    Attributes:
+        name: of the effect, or of a force of any shape that bears none, beginning with ~.
+        label: of the shape.
+        T: score statistic of k degrees of freedom, and N the number of shapes that were tried.
+        amplitudes: of the columns, (k,).
+        columns: function(evidence) to columns of each log; None for a parameter of the axis.
+        effect: function(amplitudes) to the law or several, None without one; for a parameter of the axis its path.
+        others: names that a shape of no law may bear as well.
+        period: m, of a wave along the travel, of two columns.
+        refine: a number of the shape, function(number) to `Shape`, and a first relative step of the number.
+    """
+
+    name: str
+    label: str
+    T: float
+    k: int
+    N: int
+    amplitudes: Any
+    columns: Any
+    effect: Any = None
+    others: tuple[str, ...] = ()
+    period: float | None = None
+    refine: Refine | None = None
+
+    def laws(self, amplitudes: FloatArray) -> tuple[Effect, ...]:
+        """The effects of amplitudes, none where it has no law."""
+        made = None if self.effect is None or self.columns is None else self.effect(amplitudes)
+        return () if made is None else made if isinstance(made, tuple) else (made,)
+
+    @property
+    def score(self) -> float:
+        """T less what k amplitudes and N trials raise it by without any cause."""
+        return float(self.T - self.k * np.log1p(self.T / max(self.k, 1)) - 2 * np.log(max(self.N, 1)))
+
+
+def along(make: Callable[[ForceBalance], Any]) -> Columns:
+    """Columns from a function of one balance."""
+    return lambda c: [np.atleast_2d(make(b)) for b in c.balances]
+
+
+def driven(make: Callable[[ForceBalance, FloatArray], Any]) -> Columns:
+    """Columns from a function of one balance and its drive."""
+    return lambda c: [np.atleast_2d(make(b, d)) for b, d in zip(c.balances, c.drives, strict=True)]
+
+
+def accelerated(make: Callable[[Evidence, ForceBalance, FloatArray], Any]) -> Columns:
+    """Columns from a function of the evidence, one balance and its acceleration."""
+    return lambda c: [np.atleast_2d(make(c, b, a)) for b, a in zip(c.balances, c.accelerations, strict=True)]
+
+
+def within(limits: tuple[float, float]) -> Callable[[FloatArray], bool]:
+    """Whether the first amplitude is between limits."""
+    return lambda a: bool(limits[0] < a[0] < limits[1])
+
+
+class Search:
+    """Candidates of one look at the evidence, with the sizes of the motion."""
+
+    def __init__(self, ctx: Evidence) -> None:
+        bs = ctx.balances
+        self.ctx, self.balances, self.model = ctx, bs, ctx.model
+        self.low = min(b.position.min() for b in bs)  # m
+        self.high = max(b.position.max() for b in bs)
+        self.length = self.high - self.low
+        self.top = max(np.abs(b.velocity).max() for b in bs)  # m/s
+        self.duration = max(b.time[-1] for b in bs)  # s
+        self.force = max(np.abs(b.command).max() for b in bs)  # V
+        self.weights = adjoint(ctx, ctx.basis[2])
+        self.found: dict[str, Found] = {}
+        self.least: dict[str, float] = {}  # smallest value of a shape: below half of it there is no effect
+        self.most: dict[str, float] = {}  # largest value of a shape: beyond it the law is another's
+
+    def put(
+        self,
+        name: str,
+        shape: Shape,
+        trials: int = 1,
+        accept: Callable[[FloatArray], bool] | None = None,
+        refine: Refine | None = None,
+        period: float | None = None,
+        family: str = "",
+    ) -> float:
+        """Keep a shape if it is the best of its name and family; its T, 0 where its amplitudes are not acceptable."""
+        T, amplitudes, k = self.scored(shape)
+        if accept is not None and not accept(amplitudes):
+            return 0.0
+        if name in GAINS:
+            taken = zip(shape.columns(self.ctx), self.ctx.drives, strict=True)
+            if any(np.std(amplitudes @ x) > LARGEST_GAIN * np.std(d) for x, d in taken):
+                return 0.0
+        columns, law, key = shape.columns, shape.law, family or name
+        one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine)
+        if key not in self.found or one.score > self.found[key].score:
+            self.found[key] = one
+        return T
+
+    def scored(self, shape: Shape) -> tuple[float, FloatArray, int]:
+        """T of a shape, its amplitudes and its degrees of freedom."""
+        columns = shape.columns(self.ctx)
+        return self.ctx.score([b.rows(x) for b, x in zip(self.balances, columns, strict=True)])
+
+    def varied(
+        self,
+        name: str,
+        value: float,
+        make: Callable[[float], Shape],
+        trials: int,
+        accept: Callable[[FloatArray], bool] | None = None,
+    ) -> None:
+        """Try the shape of a number, which is refined if it may be the best."""
+        self.put(name, make(value), trials, accept, (value, make, STEP))
+
+    def law(
+        self,
+        name: str,
+        fields: Mapping[str, Any],
+        amplitudes: Mapping[str, float],
+        trials: int = 1,
+        label: str = "",
+        vary: str | None = None,
+        accept: Callable[[FloatArray], bool] | None = None,
+    ) -> float:
+        """Try a law of the list at one shape; amplitudes: fields with sizes for which their columns are made."""
+
+        def make(**changed: float) -> Shape:
+            return law_shape(name, {**fields, **changed}, amplitudes)
+
+        refine = None if vary is None else (fields[vary], lambda value: make(**{vary: float(value)}), STEP)
+        return self.put(name, make()._replace(label=label), trials, accept, refine)
+
+
+def law_shape(name: str, fields: Mapping[str, Any], amplitudes: Mapping[str, float]) -> Shape:
+    """A law of the list at one shape: a column for each amplitude, what it adds for a size of it over the size."""
+    base = E[name].replace(**fields)
+    effects = [base.replace(**{field: size}) for field, size in amplitudes.items()]
+    label = ", ".join(f"{field} {value:.4g}" for field, value in fields.items() if isinstance(value, float))
+    columns = added(effects, list(amplitudes.values()))
+    return Shape(label, columns, lambda a: base.replace(**dict(zip(amplitudes, map(float, a), strict=False))))
+
+
+def added(effects: Sequence[Effect], sizes: Sequence[float]) -> Columns:
+    """What each effect adds to the force over its size."""
+    return lambda c: [
+        b.added(c.model, effects, d) / np.asarray(sizes)[:, None] for b, d in zip(c.balances, c.drives, strict=True)
+    ]
+
+
+def adjoint(ctx: Evidence, e: FloatArray) -> list[FloatArray]:
+    """Weight of each row of the motion in the score of a column made of it, (n,) of each log, by what is left, e."""
+    root, out, at = ctx.basis[0], [], 0
+    weighed = root * e[: len(root)]
+    for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps, strict=True):
+        full = np.zeros(len(counted))
+        full[counted] = weighed[at : at + int(counted.sum())]
+        at += int(counted.sum())
+        out.append(b.adjoint(oaconvolve(full[::-1], taps)[: len(full)][::-1]))
+    return out
+
+
+def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
+    """Power gain of low-pass filter, decimation and whitening at frequencies (Hz), (k,)."""
+    b = ctx.balances[0]
+    folded = np.abs((frequency + 0.5 * b.rate) % b.rate - 0.5 * b.rate)
+    _, h = freqz(ctx.screen.taps[0], 1.0, folded / b.rate * 2 * np.pi)
+    return np.asarray(np.abs(h) ** 2 / ctx.screen.variance * b.power(frequency))
+
+
+def direction(b: ForceBalance) -> FloatArray:
+    """Sign of the speed, without a jump where its noise is as large, (n,)."""
+    return np.asarray(np.sign(b.velocity) * np.minimum(np.abs(b.velocity) / max(b.speed_noise, 1e-12) / 3, 1.0))
+
+
+def speed_hats(b: ForceBalance, speeds: FloatArray) -> FloatArray:
+    """Hat functions of the logarithm of the speed, (k, n)."""
+    return hats(np.log(np.maximum(np.abs(b.velocity), speeds[0])), np.log(speeds))
+
+
+def sharpen(f: Callable[[float], float], x: float, step: float, rounds: int = 7) -> float:
+    """Where f is largest near x, by steps either way that are halved where neither is better."""
+    best = f(x)
+    for _ in range(rounds):
+        moved = False
+        for d in (-step, step):
+            t = f(x + d)
+            if t > best:
+                best, x, moved = t, x + d, True
+                break
+        if not moved:
+            step *= 0.5
+    return x
+
+
+def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
+    """The best shape of each name, and of each cell without one, the highest score first; `also`: own effects."""
+    s = Search(ctx)
+    forces_of_place(s)
+    friction(s)
+    command(s)
+    reading(s)
+    motor_and_load(s)
+    time(s)
+    waves(s)
+    scales = {"velocity": s.top, "distance": s.length, "time": s.duration, "force": s.force}
+    for name, effect in also.items():
+        own_effect(s, name, effect, scales)
+    unnamed(s)
+    changes_of_axis(s)
+    best = sorted(s.found.values(), key=lambda f: -f.score)
+    limit = max(best[0].score - REFINED, CERTAIN_ZERO)
+    done = [refined(s, f) if f.refine is not None and f.score > limit else f for f in best]
+    return sorted(with_cells([f for f in done if f is not None]), key=lambda f: -f.score)
+
+
+def refined(s: Search, f: Found) -> Found | None:
+    """The candidate at the best value of its number near its own; None where that is so small that there is none."""
+    assert f.refine is not None
+    value, make, step = f.refine
+    tried = {}
+
+    def at(logarithm: float) -> float:
+        shape = make(float(value * np.exp(logarithm)))
+        tried[logarithm] = shape, s.scored(shape)
+        return tried[logarithm][1][0]
+
+    x = sharpen(at, 0.0, step, 8)
+    if value * np.exp(x) < 0.5 * s.least.get(f.name, -np.inf):
+        return None
+    shape, (T, amplitudes, k) = tried[x]
+    if T <= f.T or value * np.exp(x) > s.most.get(f.name, np.inf):
+        return f
+    return replace(f, label=shape.label, T=T, k=k, amplitudes=amplitudes, columns=shape.columns, effect=shape.law)
+
+
+def forces_of_place(s: Search) -> None:
+    """Offset, spring, forces at the ends and at one place, gravity."""
+    low, high, length, middle = s.low, s.high, s.length, 0.5 * (s.low + s.high)
+    small = SMALL * s.force
+    s.law("constant_force", {}, {"force": small})
+    s.law("cable_spring", {"center": middle}, {"stiffness": small / length}, label="linear")
+
+    def spring(a: FloatArray) -> Effect:
+        center = middle - float(a[1]) / (float(a[0]) or 1e-300) if a[0] else 0.0
+        return E["cable_spring"].replace(stiffness=-float(a[0]), center=center)
+
+    linear = along(lambda b: np.vstack([b.position - middle, np.ones(len(b.time))]))
+    s.put("cable_spring", Shape("with offset", linear, spring))
+    cubic = along(lambda b: np.vstack([(2 * (b.position - low) / length - 1) ** p for p in range(4)]))
+    s.put("cable_spring", Shape("curved", cubic))
+    travel = list(s.model.axis.travel) if np.isfinite(s.model.axis.travel).all() else [low, high]
+    s.most["end_effect"] = 0.25 * length  # a force that decays over more of the travel is a spring's
+    for L in np.geomspace(0.01, 0.25, 8) * length:
+        fields = {"decay_length": float(L), "travel": travel}
+        s.law("end_effect", fields, {"force": small}, 8, f"{L:.3g}", vary="decay_length")
+        s.put("end_effect", Shape(f"two sides {L:.3g}", two_ends(s, L)), 8)
+    widths = [float(width) for width in np.geomspace(*BUMPS, 6) * length]
+
+    def bump(center: float, width: float) -> float:
+        fields = {"center": center, "width": width}
+        return s.law("local_force", fields, {"force": small}, round(length / width), vary="center")
+
+    _, place = max((bump(center, width), center) for width in widths for center in best_places(s, width))
+    for width in widths:
+        bump(place, width)
+    if s.model.units.position == "rad":
+        turn = along(lambda b: -np.vstack([np.sin(b.position), np.cos(b.position)]))
+        moment = E["gravity"].replace
+        gravity = Shape(
+            "one turn", turn, lambda a: moment(moment=float(np.hypot(*a)), angle=float(np.arctan2(-a[1], a[0])))
+        )
+        s.put("gravity", gravity)
+
+
+def best_places(s: Search, width: float) -> list[float]:
+    """Places (m) of the highest scores of a force at one place of a width (m), without what nuisances take of it."""
+    edges = np.linspace(s.low, s.high, PLACES + 1)
+    push, rows = np.zeros(PLACES), np.zeros(PLACES)
+    for b, w in zip(s.balances, s.weights, strict=True):
+        push += np.histogram(b.position, edges, weights=w)[0]
+        rows += np.histogram(b.position, edges, weights=b.keep)[0]
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    bell = np.exp(-(((middles - middles[PLACES // 2]) / width) ** 2))
+    seen = np.convolve(rows, bell**2, "same")
+    score = np.convolve(push, bell, "same") ** 2 / np.maximum(seen, 0.1 * np.median(seen))
+    first = int(np.argmax(score))
+    apart = np.abs(middles - middles[first]) > 2.0 * width
+    return [float(middles[k]) for k in (first, int(np.argmax(score * apart)))]
+
+
+def two_ends(s: Search, length: float) -> Columns:
+    """Forces that decay from either end of the motion over a length (m), each of its own size."""
+    return along(lambda b: np.exp(np.vstack([-(b.position - s.low), -(s.high - b.position)]) / length))
+
+
+def friction(s: Search) -> None:
+    """Friction that depends on direction, speed and place, and before breakaway."""
+    top, small = s.top, UNIT * max(s.model.axis.coulomb, 1e-3 * s.force)
+    s.law("coulomb_asymmetry", {}, {"difference": small})
+    s.law("viscous_asymmetry", {}, {"difference": small / top})
+    for v in np.geomspace(max(2e-3 * top, 2 * min(b.speed_noise for b in s.balances)), 0.3 * top, 8):
+        for exponent in (1.0, 2.0):
+            fields, label = {"velocity": float(v), "exponent": exponent}, f"{v:.3g} {exponent}"
+            excess = {"static_excess": small}
+            s.law("stribeck_friction", fields, excess, 16, label, vary="velocity", accept=lambda a: bool(a[0] > 0))
+    slow = top * np.geomspace(2e-3, 0.2, 5)
+    falling = along(lambda b: speed_hats(b, slow)[:-1] * direction(b))
+    s.put("stribeck_friction", Shape("other shape", falling), accept=lambda a: bool(np.sum(a) < 0))
+    for count in (3, 5, 8):
+        s.put("position_dependent_friction", friction_profile(s, count, small), 3)
+    s.law("quadratic_drag", {}, {"coefficient": 1e-3 * s.force / top**2})
+
+    def powers(*exponents: float) -> Columns:
+        return along(lambda b: np.vstack([-np.sign(b.velocity) * (np.abs(b.velocity) / top) ** p for p in exponents]))
+
+    s.put("quadratic_drag", Shape("other shape", powers(1.5, 2.0, 3.0)))
+    for p in (1.5, 3.0):
+        s.put("quadratic_drag", Shape(f"power {p}", powers(p)), 3)
+
+    def bristle(c: Evidence, b: ForceBalance, length: float) -> FloatArray:
+        axis = c.model.axis
+        rising = np.tanh(b.velocity / max(axis.coulomb_width, 1e-6))
+        return -(axis.coulomb * (dahl(b.position, length) - rising))
+
+    def presliding(length: float) -> Shape:
+        law = E["presliding_friction"].replace(stiffness=max(float(s.model.axis.coulomb), 1e-12) / length)
+        return Shape(f"{length:.4g}", accelerated(lambda c, b, a: bristle(c, b, length)), lambda a: law)
+
+    lengths = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in s.balances)), 3e-3, 8)
+    s.least["presliding_friction"] = lengths[0]
+    for length in lengths:
+        s.varied("presliding_friction", length, presliding, 8, within(BRISTLE))
+
+
+def friction_profile(s: Search, count: int, size: float) -> Shape:
+    """Friction linear between nodes along the travel, without its mean, which is Coulomb friction."""
+    nodes = [float(x) for x in np.linspace(s.low, s.high, count)]
+    base = E["position_dependent_friction"]
+    contrast = np.eye(count)[:-1] - 1.0 / count
+    effects = [base.replace(nodes=nodes, levels=[float(x) for x in size * row]) for row in contrast]
+    columns = added(effects, [size] * len(effects))
+    return Shape(
+        f"{count} nodes", columns, lambda a: base.replace(nodes=nodes, levels=[float(v) for v in a @ contrast])
+    )
+
+
+def command(s: Search) -> None:
+    """What happens to the command before it acts: delay, lag, limits and drift of the gain."""
+    least = LEAST_DELAY * float(np.median(np.diff(s.balances[0].log.time)))
+
+    def proportional(name: str, field: str, size: float, label: str, columns: Columns, trials: int) -> float:
+        """Try columns of a time `size` (s): the amplitude is a factor of it."""
+        shape = Shape(label, columns, lambda a: E[name].replace(**{field: float(size * a[0])}))
+        return s.put(name, shape, trials, lambda a: bool(a[0] * size > least))
+
+    slope = driven(lambda b, d: -np.diff(d, prepend=d[0]) / b.step)
+    s.put(LATE, Shape("", slope), accept=lambda a: bool(a[0] < -least))
+    if proportional("command_delay", "delay", 1.0, "slope", slope, 1):
+        first = float(s.found["command_delay"].amplitudes[0])
+        for t in (0.7 * first, 1.0 * first, 1.4 * first):
+            proportional("command_delay", "delay", t, f"{t:.3g}", delayed(t), 3)
+            proportional("actuator_lag", "time_constant", t, f"{t:.3g}", lagged(t), 3)
+
+    def saturation(limit: float) -> Shape:
+        columns = driven(lambda b, d: np.clip(d, -limit, limit) - d)
+        return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
+
+    def dead_zone(width: float) -> Shape:
+        columns = driven(lambda b, d: -np.clip(d, -width, width))
+        return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
+
+    peak = max(float(np.abs(d).max()) for d in s.ctx.drives)
+    for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, 0.3):
+        s.varied("command_saturation", share * peak, saturation, 7, within(WHOLE))
+    for share in np.geomspace(3e-4, 0.3, 8):
+        s.varied("command_dead_zone", share * peak, dead_zone, 8, within(WHOLE))
+    for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
+        fields = {"time_constant": float(tau)}
+        s.law("force_constant_drift", fields, {"change": UNIT}, 5, f"{tau:.3g}", vary="time_constant")
+
+
+def delayed(time: float) -> Columns:
+    """What a delay of the command changes, s."""
+    return driven(lambda b, d: np.interp(b.time - time, b.time, d) - d)
+
+
+def lagged(time: float) -> Columns:
+    """What a lag of first order of the command changes, s."""
+    return driven(lambda b, d: lag(d, b.step, time))
+
+
+def lag(d: FloatArray, step: float, tau: float) -> FloatArray:
+    """What a lag of first order does to a held command, mean over each step (n,): no row knows a later command."""
+    p = np.exp(-step / tau)
+    before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
+    return np.asarray((before - d) * (1 - p) * tau / step)
+
+
+Function = Callable[[FloatArray], Any]
+
+
+def reading_error(
+    c: Evidence, b: ForceBalance, a: FloatArray, error: Function, slope: Function, bend: Function
+) -> FloatArray:
+    """Force (V, (n,)) that an error e(x) of the reading feigns: M (e' a + e'' v^2), and the laws at the wrong place.
+
+    The acceleration is the model's: the measured one holds the noise of its own row.
+    """
+    inertia = c.model.axis.mass * (slope(b.position) * a + bend(b.position) * b.velocity**2)
+    plant = quiet_plant(c.model.replace(effects=()))
+    return np.asarray(inertia + b.forces([plant], None, error(b.fine.position))[0] - b.forces([plant])[0])
+
+
+def reading(s: Search) -> None:
+    """A scale error of the reading; its periodic error is among the waves."""
+    columns = accelerated(
+        lambda c, b, a: reading_error(c, b, a, lambda x: UNIT * x, lambda x: UNIT, lambda x: 0.0) / UNIT
+    )
+    shape = Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
+    s.put("encoder_scale_error", shape, accept=within((-LARGEST_SCALE, LARGEST_SCALE)))
+
+
+def motor_and_load(s: Search) -> None:
+    """A load behind a spring, and behind a gap."""
+    ctx, b0 = s.ctx, s.balances[0]
+    lowest, highest = max(3.0 / s.duration, 2.0), min(0.25 * b0.rate, b0.corner)  # Hz
+    coarse = np.geomspace(lowest, highest, 18)
+
+    def mode(f: float, damping: float) -> Shape:
+        seen = float(f < 1.1 * highest)
+        columns = accelerated(lambda c, b, a: seen * c.model.axis.mass * (a - load_response(a, b.step, f, damping)))
+
+        def law(a: FloatArray) -> Effect:
+            # driven by the command: mass_ratio / (1 - mass_ratio) of what answers at the free-free frequency
+            return E["flexible_mode"].replace(
+                frequency=float(f), damping_ratio=damping, mass_ratio=float(a[0] / (1.0 + a[0]))
+            )
+
+        return Shape(f"{f:.4g} Hz, damping {damping}", columns, law)
+
+    for damping in DAMPINGS:
+        shape = partial(mode, damping=damping)
+        tables = [[b.rows(x)[0] for b, x in zip(s.balances, shape(f).columns(ctx), strict=True)] for f in coarse]
+        size = np.linalg.norm(ctx.project([np.vstack(rows) for rows in zip(*tables, strict=True)])[0], axis=1)
+        fine = np.geomspace(lowest, highest, int(np.log(highest / lowest) / max(damping, 0.02)))
+        met = np.array([product_with(s.weights, shape(f).columns(ctx)) for f in fine])
+        worth = np.where(met > 0, met, 0.0) / np.exp(np.interp(np.log(fine), np.log(coarse), np.log(size + 1e-300)))
+        for f in fine[np.argsort(-worth)[:2]]:
+            s.varied("flexible_mode", f, shape, 3 * len(fine), lambda a: bool(a[0] > 0.0))
+
+    def play(gap: float) -> Shape:
+        columns = accelerated(
+            lambda c, b, a: c.model.axis.mass * np.gradient(lost_motion(a * ~b.resting, b.step, gap), b.step)
+        )
+        return Shape(f"{gap:.4g}", columns, lambda a: E["backlash"].replace(gap=float(gap), mass_ratio=float(a[0])))
+
+    gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), 3e-3, 12)
+    s.least["backlash"] = gaps[0]
+    for gap in gaps:
+        s.varied("backlash", gap, play, 12, within(LOAD))
+
+
+def product_with(weights: Sequence[FloatArray], columns: Sequence[FloatArray]) -> float:
+    """Score of one column in all logs, not normalised."""
+    return float(sum(w @ x[0] for w, x in zip(weights, columns, strict=True)))
+
+
+def time(s: Search) -> None:
+    """A force between two moments, and one with a frequency."""
+    begin, end = best_window(s)
+    step = Shape(
+        f"{begin:.3g} to {end:.3g}",
+        along(lambda b: ((b.time >= begin) & (b.time < end)).astype(float)),
+        lambda a: E["disturbance_step"].replace(force=float(a[0]), start=begin, stop=end),
+    )
+    s.put("disturbance_step", step, 300)
+    tones, trials = best_tones(s)
+    for q in tones:
+        for family, orders in (("", (1,)), ("s", (1, 2, 3))):
+
+            def law(a: FloatArray, q: float = q) -> tuple[Effect, ...]:
+                pairs = enumerate(np.reshape(a, (-1, 2)), 1)
+                tone = E["disturbance_tone"].replace
+                return tuple(tone(frequency=k * q, sine=float(one), cosine=float(other)) for k, (one, other) in pairs)
+
+            label = f"{q:.4g} Hz" + (" with harmonics" if family else "")
+            shape = Shape(label, tone_columns(q, orders), law)
+            s.put("disturbance_tone", shape, trials, family=f"disturbance_tone{family}")
+
+
+def tone_columns(frequency: float, orders: Sequence[int]) -> Columns:
+    """Sine and cosine in time of orders of a frequency (Hz)."""
+    w = 2 * np.pi * frequency
+    return along(lambda b: np.vstack([f(w * o * b.time) for o in orders for f in (np.sin, np.cos)]))
+
+
+def best_window(s: Search) -> tuple[float, float]:
+    """Start and stop (s) of the force between two moments of the highest score: of all pairs, which are made finer."""
+    ctx, last = s.ctx, s.duration
+    spacing = last / WINDOW_SPACING
+    starts = stops = np.arange(0.0, last, spacing)
+    for _ in range(3):
+        times = np.concatenate([starts, stops])
+        c, _ = ctx.project([b.rows((b.time >= times[:, None]).astype(float)) for b in ctx.balances])
+        products, gram = c @ ctx.basis[2], c @ c.T
+        i, j = np.arange(len(starts)), len(starts) + np.arange(len(stops))
+        size = np.diag(gram)[i][:, None] + np.diag(gram)[j] - 2.0 * gram[np.ix_(i, j)]
+        T = (products[i][:, None] - products[j]) ** 2 / np.maximum(size, 1e-4 * np.max(np.diag(gram)))
+        T[starts[:, None] > stops - 0.02] = 0.0
+        at = np.unravel_index(np.argmax(T), T.shape)
+        begin, end = float(starts[at[0]]), float(stops[at[1]])
+        fine = np.linspace(-spacing, spacing, 17)
+        starts, stops, spacing = np.clip(begin + fine, 0.0, last), np.clip(end + fine, 0.0, last), spacing / 8
+    return begin, end
+
+
+def best_tones(s: Search) -> tuple[list[float], int]:
+    """Frequencies (Hz) of the highest peaks of a force in time, and how many there are to choose from."""
+    ctx, b = s.ctx, s.balances[0]
+    n = max(len(x.time) for x in s.balances)
+    size = int(2 ** np.ceil(np.log2(4 * n)))
+    spectrum = np.sum([np.fft.rfft(np.pad(w, (0, size - len(w)))) for w in s.weights], axis=0)
+    f = np.asarray(np.fft.rfftfreq(size, b.step), dtype=np.float64)
+    duration = n * b.step
+    rows = sum(int(m.sum()) * x.every for m, x in zip(ctx.masks, s.balances, strict=True))
+    use = (f > 2.0 / duration) & (f < TONE_SHARE * b.rate)
+    f, score = f[use], 2 * np.abs(spectrum[use]) ** 2 / (rows * gain_of(ctx, f[use]))
+
+    def size_at(q: float) -> float:
+        parts = [w @ np.exp(2j * np.pi * q * x.time) for w, x in zip(s.weights, s.balances, strict=True)]
+        return float(abs(sum(parts)))
+
+    best = []
+    for _ in range(3):
+        j = int(np.argmax(score))
+        if score[j] < LEAST_PEAK:
+            break
+        best.append(float(sharpen(size_at, float(f[j]), 0.25 / duration, 6)))
+        score[np.abs(f - f[j]) < 1.0 / duration] = 0
+    return best, int(duration * TONE_SHARE * b.rate)
+
+
+#: What is periodic along the travel, by what multiplies the wave: a function of balance, drive, largest command.
+WAVES: dict[str, Callable[[ForceBalance, FloatArray, float], FloatArray]] = {
+    "cogging_harmonic": lambda b, d, peak: np.ones(len(b.time)),
+    "force_constant_ripple": lambda b, d, peak: d,
+    "encoder_periodic_error": lambda b, d, peak: b.velocity**2,
+    "~eddy": lambda b, d, peak: b.velocity,
+    "~reluctance": lambda b, d, peak: d**2 / peak,
+    "~friction wave": lambda b, d, peak: direction(b),
+}
+
+
+def waves(s: Search) -> None:
+    """What is periodic along the travel: peaks of each kind, then known and found periods of a varying amplitude."""
+    ctx, length, cogging = s.ctx, s.length, s.model.cogging
+    known = [] if cogging is None else [float(w) / (2 * np.pi) for w in cogging.basis.wavenumbers]  # 1/m
+    turn = [1.0 / (2 * np.pi)] if s.model.units.position == "rad" else []  # one turn: gravity
+    places = np.concatenate([b.position for b in s.balances])
+    peaks = []
+    for name, multiplier in WAVES.items():
+        multipliers = [multiplier(b, d, s.force) for b, d in zip(s.balances, ctx.drives, strict=True)]
+        weighed = np.concatenate([w * m for w, m in zip(s.weights, multipliers, strict=True)])
+
+        def size_at(k: float, weighed: FloatArray = weighed) -> float:
+            return float(abs(weighed @ np.exp(2j * np.pi * k * places))) if k * length > LEAST_TURNS else -1.0
+
+        scanned, trials = wave_scan(s, multipliers)
+        for kappa, score in scanned:
+            if score < LEAST_PEAK:
+                continue
+            kappa = sharpen(size_at, kappa, 0.25 / length, 6)
+            peaks.append((score, kappa))
+            if name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turn):
+                continue
+            # a long wave with harmonics is a force of any shape
+            long = name.startswith("~") or kappa * length < FAMILY_TURNS
+            orders = {"": (1,)} if long else {"": (1,), "s": (1, 2, 3)}
+            s.most[name] = length / LEAST_TURNS
+            for family, one in orders.items():
+
+                def shape(period: float, name: str = name, orders: Sequence[int] = one) -> Shape:
+                    law = None if name.startswith("~") else wave_law(name, *(period / order for order in orders))
+                    label = f"{period:.4g} with harmonics" if len(orders) > 1 else f"{period:.4g}"
+                    return Shape(label, wave(s, 1.0 / period, name, orders), law)
+
+                period = 1.0 / kappa
+                refine = period, shape, 0.1 * period / length
+                s.put(name, shape(period), trials, period=period, refine=refine, family=f"{name}{family}")
+    several_waves(s)
+    peaks.sort(reverse=True)
+    for kappa in known + [k for _, k in peaks[:3]]:
+        if kappa * length > 2.5:
+            trials = max(1, len(known)) if kappa in known else 3000
+            s.put("cogging_modulation", Shape(f"{1 / kappa:.4g}", modulated_wave(s, kappa)), trials)
+
+
+def several_waves(s: Search) -> None:
+    """The best wave of place, then with it the highest of what is left: slots and poles of a motor both cog."""
+    first, e = None if "cogging_harmonic" not in s.found else s.found["cogging_harmonic"].period, s.ctx.basis[2]
+    if first is None or first > s.length / FAMILY_TURNS:
+        return
+    kappas = [1.0 / first]
+    for count in range(2, MOST_WAVES + 1):
+        made = several(s, kappas)
+        c, _ = s.ctx.project([b.rows(x) for b, x in zip(s.balances, made(s.ctx), strict=True)])
+        left = adjoint(s.ctx, e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
+        peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances], left)
+        peaks = [peak for peak in peaks if peak[0] * s.length > FAMILY_TURNS]
+        if not peaks:
+            return
+        kappas = [*kappas, peaks[0][0]]
+        label = " and ".join(f"{1 / k:.4g}" for k in kappas)
+        shape = Shape(label, several(s, kappas), wave_law("cogging_harmonic", *(1.0 / k for k in kappas)))
+        s.put("cogging_harmonic", shape, trials**count, period=first, family=f"cogging_harmonic {count}")
+
+
+def several(s: Search, kappas: Sequence[float]) -> Columns:
+    """Sine and cosine of wavenumbers (1/m) along the travel."""
+    w = 2 * np.pi * np.array(kappas)
+    return along(lambda b: np.vstack([f(q * b.position) for q in w for f in (np.sin, np.cos)]))
+
+
+def wave_law(name: str, *periods: float) -> Law:
+    """The laws of sine and cosine of periods (m); cogging opposes the command."""
+    sign = -1.0 if name == "cogging_harmonic" else 1.0
+
+    def law(a: FloatArray) -> tuple[Effect, ...]:
+        pairs = zip(periods, sign * np.reshape(a, (-1, 2)), strict=True)
+        return tuple(E[name].replace(period=p, sine=float(one), cosine=float(other)) for p, (one, other) in pairs)
+
+    return law
+
+
+def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
+    """Sine and cosine of orders of a wavenumber (1/m) along the travel, times the multiplier of a kind of wave."""
+    if name == "encoder_periodic_error":
+        return encoder_wave(kappa, orders)
+    w, peak = 2 * np.pi * kappa, s.force
+    return driven(
+        lambda b, d: np.vstack(
+            [WAVES[name](b, d, peak) * f(o * (w * b.position)) for o in orders for f in (np.sin, np.cos)]
+        )
+    )
+
+
+def modulated_wave(s: Search, kappa: float) -> Columns:
+    """Sine and cosine of a wavenumber (1/m) whose amplitudes are splines along the travel."""
+
+    def make(b: ForceBalance) -> FloatArray:
+        amplitude, angle = splines(b.position, s.low, s.high, 6), 2 * np.pi * kappa * b.position
+        return np.vstack([amplitude * np.sin(angle), amplitude * np.cos(angle)])
+
+    return along(make)
+
+
+def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
+    """What a sine and a cosine of orders of a wavenumber (1/m) in the reading feign, over their size."""
+    size = 1e-4 / kappa
+
+    def feigned(c: Evidence, b: ForceBalance, a: FloatArray, k: float, turned: float) -> FloatArray:
+        def error(x: FloatArray) -> Any:
+            return size * np.sin(k * x + turned)
+
+        def slope(x: FloatArray) -> Any:
+            return k * size * np.cos(k * x + turned)
+
+        return reading_error(c, b, a, error, slope, lambda x: -k * k * error(x)) / size
+
+    ks = [2 * np.pi * kappa * order for order in orders]
+    return accelerated(lambda c, b, a: np.vstack([feigned(c, b, a, k, turn) for k in ks for turn in (0.0, np.pi / 2)]))
+
+
+def wave_scan(
+    s: Search, multipliers: Sequence[FloatArray], weights: Sequence[FloatArray] | None = None
+) -> tuple[list[tuple[float, float]], int]:
+    """Wavenumbers (1/m) and scores of the highest peaks of multiplier * wave along the travel, and their number."""
+    n = int(2 ** np.ceil(np.log2(8 * min(s.length / WAVE_GRID, 2**17))))
+    dx = s.length / (n // 8)
+    spectrum = travel_spectrum(s, s.weights if weights is None else weights, multipliers, n, dx)
+    kappa = np.fft.rfftfreq(n, dx)
+    shortest = max(4.0 * dx, SHORTEST_WAVE, ROWS_PER_WAVE * s.top * max(b.step for b in s.balances))
+    use = (kappa > LEAST_TURNS / s.length) & (kappa < 1.0 / shortest)
+    k = kappa[use]
+    norm = wave_power(s, multipliers, k)
+    score = 2 * spectrum[use] / np.maximum(norm, 1e-9 * norm.max())
+    score[norm < BAND_SHARE * norm.max()] = 0
+    peaks, left = [], score.copy()
+    for _ in range(PEAKS):
+        j = int(np.argmax(left))
+        if left[j] <= 0:
+            break
+        peaks.append((float(k[j]), float(score[j])))
+        left[np.abs(k - k[j]) < 1.0 / s.length] = 0
+    return peaks, int(max(10, (k[-1] - k[0]) * s.length))
+
+
+def travel_spectrum(
+    s: Search, weights: Sequence[FloatArray], multipliers: Sequence[FloatArray], n: int, dx: float
+) -> FloatArray:
+    """Power of the weighted rows along the travel, on a grid of n places dx (m) apart, (n / 2 + 1,)."""
+    grid = np.zeros(n)
+    for b, w, m in zip(s.balances, weights, multipliers, strict=True):
+        place = (b.position - s.low) / dx
+        left = place.astype(int)
+        share = place - left
+        np.add.at(grid, left, w * m * (1 - share))
+        np.add.at(grid, left + 1, w * m * share)
+    return np.asarray(np.abs(np.fft.rfft(grid)) ** 2)
+
+
+def wave_power(s: Search, multipliers: Sequence[FloatArray], k: FloatArray) -> FloatArray:
+    """Power behind all filters of waves of wavenumbers k (1/m): at each speed v they have the frequency k v."""
+    speeds, weights = [], []
+    for b, m in zip(s.balances, multipliers, strict=True):
+        keep = np.repeat(b.mask, b.every)[: len(b.time)]
+        keep = np.pad(keep, (0, len(b.time) - len(keep)))
+        speeds.append(np.abs(b.velocity)[keep])
+        weights.append((m**2)[keep])
+    counts, edges = np.histogram(
+        np.concatenate(speeds), bins=60, range=(0, s.top * 1.0001), weights=np.concatenate(weights)
+    )
+    f = np.linspace(0.0, 0.5 / s.balances[0].step, 4096)
+    gain = gain_of(s.ctx, f)
+    power = np.zeros(len(k))
+    for count, v in zip(counts, 0.5 * (edges[1:] + edges[:-1]), strict=True):
+        if count > 0:
+            power += count * np.interp(k * v, f, gain)
+    return power
+
+
+def unnamed(s: Search) -> None:
+    """Forces of any shape along a coordinate, which bear no name."""
+    low, high, top, duration = s.low, s.high, s.top, s.duration
+    speeds = top * np.geomspace(2e-3, 0.9, 8)
+    knots = np.linspace(0, duration, 12)
+    cells = {
+        "~gain of speed": driven(lambda b, d: np.vstack([d * np.abs(b.velocity) / top, d * (b.velocity / top) ** 2])),
+        "~viscous along travel": along(lambda b: splines(b.position, low, high, 6) * b.velocity),
+        "~viscous in time": along(lambda b: hats(b.time, np.linspace(0, duration, 5)) * b.velocity),
+        "~friction in time": along(lambda b: hats(b.time, knots) * direction(b)),
+        "~force in time": along(lambda b: hats(b.time, knots)),
+        "~force along travel": along(lambda b: splines(b.position, low, high, 14)),
+        # less a gain that is the same everywhere, which mass and friction take
+        "~gain along travel": driven(lambda b, d: (splines(b.position, low, high, 8)[:-1] - 1.0 / 8.0) * d),
+        "~command": driven(lambda b, d: np.vstack([d * np.abs(d), d**3, d**2])),
+        "~friction over speed": along(lambda b: speed_hats(b, speeds) * direction(b)),
+    }
+    for name, columns in cells.items():
+        s.put(name, Shape("", columns))
+
+
+def changes_of_axis(s: Search) -> None:
+    """Mass and friction beyond what is stated of them: the score of their pseudo-observations."""
+    ctx = s.ctx
+    finite = [i for i, sigma in enumerate(ctx.prior_sigma) if np.isfinite(sigma)]
+    _, q, e = ctx.basis
+    for name in ("mass", "viscous", "coulomb"):
+        path = f"axis.{name}"
+        if path not in ctx.paths or ctx.paths.index(path) not in finite:
+            continue
+        c = np.zeros(len(e))
+        c[len(e) - len(finite) + finite.index(ctx.paths.index(path))] = 1.0
+        c -= (q @ c) @ q
+        T = float((c @ e) ** 2 / max(float(c @ c), 1e-12))
+        s.found[f"{name}_change"] = Found(f"{name}_change", "", T, 1, 1, np.array([0.0]), None, path)
+
+
+def own_effect(s: Search, name: str, effect: Effect, scales: Mapping[str, float]) -> None:
+    """An effect of the user's own: its amplitudes as columns, at each of a grid of its shapes."""
+
+    def values_of(role: Mapping[str, Any]) -> FloatArray:
+        space = np.geomspace if role["logarithmic"] else np.linspace
+        inner = role["neutral"] is not None  # the ends of the range are not tried
+        grid = space(role["low"], role["high"], OWN_SHAPES + 2 * inner)[inner : OWN_SHAPES + inner]
+        return s.low + s.length * grid if role["quantity"] == "position" else scales.get(role["quantity"], 1.0) * grid
+
+    amplitudes = [field for field, role in effect.ROLES.items() if role["role"] == "amplitude"]
+    shapes = {
+        field: values_of(role)
+        for field, role in effect.ROLES.items()
+        if role["role"] == "shape" and not isinstance(getattr(effect, field), list)
+    }
+    grid = list(product(*shapes.values()))
+    for values in grid:
+        at = dict(zip(shapes, map(float, values), strict=True))
+
+        def make(value: float | None = None, at: dict[str, float] = at) -> Shape:
+            fields = at if value is None else {**at, next(iter(at)): float(value)}
+            label = ", ".join(f"{field} {number:.4g}" for field, number in fields.items())
+            return own_shape(label, effect.replace(**fields), amplitudes)
+
+        first = next(iter(at.values()), 0.0)  # the first number of its shape is refined
+        s.put(name, make(), len(grid), refine=(first, make, STEP) if first > 0.0 else None)
+
+
+def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
+    """An effect of the user's own at one shape: a column for each amplitude, and each entry of one that is a list."""
+    units: list[tuple[str, int | None]] = []
+    for name in amplitudes:
+        value = getattr(base, name)
+        units += [(name, k) for k in range(len(value))] if isinstance(value, list) else [(name, None)]
+
+    def law(sizes: FloatArray) -> Effect:
+        fields: dict[str, Any] = {name: [0.0] * len(getattr(base, name)) for name, k in units if k is not None}
+        for (name, k), size in zip(units, sizes, strict=True):
+            if k is None:
+                fields[name] = float(size)
+            else:
+                fields[name][k] = float(size)
+        return base.replace(**fields)
+
+    def columns(c: Evidence) -> list[FloatArray]:
+        alone = [b.residual(c.model) for b in c.balances]
+        models = [c.model.replace(effects=(*c.model.effects, law(one))) for one in np.eye(len(units)) * UNIT]
+        return [np.array([(r - b.residual(m)) / UNIT for m in models]) for b, r in zip(c.balances, alone, strict=True)]
+
+    return Shape(label, columns, law)
+
+
+LATE = "~command logged late"  # by the time of its amplitude, s, less than 0: a fault of the log
+#: Forces of any shape along a coordinate, and the names that such a shape may bear: a spring, a bump, a pulse have any.
+CELLS = {
+    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
+    "~gain along travel": ("force_constant_ripple",),
+    "~command": ("command_saturation", "command_dead_zone"),
+    "~friction wave": ("position_dependent_friction",),
+    "~force in time": ("disturbance_step", "disturbance_tone"),
+    "~modulated wave": ("cogging_modulation", "cogging_harmonic"),
+}
+LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
+NESTED = 0.7  # share of the gain of another shape from which on a law is said instead
+UNNAMED = 0.6  # the same of a force without a name
+
+
+def with_cells(found: Sequence[Found]) -> list[Found]:
+    """Candidates, where a force of any shape along a coordinate bears the name of the best law that bends along it."""
+    by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
+    out = {(f.name, f.label): f for f in found}
+    for cell, names in CELLS.items():
+        members = sorted((by[n] for n in names if n in by and n != "constant_force"), key=lambda f: -f.T)
+        if cell not in by or not members or members[0].T < LIKE * by[cell].T:
+            continue
+        del out[cell, by[cell].label]
+        best = members[0]
+        if by[cell].score > best.score:
+            others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
+            out[cell, ""] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
+    return list(out.values())

@@ -1,0 +1,313 @@
+"""The force balance of a log along its measured motion: M a less what a model accounts for, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+from scipy.signal import butter, firwin, freqz, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
+
+from cogging._core import AxisParameters, Plant, Predictor
+from cogging.arrays import FloatArray, Mask
+from cogging.effects.effect import Effect, laws_of
+from cogging.estimation.residuals import quiet_plant
+from cogging.identification.inverse_dynamics import mean_held
+from cogging.log_check.encoder_quantum import encoder_quantum
+from cogging.logs.log import Log
+from cogging.model.model import Model
+
+# Grid of the motion
+MIDDLE_RATE = 6000.0  # Hz, of the rows at which laws are evaluated: well above any corner, cheap enough for many laws
+UNEVEN = 0.3  # of the median step: where steps differ by more, the log is put on an even grid
+GAP_STEPS = 5.0  # median steps: a longer one is a gap, whose rows do not count
+SKIP = 0.06  # s, at either end that do not count: the filters' edges and the start of the loop
+MOST_SUB_STEPS = 6  # of a row: friction changes sign within it; more no longer change its mean
+# Speed and rest
+SPEED_NOISE = 0.2  # of `coulomb_width`: deviation of the smoothed speed that the low-pass filter aims at
+LOWEST_BAND = 30.0  # Hz, of that filter: below, it would smooth away the reversals of the motion
+NYQUIST_SHARE = 0.4  # of the rate of the rows: highest corner of that filter
+REST_TIME = 0.012  # s: an axis that moves less than the encoder resolves within it is at rest
+# Rows that are compared
+ROWS_PER_CORNER = 4.0  # rate of these rows over the corner of their filter
+FIRST_CORNER = 60.0  # Hz, until the noise is known
+CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
+FORCE_NOISE = (2.0, 30.0)  # Hz, where the noise of the force is read: above slow forces, below a loop's bandwidth
+ENCODER_SHARE = 0.3  # of the power at the corner, that is noise of the encoder where none is whitened
+COMMAND_HOOKS = (
+    "command_gain",
+    "command_delay",
+    "lag",
+    "shape_command",
+)  # hooks that change the command before it acts
+
+
+class SubSteps(NamedTuple):
+    """The motion between rows.
+
+    Attributes:
+        per_row: sub-steps in a row.
+        time: s, (m,), half a sub-step before the instant of position (m) and velocity (m/s), (m,).
+    """
+
+    per_row: int
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+
+
+def decimated(rows: FloatArray, every: int) -> FloatArray:
+    """Every n-th of rows (p, n) behind a low-pass filter without delay."""
+    if every == 1:
+        return rows
+    half = 2 * every
+    taps = firwin(2 * half + 1, 0.8 / every)
+    padded = np.pad(rows, ((0, 0), (half, half)), mode="edge")
+    first = 2 * half // every
+    return np.asarray(upfirdn(taps, padded, 1, every, axis=1)[:, first : first + -(-rows.shape[1] // every)])
+
+
+@lru_cache(maxsize=64)
+def row_filter(every: int, rate: float, corner: float) -> tuple[FloatArray, FloatArray]:
+    """Taps before rows are thinned out by `every`, and second-order sections behind them, at `rate` (Hz)."""
+    taps = firwin(16 * every + 1, 0.8 / every, window=("kaiser", 5.0)) if every > 1 else np.ones(1)
+    return taps, butter(2, min(corner / (0.5 * rate), 0.8), output="sos")
+
+
+class ForceBalance:
+    """One log, ready to be compared with any model.
+
+    Row k: M a_k = mean force over the steps on both sides, weighted with their lengths, where
+    a_k = 2 (s_k - s_(k-1)) / (h_k + h_(k-1)), s the slopes of the readings: exact for held commands at any time steps.
+
+    Args:
+        log: what was measured.
+        width: of Coulomb friction's rise, m/s; the speed is smoothed until its noise is small beside it.
+        quantum: step of the encoder, m; 0 reads it from the log.
+
+    Attributes:
+        time: s, from the first row of the log; of the rows of the motion, (n,), `step` (s) apart.
+        position: m; velocity (m/s), acceleration (m/s^2) and command (V) likewise, (n,).
+        thinning: rows of the log in a row of the motion.
+        reference: position, velocity and acceleration that were asked for, (3, n), or None.
+        encoder_noise: deviation of a reading, m; speed_noise (m/s) that of `velocity`.
+        resting: rows at rest, (n,).
+        keep: 1 where a row counts, 0 where it does not, (n,).
+        corner: of the low-pass filter behind which rows are compared, Hz.
+    """
+
+    def __init__(self, log: Log, width: float = 1e-3, quantum: float = 0.0) -> None:
+        quantum = quantum or encoder_quantum(log.position)
+        self.log, self.width, self.corner = log, width, FIRST_CORNER
+        self.cache: dict[str, Any] = {}
+        time, position, command, gap = _even(log)
+        steps = np.diff(time)
+        pair = steps[1:] + steps[:-1]
+        acceleration = 2.0 * np.diff(np.diff(position) / steps) / pair
+        velocity = (position[2:] - position[:-2]) / pair
+        acting = (command[1:-1] * steps[1:] + command[:-2] * steps[:-1]) / pair
+        h = float(np.median(np.diff(log.time - log.time[0])))
+        rate = 1.0 / h
+        self.thinning = max(1, round(rate / MIDDLE_RATE))
+        self.step = h * self.thinning
+        middle = decimated(np.vstack([position[1:-1], acceleration, velocity, acting]), self.thinning)
+        self.time = time[1:-1][:: self.thinning]
+        self.position, self.acceleration, self.raw_velocity, self.command = middle
+        self.reference = self._reference(log)
+        # third differences leave nothing of a parabola, and 20 times the variance of independent noise
+        third = np.diff(position, 3)
+        self.encoder_noise = max(
+            1.4826 * float(np.median(np.abs(third))) / np.sqrt(20.0), quantum / np.sqrt(12.0), 1e-15
+        )
+        # noise of density d (m^2/Hz) gives a speed, below a band, of variance 4 pi^2 d band^3 / 3
+        density = 2.0 * self.encoder_noise**2 / rate
+        wanted = (3.0 * (SPEED_NOISE * max(width, 1e-9)) ** 2 / (4 * np.pi**2 * density)) ** (1 / 3)
+        self.band = float(np.clip(wanted, LOWEST_BAND, NYQUIST_SHARE / self.step))
+        # what the axis was asked for is known without noise; its starts and stops are faster than any low-pass filter
+        asked = 0.0 if self.reference is None else self.reference[1]
+        self.velocity: FloatArray = asked + self._low_pass(self.raw_velocity - asked, self.band)
+        self.speed_noise = float(np.sqrt(4 * np.pi**2 * density * self.band**3 / 3))
+        size = 2 * max(1, round(0.5 * REST_TIME / self.step)) + 1
+        moved = maximum_filter1d(self.position, size) - minimum_filter1d(self.position, size)
+        slowest = max(2.0 * quantum / REST_TIME, 3.0 * self.speed_noise)
+        self.resting: Mask = maximum_filter1d((moved <= slowest * REST_TIME).astype(np.uint8), size) > 0
+        keep = ~self.resting & ~gap[1:-1][:: self.thinning]
+        keep &= (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
+        self.keep: FloatArray = keep.astype(float)
+
+    @property
+    def every(self) -> int:
+        """Rows of the motion in a row that is compared."""
+        return max(1, int(1.0 / (self.step * ROWS_PER_CORNER * self.corner)))
+
+    @property
+    def rate(self) -> float:
+        """Rate of the rows that are compared, Hz."""
+        return 1.0 / (self.step * self.every)
+
+    @property
+    def mask(self) -> Mask:
+        """Which of the rows that are compared count."""
+        return self.keep[:: self.every] > 0
+
+    def moved(self, distance: float) -> ForceBalance:
+        """A copy whose positions are larger by a distance (m): another zero of the encoder."""
+        other = copy(self)
+        other.cache = {}
+        other.__dict__.pop("fine", None)
+        other.position = self.position + distance
+        if self.reference is not None:
+            other.reference = self.reference + np.array([[distance], [0.0], [0.0]])
+        return other
+
+    def earlier(self, seconds: float) -> ForceBalance:
+        """A copy whose command acted so many seconds before it was logged."""
+        other = copy(self)
+        other.cache = {}
+        other.command = np.interp(self.time + seconds, self.time, self.command)
+        return other
+
+    def _reference(self, log: Log) -> FloatArray | None:
+        """Position, velocity and acceleration that were asked for, (3, n); None where the log has none."""
+        if log.reference is None:
+            return None
+        x = log.reference
+        v = np.gradient(x, log.time) if log.reference_velocity is None else log.reference_velocity
+        a = np.gradient(v, log.time) if log.reference_acceleration is None else log.reference_acceleration
+        return np.array([np.interp(self.time, log.time - log.time[0], row) for row in (x, v, a)])
+
+    def _low_pass(self, x: FloatArray, cutoff: float) -> FloatArray:
+        if cutoff >= 0.45 / self.step:
+            return x
+        return np.asarray(sosfiltfilt(butter(2, cutoff * 2 * self.step, output="sos"), x))
+
+    def filters(self) -> tuple[FloatArray, FloatArray]:
+        """Taps before the rows are thinned out, and second-order sections behind them."""
+        return row_filter(self.every, self.rate, self.corner)
+
+    def rows(self, columns: FloatArray) -> FloatArray:
+        """Columns (p, n) of the motion as they are compared: rows at rest zero, filtered, thinned out, (p, m)."""
+        taps, sections = self.filters()
+        half, columns = len(taps) // 2, np.atleast_2d(columns) * self.keep
+        if self.every > 1:
+            columns = np.pad(columns, ((0, 0), (half, half)))
+            count = -(-len(self.time) // self.every)
+            columns = upfirdn(taps, columns, 1, self.every, axis=1)[:, 2 * half // self.every :][:, :count]
+        return np.asarray(sosfilt(sections, columns, axis=1))
+
+    def adjoint(self, rows: FloatArray) -> FloatArray:
+        """The transpose of `rows`, (m,) to (n,): sum(rows(c) * r) = sum(c * adjoint(r)) for every column c."""
+        taps, sections = self.filters()
+        back = sosfilt(sections, rows[::-1])[::-1]
+        if self.every > 1:
+            half = len(taps) // 2
+            back = upfirdn(taps, np.append(back, np.zeros(2)), self.every)[half : half + len(self.time)]
+        return np.asarray(back * self.keep)
+
+    def power(self, frequency: FloatArray) -> FloatArray:
+        """Power gain of `rows` at frequencies (Hz), a row of the motion."""
+        taps, sections = self.filters()
+        f = np.clip(np.ravel(frequency), 0.0, 0.5 / self.step)
+        folded = np.abs((f + 0.5 * self.rate) % self.rate - 0.5 * self.rate)
+        gain = np.abs(freqz(taps, 1.0, 2 * np.pi * f * self.step)[1])
+        gain *= np.abs(sosfreqz(sections, 2 * np.pi * folded / self.rate)[1])
+        return np.asarray(gain**2 / self.every)
+
+    def set_corner(self, residual: FloatArray, mass: float, largely: bool = False) -> None:
+        """Set the corner of `rows` to where the encoder's noise, M^2 w^4 times its density, passes that of the force.
+
+        Args:
+            residual: what a model leaves of the balance, V, (n,).
+            mass: V/(m/s^2).
+            largely: whether that is mostly no noise, so that none is whitened: the encoder's may be a share of it only.
+        """
+        f, p = welch(residual, 1.0 / self.step, nperseg=int(min(len(residual), 1.0 / self.step)))
+        noise = 2.0 * self.encoder_noise**2 * self.step / self.thinning * (mass * (2 * np.pi * f) ** 2) ** 2
+        read = (f > FORCE_NOISE[0]) & (f < FORCE_NOISE[1])
+        level = np.full(len(f), max(float(np.median(p[read] - noise[read])), 0.0))
+        if largely:
+            level = ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
+        loud = noise > level
+        self.corner = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS))
+
+    @cached_property
+    def fine(self) -> SubSteps:
+        """The motion in so many sub-steps that the speed changes by no more than `width` in one."""
+        most = float(np.max(np.abs(np.diff(self.velocity))))
+        n = int(np.clip(np.ceil(most / max(self.width, 1e-9)), 1, MOST_SUB_STEPS))
+        if n == 1:
+            return SubSteps(1, self.time - 0.5 * self.step, self.position, self.velocity)
+        rows = np.arange(len(self.time))
+        at = np.arange(n * len(self.time) - n + 1) / n
+        t = np.interp(at, rows, self.time) - 0.5 * self.step / n
+        return SubSteps(n, t, np.interp(at, rows, self.position), np.interp(at, rows, self.velocity))
+
+    def averaged(self, table: FloatArray) -> FloatArray:
+        """Rows at the sub-steps (p, m), averaged over the steps on both sides of each row of the motion, (p, n)."""
+        n = self.fine.per_row
+        if n == 1:
+            return table
+        half = max(1, round(n / self.thinning))
+        weights = np.concatenate([np.arange(1, half + 1), np.arange(half - 1, 0, -1)]) / half**2
+        padded = np.pad(table, ((0, 0), (half - 1, half - 1)), mode="edge")
+        rows = len(self.time)
+        out = weights[0] * padded[:, ::n][:, :rows]
+        for k, w in enumerate(weights[1:], 1):
+            out = out + w * padded[:, k::n][:, :rows]
+        return np.asarray(out)
+
+    def forces(
+        self, plants: Sequence[Plant], command: FloatArray | None = None, error: FloatArray | None = None
+    ) -> FloatArray:
+        """Net force of plants along the motion, V, (plants, n), under a command (V, (n,)) or none.
+
+        `error` (m) is how much too far the encoder reads, at the sub-steps.
+        """
+        n, t, x, v = self.fine
+        if command is None:
+            u = np.zeros(len(t))
+        else:
+            u = command if n == 1 else np.interp(t + 0.5 * self.step / n, self.time, command)
+        if error is not None:
+            x, v = x - error, v - np.gradient(error, self.step / n)
+        return self.averaged(Predictor(t, x, u).net_force(plants, x, v))
+
+    def residual(self, model: Model, command: FloatArray | None = None) -> FloatArray:
+        """The missing force, V, (n,): M a less what the model accounts for, under the logged command or another."""
+        command = self.command if command is None else command
+        a, error = self.acceleration, None
+        wrong = [laws_of(e) for e in model.effects if "reading" in e.HOOKS]
+        if wrong:
+            x = self.fine.position
+            error = np.sum([e.reading_at(x) - x for e in wrong], axis=0)
+            coarse = error[:: self.fine.per_row]
+            a = a - np.gradient(np.gradient(coarse, self.step), self.step)
+        shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
+        force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
+        return np.asarray(model.axis.mass * a - force - (0.0 if shaped else command))
+
+    def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
+        """Force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).
+
+        The level of Coulomb friction is so high that no effect that lowers it meets zero.
+        """
+        own = model.axis
+        axis = AxisParameters(mass=1.0, viscous=0.0, coulomb=1e6, coulomb_width=own.coulomb_width, travel=own.travel)
+        base = Model(axis=axis, cogging=model.cogging)
+        table = self.forces([quiet_plant(base), *(quiet_plant(base.replace(effects=(e,))) for e in effects)], command)
+        return np.asarray(table[1:] - table[0])
+
+
+def _even(log: Log) -> tuple[FloatArray, FloatArray, FloatArray, Mask]:
+    """Time (s, from 0), position, command and the rows in gaps of a log, on an even grid where its steps differ."""
+    time = log.time - log.time[0]
+    steps = np.diff(time)
+    h = float(np.median(steps))
+    if np.abs(steps - h).max() <= UNEVEN * h:
+        return time, log.position, log.command, np.zeros(len(time), dtype=bool)
+    even = np.arange(0.0, time[-1], h)
+    gap = np.interp(even, time[1:], steps) > GAP_STEPS * h
+    return even, np.interp(even, time, log.position), mean_held(time, log.command, even, h), gap

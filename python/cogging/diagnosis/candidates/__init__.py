@@ -1,1 +1,0 @@
-"""The effects that are tried, each at its best shape."""

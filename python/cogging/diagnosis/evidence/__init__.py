@@ -1,1 +1,0 @@
-"""What logs say against a model: whitened residuals, freed of all that re-tuning could explain."""

@@ -1,1 +1,0 @@
-"""The motion that would tell look-alikes apart."""

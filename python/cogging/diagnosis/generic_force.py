@@ -1,0 +1,159 @@
+"""Whether what is left is noise: how much of it a generic force, fitted on some motion, predicts on other motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.balance.cells import hats
+from cogging.diagnosis.yardstick import Discrepancy
+
+#: Places at which a force along each coordinate may bend: enough for what slow forces do, few against the rows.
+BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13, "time": 13}
+LAGS = tuple(2**k for k in range(9))  # rows by which the drive is moved: what a memory of the actuator would do
+FOLDS, BLOCKS = 5, 20  # parts of the given logs, each predicted by the others; blocks of a log dealt to them in turn
+RIDGES = 10.0 ** (0.5 * np.arange(-8, 5))  # of a column's power, of which the parts choose one
+LASTING = 0.05  # of the power: where another coordinate predicts more, time is not told before it
+APART = 0.01  # of the range: places of a force are farther from each other
+LEAST = 1e-9  # of the largest column's power: what an empty one counts as
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A force (V) at places of one coordinate, and what it predicts of the power that is left, 0 to 1."""
+
+    coordinate: str
+    share: float
+    places: FloatArray
+    force: FloatArray
+    deviation: FloatArray
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """What a generic force predicts of the power of what is left.
+
+    Attributes:
+        within: of the power on the given logs, what the force predicts of blocks from the others; 0 to 1.
+        elsewhere: of that on the confirm logs, what it predicts fitted to the given logs; None without confirm logs.
+        curves: the force in each coordinate alone, the one that predicts most first.
+        noise: rms that is left of the given logs beside the whole force, V, less the freedom that it takes.
+    """
+
+    within: float
+    elsewhere: float | None
+    curves: tuple[Curve, ...]
+    noise: float
+
+    @property
+    def share(self) -> float:
+        """What it predicts at best: what repeats itself on the given logs alone is no noise either."""
+        return max(self.within, self.elsewhere or 0.0)
+
+
+def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predicted:
+    """Fit a force of place and direction, speed, acceleration, command and time to what is left; predict elsewhere.
+
+    The force is a sum of piecewise linear functions and of the drive at other moments, fitted by ridge regression.
+
+    Args:
+        given: what is left of the given logs.
+        confirm: the same of the confirm logs, where the force of time takes no part.
+    """
+    places = {name: _places(name, given) for name in BENDS}
+    groups, table, left = _rows(given, places)
+    folds = np.concatenate([(np.arange(len(m)) * BLOCKS // len(m) % FOLDS)[m] for m in given.masks])
+    sums = [_sums(table[:, folds == fold], left[folds == fold]) for fold in range(FOLDS)]
+    elsewhere = None if confirm is None else _sums(*_rows(confirm, places)[1:])
+    curves = []
+    for name in BENDS:
+        share, force, deviation = _fit(sums, None if name == "time" else elsewhere, groups == name)
+        curves.append(Curve(name, share, places[name], given.push * force, deviation))
+    # whatever lasts is a function of time as well: that is told where no other coordinate says it
+    lasts = max(curve.share for curve in curves if curve.coordinate != "time") > LASTING
+    curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))
+    lasting = groups != "time"
+    there = None if elsewhere is None else _fit(sums, elsewhere, lasting)[0]
+    weights = _weights(sums, groups != "", RIDGES[0])
+    whole = (np.sum([s[0] for s in sums], axis=0), np.sum([s[1] for s in sums], axis=0), float(left @ left))
+    noise = max(_lost(weights, whole), 0.0) / max(len(left) - len(groups), 1)
+    return Predicted(_fit(sums, None, lasting)[0], there, tuple(curves), float(np.sqrt(noise)))
+
+
+def _places(name: str, given: Discrepancy) -> FloatArray:
+    """Where a force may bend: evenly along travel and time, else where as many rows are between."""
+    seen = np.concatenate([rows[name][mask] for rows, mask in zip(given.rows, given.masks, strict=True)])
+    share = np.linspace(0.0, 1.0, BENDS[name])
+    if name in ("position", "time"):
+        return np.unique(seen.min() + np.ptp(seen) * share)
+    kept: list[float] = []
+    for place in np.quantile(seen, share):  # cruising fills many quantiles with nearly one value
+        if not kept or place - kept[-1] > APART * np.ptp(seen):
+            kept.append(place)
+    return np.array(kept)
+
+
+def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Coordinate of each column, columns, and what is left, over rows in motion."""
+    tables = []
+    for rows, mask in zip(gap.rows, gap.masks, strict=True):
+        parts = {
+            name: hats(rows[name][mask], at) if len(at) > 1 else np.zeros((1, mask.sum()))
+            for name, at in places.items()
+        }
+        forward = rows["velocity"][mask] > 0.0
+        parts["position"] = np.vstack([parts["position"] * forward, parts["position"] * ~forward])
+        drive = rows["acceleration"]
+        later = [np.clip(np.arange(len(drive)) - lag, 0, len(drive) - 1) for lag in LAGS]
+        parts["drive"] = drive[np.array(later)][:, mask]
+        tables.append(np.vstack(list(parts.values())))
+    names = np.repeat(list(parts), [len(part) for part in parts.values()])
+    left = np.concatenate([row[mask] for row, mask in zip(gap.series, gap.masks, strict=True)])
+    return names, np.concatenate(tables, axis=1), left
+
+
+Sums = tuple[FloatArray, FloatArray, float]  # columns by columns and by what is left, and its power
+
+
+def _sums(table: FloatArray, left: FloatArray) -> Sums:
+    return table @ table.T, table @ left, float(left @ left)
+
+
+def _weights(parts: Sequence[Sums], used: Mask, ridge: float) -> FloatArray:
+    gram = np.sum([part[0][np.ix_(used, used)] for part in parts], axis=0)
+    size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
+    return np.asarray(np.linalg.solve(gram + ridge * np.diag(size), np.sum([part[1][used] for part in parts], axis=0)))
+
+
+def _fit(parts: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[float, FloatArray, FloatArray]:
+    """Share of the power that some columns predict, and their amplitudes with deviations."""
+    own = [(gram[np.ix_(used, used)], right[used], power) for gram, right, power in parts]
+    every = np.ones(int(used.sum()), dtype=bool)
+
+    def lost(ridge: float) -> float:
+        others = [own[:k] + own[k + 1 :] for k in range(len(own))]
+        return sum(_lost(_weights(rest, every, ridge), one) for rest, one in zip(others, own, strict=True))
+
+    ridge = min(RIDGES, key=lost)
+    force = _weights(own, every, ridge)
+    gram = np.sum([one[0] for one in own], axis=0)
+    whole = (gram, np.sum([one[1] for one in own], axis=0), sum(one[2] for one in own))
+    remains, power = lost(ridge), whole[2]
+    size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
+    rows = max(float(np.trace(gram)), 1.0)
+    noise = max(_lost(force, whole), 0.0) / rows
+    deviation = np.sqrt(noise * np.diag(np.linalg.inv(gram + ridge * np.diag(size))))
+    if elsewhere is not None:
+        own_there = (elsewhere[0][np.ix_(used, used)], elsewhere[1][used], elsewhere[2])
+        remains, power = _lost(force, own_there), elsewhere[2]
+    share = float(np.clip(1.0 - remains / power, 0.0, 1.0)) if power > 0.0 else 0.0
+    return share, force, deviation
+
+
+def _lost(force: FloatArray, sums: Sums) -> float:
+    """Power that is left with a force."""
+    gram, right, power = sums
+    return float(power - 2.0 * force @ right + force @ gram @ force)

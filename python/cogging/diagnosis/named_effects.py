@@ -1,0 +1,250 @@
+"""What was accepted as entries of a result: names with their parameters, where they act, and what has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.diagnosis.balance.decision import MINOR
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.entries import Gap, NamedEffect, Value
+from cogging.diagnosis.generic_force import Predicted
+from cogging.diagnosis.patched_model import Term
+from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
+from cogging.effects.effect import Effect, laws_of
+from cogging.model.model import Model
+from cogging.model.parameters import effect_paths
+from cogging.model.units import Units
+
+SURE = 0.9  # confidence from which a name is stated (contract)
+NOT_SURE = 0.89  # confidence at most of an effect that does not make the gap smaller, or beside a force without a name
+RELIABLE = 0.92  # of names with a probability of 0.98 and more in drawn logs, so many were right: docs/evidence.md
+SEEN = 0.02  # of the power that is left: a force along one coordinate that predicts more is told
+SYSTEMATIC = 0.1  # of the rms command: less of what a generic force predicts is small
+TAILS = (0.05, 0.95)  # quantiles of an effect's force: the range that holds most of it
+TIGHTER = 0.02  # of the rows: by which the range of another coordinate must be tighter to be told instead
+DYNAMIC = 10.0  # Hz from which a delay, a lag or a mode shows
+#: Coordinate of what bears no name, by a word of what it is called.
+ALONG = {"speed": "velocity", "travel": "position", "wave": "position", "time": "time", "command": "command"}
+
+
+def named(
+    terms: Sequence[Term], final: Model, evidence: Evidence, shares: Sequence[float | None], held_out: Mapping[int, str]
+) -> list[NamedEffect]:
+    """The effects by name, those that take most of the gap first; terms of one name are one, the largest first.
+
+    Args:
+        terms: what was accepted.
+        final: patched model.
+        evidence: of the given logs, with all that was accepted.
+        shares: of the gap's power that each term takes.
+        held_out: by place, why a term did not enter the model.
+    """
+    unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
+    effects: dict[str, NamedEffect] = {}
+    by_size: dict[str, list[tuple[float, dict[str, Value]]]] = {}
+    for place, (term, share) in enumerate(zip(terms, shares, strict=True)):
+        name = term.accepted.found.name
+        if name.startswith("~"):
+            continue
+        parameters = _parameters(term, final, evidence, place in held_out)
+        roles = {} if term.effect is None else term.effect.ROLES
+        sizes = [parameters[q].value for q in roles if roles[q]["role"] == "amplitude" and q in parameters]
+        by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
+        one = term.accepted
+        others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
+        confidence = RELIABLE * one.share
+        other = term.effect is None and term.accepted.found.columns is not None
+        entry = NamedEffect(
+            name,
+            tuple(other for other in others if not other.startswith("~") and other != name),
+            min(confidence, NOT_SURE) if unnamed or place in held_out else confidence,
+            parameters,
+            _where(term, evidence),
+            float(term.accepted.score),
+            share=share,
+            shape="other" if other else "",
+            curve=term.curve,
+            in_model=place not in held_out and (not other or term.path != ""),
+        )
+        if name in effects:  # a name is as sure as the surest of its terms
+            first = effects[name]
+            surest = max(first, entry, key=lambda one: one.confidence)
+            both = (first.share or 0.0) + share if share is not None else first.share
+            entry = replace(first, share=both, confidence=surest.confidence, alternatives=surest.alternatives)
+        effects[name] = entry
+    for name, entry in effects.items():
+        ordered = [one for _, one in sorted(by_size[name], key=lambda pair: -pair[0])]
+        effects[name] = replace(entry, parameters=ordered[0], further=tuple(ordered[1:]))
+    return sorted(effects.values(), key=lambda one: -(one.share or 0.0))
+
+
+def weighty(terms: Sequence[Term]) -> list[Term]:
+    """Terms without what bears no name and is minor beside a name: what a law that is nearly right leaves."""
+    most = max((t.accepted.score for t in terms if not t.accepted.found.name.startswith("~")), default=0.0)
+    return [t for t in terms if not t.accepted.found.name.startswith("~") or t.accepted.score > MINOR * most]
+
+
+def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) -> dict[str, Value]:
+    """Values by field with their intervals; of a change of the axis, new over old less 1."""
+    units = final.units
+    if term.accepted.found.columns is None:
+        name = term.path.removeprefix("axis.")
+        old, new = float(getattr(evidence.given.axis, name)), float(getattr(evidence.model.axis, name))
+        low, high = final.intervals.get(term.path, (np.nan, np.nan))
+        if old <= 0.0:
+            return {}
+        return {"change": Value(new / old - 1.0, "1", _ends(low / old - 1.0, high / old - 1.0))}
+    if term.effect is None:
+        return {}
+    effect, known = term.effect, dict(effect_paths(final.effects))
+    if not held_out:
+        effect = known.get(term.path, effect)
+    told = {}
+    for field, role in effect.ROLES.items():
+        if role["role"] == "setting":
+            continue
+        value, unit = getattr(effect, field), units.of(effect.FIELDS[field][0])
+        none = (np.nan, np.nan)
+        if isinstance(value, list):
+            ends = [final.intervals.get(f"{term.path}.{field}[{k}]", none) for k in range(len(value))]
+            pairs = [_ends(*one) for one in ends]
+            told[field] = Value([float(v) for v in value], unit, ([p[0] for p in pairs], [p[1] for p in pairs]))
+        else:
+            told[field] = Value(float(value), unit, _ends(*final.intervals.get(f"{term.path}.{field}", none)))
+    return told
+
+
+def _ends(low: float, high: float) -> tuple[float | None, float | None]:
+    return (float(low), float(high)) if np.isfinite(high - low) else (None, None)
+
+
+# Where an effect acts -------------------------------------------------------------------------------------------------
+
+
+def _where(term: Term, evidence: Evidence) -> dict[str, Any]:
+    if term.effect is not None:
+        return where_of(term.effect, evidence)
+    rows = _motion(evidence)
+    name = "acceleration" if term.path == "axis.mass" else "velocity"
+    if term.accepted.found.columns is not None:
+        name = "position" if term.curve is None else str(term.curve["coordinate"])
+    return {"coordinate": name, "range": [float(rows[name].min()), float(rows[name].max())]}
+
+
+def _motion(evidence: Evidence) -> dict[str, FloatArray]:
+    """Coordinates of the rows in motion of the longest log."""
+    b = max(evidence.balances, key=lambda one: len(one.time))
+    names = ("position", "velocity", "acceleration", "time", "command")
+    return {name: getattr(b, name)[b.keep > 0] for name in names}
+
+
+def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
+    """Coordinate and range of an effect: where it makes 90 % of its force, or the coordinate of what it acts on."""
+    hooks, motion = effect.HOOKS, _motion(evidence)
+    resolved = laws_of(effect.resolved(evidence.model.axis, evidence.model.cogging))
+    rows = {name: motion[name] for name in ("position", "velocity", "time")}
+    if "force" in hooks or "friction_level" in hooks:
+        return _held_by(resolved.force_at if "force" in hooks else resolved.friction_level_at, rows)
+    if "command_gain" in hooks:
+        return _held_by(resolved.gain_at, {name: rows[name] for name in ("position", "time")})
+    if "reading" in hooks or "shape_command" in hooks:
+        name = "position" if "reading" in hooks else "command"
+        return {"coordinate": name, "range": [float(motion[name].min()), float(motion[name].max())]}
+    if "state" in hooks:
+        slow = evidence.model.axis.coulomb_width
+        return {"coordinate": "velocity", "range": [-slow, slow]}
+    return {
+        "coordinate": "frequency",
+        "range": [DYNAMIC, 0.5 / float(np.median(np.diff(evidence.balances[0].log.time)))],
+    }
+
+
+def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> dict[str, Any]:
+    """The coordinate that a law is a function of whose range holds its force most tightly."""
+    whole = np.asarray(law(**rows)) * np.ones(len(rows["position"]))
+    depends = []
+    for name, values in rows.items():
+        for held in (float(np.median(values)), float(np.min(values))):
+            if np.max(np.abs(law(**{**rows, name: np.full_like(values, held)}) - whole)) > TIGHTER * np.ptp(whole):
+                depends.append(name)
+                break
+    force = np.abs(whole) if np.any(whole) else np.ones(len(whole))
+    best, tightest = {}, np.inf
+    for name in depends or ["position"]:
+        order = np.argsort(rows[name])
+        heap = np.cumsum(force[order]) / force.sum()
+        low, high = (min(int(np.searchsorted(heap, tail)), len(order) - 1) for tail in TAILS)
+        if (high - low) / len(order) < tightest - TIGHTER:
+            tightest = (high - low) / len(order)
+            best = {"coordinate": name, "range": [float(rows[name][order[low]]), float(rows[name][order[high]])]}
+    return best
+
+
+# What has no name -----------------------------------------------------------------------------------------------------
+
+
+def unlisted(
+    terms: Sequence[Term], rest: Predicted, gap: Gap, units: Units, *, confirmed: bool
+) -> dict[str, Any] | None:
+    """What no effect explains: an accepted cell without a name, or a rest that is neither small nor noise; None else.
+
+    Args:
+        terms: what was accepted.
+        rest: what a generic force predicts of what is left.
+        gap: before and after.
+        units: labels.
+        confirmed: whether there were logs of other motion, by which what was accepted was judged too.
+    """
+    for term in weighty(terms):
+        cell = term.accepted.found
+        if cell.name.startswith("~"):
+            words = cell.name[1:]
+            coordinate = next((along for word, along in ALONG.items() if word in words), "position")
+            entry: dict[str, Any] = {
+                "coordinate": coordinate,
+                "shape": f"{words}: of a law that no known effect has",
+                "share": None,
+            }
+            if term.curve is not None:
+                places, force = np.array(term.curve["places"]), np.array(term.curve["force"])
+                coordinate = str(term.curve["coordinate"])
+                small = 0.05 * np.abs(force).max() * np.ones(len(force))
+                shape = Shape(coordinate, COORDINATE_UNITS[coordinate], places, force, small, 0.0, 0.0, 0.0)
+                entry |= {"coordinate": coordinate, "shape": f"{words}: {ranges(shape, units)}"}
+                entry |= {"places": term.curve["places"], "force": term.curve["force"]}
+            elif rest.curves[0].share > SEEN:
+                curve = rest.curves[0]
+                entry |= {"coordinate": curve.coordinate, "share": curve.share}
+                entry |= {"places": curve.places.tolist(), "force": curve.force.tolist()}
+            return entry | {"statistic": float(term.accepted.score), "confirmed": confirmed or None}
+    left = rest.share * gap.after**2
+    if (gap.share or 0.0) * np.sqrt(rest.share) < SYSTEMATIC or left < gap.before**2 - gap.after**2:
+        return None
+    curve = rest.curves[0]
+    unit = COORDINATE_UNITS[curve.coordinate]
+    shape = Shape(curve.coordinate, unit, curve.places, curve.force, curve.deviation, 0.0, 0.0, curve.share)
+    return {
+        "coordinate": curve.coordinate,
+        "shape": shape_text(shape, units),
+        "share": curve.share,
+        "places": curve.places.tolist(),
+        "force": curve.force.tolist(),
+        "deviation": curve.deviation.tolist(),
+        "statistic": None,
+        "confirmed": None if rest.elsewhere is None else rest.elsewhere > 0.0,
+    }
+
+
+def final_verdict(effects: Sequence[NamedEffect], rest: Mapping[str, Any] | None) -> str:
+    """The contract's verdicts that need a search."""
+    if rest is not None:
+        return "unlisted"
+    if not effects:
+        return "no_gap"
+    sure = all(effect.confidence >= SURE and not effect.alternatives for effect in effects)
+    return "named" if sure else "ambiguous"

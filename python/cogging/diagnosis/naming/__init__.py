@@ -1,1 +1,0 @@
-"""What was added, by name, with alternatives and confidence; the verdict."""

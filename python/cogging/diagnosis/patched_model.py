@@ -1,0 +1,162 @@
+"""The patched model: what was accepted and has a law, refitted, with 95 % intervals; of what has none, its curve."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from cogging.arrays import FloatArray
+from cogging.diagnosis.balance.cells import hats
+from cogging.diagnosis.balance.decision import Accepted, Outcome
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.places import empirical_term
+from cogging.effects.effect import Effect
+from cogging.model.intervals import SIGMAS_95
+from cogging.model.model import Model
+from cogging.model.parameters import effect_paths, parameters_of
+
+NODES = (21, 81, 321)  # of an empirical force: the fewest that follow the curve
+FOLLOWED = 0.95  # of a curve's power, that a force of one coordinate must give back to stand for it
+
+
+@dataclass(frozen=True)
+class Term:
+    """One accepted candidate as the patched model has it.
+
+    Attributes:
+        accepted: candidate.
+        effect: its law as refitted; None of a change of the axis, and where it has none.
+        path: of its effect in the patched model, or of the parameter of the axis that changed; "" without either.
+        curve: the force by coordinate, places and force (V) where it has no law of its own; None else.
+        certain: whether its interval excludes zero.
+    """
+
+    accepted: Accepted
+    effect: Effect | None
+    path: str
+    curve: Mapping[str, Any] | None = None
+    certain: bool = True
+
+
+def covariance(evidence: Evidence) -> FloatArray:
+    """Of the steps theta of all that is fitted: parameters by `evidence.paths`, then columns without a law."""
+    null = evidence.null
+    return np.asarray(null.variance * np.linalg.inv(null.gram) / np.outer(null.size, null.size))
+
+
+def with_intervals(model: Model, evidence: Evidence) -> Model:
+    """The model with 95 % intervals of what was fitted: its `[bounds]`."""
+    known, deviations = parameters_of(model), np.sqrt(np.maximum(np.diag(covariance(evidence)), 0.0))
+    intervals = {path: interval for path, interval in model.intervals.items() if path in known}
+    for path, deviation in zip(evidence.paths, deviations, strict=False):
+        if path in known and np.isfinite(deviation):
+            value, half = known[path].value, SIGMAS_95 * float(deviation)
+            intervals[path] = (max(0.0, value - half) if known[path].positive else value - half, value + half)
+    return model.replace(intervals=intervals)
+
+
+def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
+    """The model with what was found of a law that the stated one has already as one effect, and notes that say so."""
+    effects, notes = dict(enumerate(model.effects)), []
+    intervals, paths = dict(model.intervals), [path for path, _ in effect_paths(model.effects)]
+    for k, effect in enumerate(stated.effects):
+        fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
+        for j, more in list(effects.items())[len(stated.effects) :]:
+            alike = type(more) is type(effect) and all(isinstance(getattr(more, name), float) for name in fields)
+            if not alike or more.replace(**{name: getattr(effect, name) for name in fields}) != effect:
+                continue
+            sums = {name: getattr(effects[k], name) + getattr(more, name) for name in fields}
+            changes = ", ".join(f"{name} {getattr(effect, name):.4g} to {sums[name]:.4g}" for name in fields)
+            notes.append(f"{effect.NAME} of the model as it was stated hid what was missing: {changes}")
+            for name in fields:
+                ends = intervals.pop(f"{paths[j]}.{name}", None)
+                if ends is not None:
+                    intervals[f"{paths[k]}.{name}"] = ends[0] + getattr(effect, name), ends[1] + getattr(effect, name)
+            effects[k] = effects[k].replace(**sums)
+            del effects[j]
+    renamed = {paths[k]: path for k, (path, _) in zip(effects, effect_paths(effects.values()), strict=True)}
+    kept = {}
+    for path, ends in intervals.items():
+        owner = next((old for old in renamed if path.startswith(old + ".")), "")
+        kept[renamed.get(owner, "") + path[len(owner) :]] = ends
+    return model.replace(effects=tuple(effects.values()), intervals=kept), notes
+
+
+def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
+    """The re-tuned model with all that was accepted, and each accepted candidate as it stands in it.
+
+    What bears no name stays out.
+    """
+    evidence = found.evidence
+    model, of_laws = evidence.model, list(effect_paths(evidence.model.effects))[len(stated.effects) :]
+    steps = evidence.null.theta
+    deviations = covariance(evidence)
+    at, laws, extra = len(evidence.paths), iter(of_laws), iter(evidence.extra)
+    terms: list[Term] = []
+    for one in found.accepted:
+        candidate = one.found
+        if candidate.columns is None:
+            path = candidate.effect if isinstance(candidate.effect, str) else ""
+            terms.append(Term(one, None, path, certain=_certain([path], [], evidence, deviations)))
+        elif any(candidate.name == e.name and candidate.label == e.label for e in evidence.extra):
+            column = next(extra)
+            amplitudes = steps[at : at + len(column.amplitudes)]
+            block = deviations[at : at + len(amplitudes), at : at + len(amplitudes)]
+            at += len(amplitudes)
+            effect = next(iter(column.laws(amplitudes)), None)
+            curve = None if effect is not None else curve_of(evidence, column, amplitudes)
+            term = effect if effect is not None else None if candidate.name.startswith("~") else empirical_term(curve)
+            path = ""
+            if term is not None:
+                model = model.replace(effects=(*model.effects, term))
+                path = list(effect_paths(model.effects))[-1][0]
+            terms.append(Term(one, effect, path, curve, _excludes_zero(amplitudes, block)))
+            continue
+        for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):
+            fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
+            paths = [p for p in evidence.paths if p.startswith(prefix + ".")]
+            paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
+            values = [parameters_of(model)[p].value for p in paths]
+            terms.append(Term(one, effect, prefix, certain=_certain(paths, values, evidence, deviations)))
+    return with_intervals(model, evidence), terms
+
+
+def _certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence, deviations: FloatArray) -> bool:
+    """Whether parameters differ from zero, or one of the axis from what is stated of it, together at 95 %."""
+    rows = [evidence.paths.index(p) for p in paths if p in evidence.paths]
+    if not rows or len(rows) != len(paths):
+        return True  # made by its shape alone, as a delay: the score speaks for it
+    if not values:
+        name = paths[0].removeprefix("axis.")
+        values = [getattr(evidence.model.axis, name) - getattr(evidence.given.axis, name)]
+    return _excludes_zero(np.array(values), deviations[np.ix_(rows, rows)])
+
+
+def _excludes_zero(values: FloatArray, block: FloatArray) -> bool:
+    return bool(values @ np.linalg.pinv(block, hermitian=True) @ values > chi2.ppf(0.95, len(values)))
+
+
+def curve_of(evidence: Evidence, column: Any, amplitudes: FloatArray) -> dict[str, Any] | None:
+    """Force (V) over one coordinate of a sum of columns, where a function of it gives that back; else None."""
+    forces = [amplitudes @ rows for rows in column.columns(evidence)]
+    kept = [b.keep > 0 for b in evidence.balances]
+    force = np.concatenate([row[mask] for row, mask in zip(forces, kept, strict=True)])
+    best: dict[str, Any] | None = None
+    most = FOLLOWED
+    for coordinate in ("position", "velocity", "time"):
+        values = np.concatenate([getattr(b, coordinate)[mask] for b, mask in zip(evidence.balances, kept, strict=True)])
+        for count in NODES if coordinate == "position" else NODES[:1]:
+            places = np.linspace(float(values.min()), float(values.max()), count)
+            table = hats(values, places)
+            gram = table @ table.T
+            levels = np.linalg.solve(gram + 1e-6 * np.trace(gram) / count * np.eye(count), table @ force)
+            share = 1.0 - float(np.sum((force - levels @ table) ** 2) / max(float(force @ force), 1e-300))
+            if share > most:
+                most, best = share, {"coordinate": coordinate, "places": places.tolist(), "force": levels.tolist()}
+                break
+    return best

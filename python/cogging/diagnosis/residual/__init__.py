@@ -1,1 +1,0 @@
-"""What is left unexplained, and where it sits, before anything is named."""

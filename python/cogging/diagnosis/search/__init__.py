@@ -1,1 +1,0 @@
-"""Scan, choose, refit, accept: which effects are added to the model."""

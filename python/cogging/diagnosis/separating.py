@@ -1,0 +1,45 @@
+"""The motion that would tell look-alikes apart, from what the effects act on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cogging.effects.effect import Effect
+from cogging.logs.log import Log
+
+
+def separating(names: Sequence[str], vocabulary: Mapping[str, Effect], logs: Sequence[Log]) -> str:
+    """Advice in a sentence or two: which coordinate of the effects differs, and a motion that moves it alone."""
+    hooks = {name: set(vocabulary[name].HOOKS) for name in names if name in vocabulary}
+    quantities = {
+        name: {role["quantity"] for role in vocabulary[name].ROLES.values() if role["role"] != "setting"}
+        for name in hooks
+    }
+    travel = max(float(np.ptp(log.position)) for log in logs)
+    speed = max(float(np.quantile(np.abs(np.gradient(log.position[::10], log.time[::10])), 0.99)) for log in logs)
+    advice = []
+    kinds = set().union(*hooks.values()) if hooks else set()
+    wanted = set().union(*quantities.values()) if quantities else set()
+    if {"command_delay", "lag"} <= kinds:
+        advice.append("a reference with content above 100 to 200 Hz (a chirp or steps of small amplitude)")
+    if "reading" in kinds and kinds - {"reading"}:
+        advice.append(
+            f"the same stroke at {speed / 4:.2g} and {speed:.2g} m/s: an error of the reading grows with speed squared"
+        )
+    if "command_gain" in kinds and kinds & {"force", "friction_level"}:
+        advice.append("the same places under different commands: a slow and a hard-accelerated pass, or an added mass")
+    if "time" in wanted:
+        advice.append("the same moves in random order, once more: what depends on time does not come back with place")
+    if "friction_level" in kinds and "force" in kinds:
+        advice.append(f"both directions at several steady speeds from {speed / 50:.2g} to {speed:.2g} m/s, and at rest")
+    if "state" in kinds or "velocity" in wanted:
+        advice.append("creep below 5 mm/s with small reversals")
+    if wanted & {"force_per_velocity", "force_per_velocity_squared"}:
+        advice.append(f"speeds over a factor of 4 or more (up to {2 * speed:.2g} m/s if the axis allows)")
+    if wanted & {"force_per_position", "position", "distance", "angle"}:
+        advice.append(f"the full travel (this motion covers {travel:.3g} m), slowly, in both directions")
+    if not advice:
+        return "motion in both directions at several speeds over the whole travel; while moving, these two do the same"
+    return "; ".join(advice[:3])

@@ -1,0 +1,194 @@
+"""How large a gap is: by replaying the loop where the controller is known, else by the force balance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.signal import oaconvolve
+
+from cogging._core import DivergedError
+from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.balance.decision import Outcome
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.running_controller import obeys
+from cogging.estimation.replay import Replay
+from cogging.logs.log import Log
+from cogging.model.model import Model
+
+REPLAYED, BALANCED = "command of the replayed loop", "force balance"
+JITTER = 0.01  # of the sample time: what more does to a derivative would be the gap of a replay
+ACCELERATION_TIME = 0.02  # s over which the acceleration of the figures is averaged
+BLOCKS = 20  # of a log, between which gains differ by chance
+GROWTH = 0.02  # of the gap's power: by so much it may grow by chance, never by more
+POSITION_GROWTH = 1.1  # times the error of the replayed position, which may not become more
+ROUNDS = 2  # of re-tuning on confirm logs: the second sees the friction's width of the first
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """What one model leaves unexplained of logs.
+
+    Attributes:
+        signal: name of what was compared.
+        series: what is left of each log, V.
+        rows: time, position, velocity, acceleration and command of the same rows, one mapping a log.
+        masks: rows in motion, one a log.
+        position: rms of measured less replayed position, m; None where no loop is replayed.
+    """
+
+    signal: str
+    series: tuple[FloatArray, ...]
+    rows: tuple[Mapping[str, FloatArray], ...]
+    masks: tuple[Mask, ...]
+    position: float | None = None
+
+    @property
+    def rms(self) -> float:
+        """V, over rows in motion."""
+        moving = np.concatenate([row[mask] for row, mask in zip(self.series, self.masks, strict=True)])
+        return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
+
+    @property
+    def push(self) -> float:
+        """Which way a missing force pushes where this is positive: a command more than replayed works against it."""
+        return -1.0 if self.signal == REPLAYED else 1.0
+
+
+@dataclass(frozen=True)
+class Yardstick:
+    """The same measure for whatever model: nuisances refitted under their priors, effects fixed.
+
+    Attributes:
+        found: the search, whose balances are measured along.
+        given, confirm: given and confirm logs.
+        stated: model as it was read, with the controller that was running.
+        replay: whether the loop is replayed.
+        white: whether the balance is told as the innovations of its noise, V: what was fitted, row by row alike.
+        tuned: models as they were re-tuned to the confirm logs, by the model: whatever is measured.
+    """
+
+    found: Outcome
+    given: Sequence[Log]
+    confirm: Sequence[Log]
+    stated: Model
+    replay: bool
+    white: bool = False
+    tuned: dict[int, tuple[Model, Model]] = field(default_factory=dict)
+
+    def on_given(self, model: Model) -> Discrepancy:
+        """What a model leaves of the given logs.
+
+        Raises:
+            DivergedError: its replay diverged.
+        """
+        return self._of(self.given, self.found.evidence.balances, model, 0.0)
+
+    def on_confirm(self, model: Model) -> Discrepancy | None:
+        """What a model leaves of the confirm logs, its mass, friction and known cogging re-tuned there."""
+        if not self.confirm:
+            return None
+        balances = self.found.both.balances[len(self.given) :]
+        if id(model) not in self.tuned:
+            self.tuned[id(model)] = model, self.there(model)
+        return self._of(self.confirm, balances, self.tuned[id(model)][1], self.found.shift)
+
+    def there(self, model: Model) -> Model:
+        """The model re-tuned to the confirm logs as far as its statement allows; what was found of it stays."""
+        held = {path.removeprefix("axis."): 0.0 for path in self.found.evidence.free}
+        known = self.stated.replace(
+            axis=self.stated.axis.replace(**{name: getattr(model.axis, name) for name in held}),
+            uncertainty={**self.stated.uncertainty, **held},
+            effects=model.effects,
+        )
+        balances = self.found.both.balances[len(self.given) :]
+        tuned: Model = Evidence(balances, known, model).prepare(ROUNDS).model
+        return tuned
+
+    def by_balance(self) -> Yardstick:
+        """The same without a replay."""
+        return replace(self, replay=False)
+
+    def as_fitted(self) -> Yardstick:
+        """The same by the innovations of the balance, to which all is fitted."""
+        return replace(self, replay=False, white=True)
+
+    def _innovations(
+        self, balances: Sequence[Any], along: tuple[dict[str, FloatArray], ...], model: Model
+    ) -> Discrepancy:
+        given = balances is self.found.evidence.balances
+        evidence, first = (self.found.evidence, 0) if given else (self.found.both, len(self.given))
+        taps, counted = evidence.null.taps[first:], evidence.counted[first:]
+        rows = [b.rows(b.residual(model))[0] for b in balances]
+        left = tuple(oaconvolve(r, h / h[0])[: len(r)] for r, h in zip(rows, taps, strict=True))
+        return Discrepancy(BALANCED, left, along, tuple(counted))
+
+    def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
+        if not self.replay:
+            along = tuple(_motion(b, b.time[:: b.every], slice(None, None, b.every)) for b in balances)
+            if self.white:
+                return self._innovations(balances, along, model)
+            left = tuple(b._low_pass(b.residual(model) * b.keep, b.corner)[:: b.every] for b in balances)
+            return Discrepancy(BALANCED, left, along, tuple(b.mask for b in balances))
+        series, rows, masks, errors = [], [], [], []
+        for log, b in zip(logs, balances, strict=True):
+            run = Replay(_moved(log, shift), model).run(model)
+            if not np.isfinite(run["command"]).all():
+                raise DivergedError("the replay diverged")
+            time = log.time - log.time[0]
+            masks.append(np.interp(time, b.time, b.keep) > 0.5)
+            series.append(log.command - run["command"])
+            errors.append(np.mean((log.position + shift - run["position"])[masks[-1]] ** 2))
+            rows.append({**_motion(b, time), "command": run["command"]})
+        error = float(np.sqrt(np.mean(errors)))
+        return Discrepancy(REPLAYED, tuple(series), tuple(rows), tuple(masks), error)
+
+
+def replayable(logs: Sequence[Log], confirm: Sequence[Log], model: Model) -> bool:
+    """Whether all loops can be replayed: sampled evenly, and by the stated controller."""
+    if model.controller is None:
+        return False
+    for log in (*logs, *confirm):
+        steps = np.diff(log.time)
+        uneven = float(np.quantile(np.abs(steps / np.median(steps) - 1.0), 0.9)) > JITTER
+        if log.reference is None or uneven:
+            return False
+    return all(obeys(log, model) for log in confirm)
+
+
+def _moved(log: Log, distance: float) -> Log:
+    if not distance:
+        return log
+    reference = None if log.reference is None else log.reference + distance
+    return Log(
+        log.time, log.position + distance, log.command, reference, log.reference_velocity, log.reference_acceleration
+    )
+
+
+def _motion(b: Any, time: FloatArray, rows: slice | None = None) -> dict[str, FloatArray]:
+    """Coordinates of a balance at its own rows, or at these times."""
+    slow = b._low_pass(b.velocity, 0.5 / ACCELERATION_TIME)
+    asked = b.acceleration if b.reference is None else b.reference[2]
+    told = {
+        "position": b.position,
+        "velocity": b.velocity,
+        "acceleration": np.gradient(slow, b.step) if b.reference is None else asked,
+        "command": b._low_pass(b.command, b.corner),
+    }
+    if rows is not None:
+        return {"time": time, **{name: row[rows] for name, row in told.items()}}
+    return {"time": time, **{name: np.interp(time, b.time, row) for name, row in told.items()}}
+
+
+def growth(before: Discrepancy, after: Discrepancy) -> bool:
+    """Whether a gap grows by more than chance: two deviations of what blocks say, 2 % of its power at most."""
+    gains = []
+    for old, new, mask in zip(before.series, after.series, before.masks, strict=True):
+        gains += [float(part.sum()) for part in np.array_split(new[mask] ** 2 - old[mask] ** 2, BLOCKS)]
+    rows = sum(int(mask.sum()) for mask in before.masks)
+    chance = min(2.0 * float(np.std(gains)) * len(gains) ** 0.5 / max(rows, 1), GROWTH * before.rms**2)
+    return after.rms**2 > before.rms**2 + chance or bool(
+        before.position and (after.position or 0.0) > POSITION_GROWTH * before.position
+    )

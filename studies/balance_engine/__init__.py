@@ -1,1 +1,0 @@
-"""A prototype of one engine for `diagnose`; see README.md."""

@@ -1,0 +1,1 @@
+"""Studies of `diagnose`: each round of a search, and measured logs."""

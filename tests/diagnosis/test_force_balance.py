@@ -1,0 +1,269 @@
+"""What the force balance, its evidence and its candidates promise, against formulas of their own."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
+
+import cogging
+from cogging.diagnosis.balance.candidates import Search, best_tones, wave_scan
+from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, orthonormal
+from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.effects.effect import VOCABULARY as E
+
+RATE = 5000.0  # Hz
+MASS = 0.12
+
+
+def machine(*effects):
+    axis = cogging.AxisParameters(mass=MASS, viscous=0.166, coulomb=0.0, coulomb_width=5e-3, travel=[-0.3, 0.3])
+    return cogging.Model(axis=axis, effects=effects)
+
+
+def motion(seconds=1.5, size=0.1):
+    """Time, position, velocity and acceleration of a motion that is known in closed form."""
+    t = np.arange(0.0, seconds, 1.0 / RATE)
+    w = 2 * np.pi * np.array([1.3, 3.1])[:, None]
+    a = size * np.array([1.0, 0.1])[:, None]
+    x, v = np.sum(a * np.sin(w * t), axis=0), np.sum(a * w * np.cos(w * t), axis=0)
+    return t, x, v, np.sum(-a * w * w * np.sin(w * t), axis=0)
+
+
+def moved(force=0.0, rate_noise=0.0, seed=0):
+    """A log of that motion whose command is what the axis needs, with an extra force (V, a function of t, x, v)."""
+    t, x, v, a = motion()
+    extra = force(t, x, v) if callable(force) else force
+    command = MASS * a + 0.166 * v - extra
+    command = command + rate_noise * np.random.default_rng(seed).standard_normal(len(t))
+    # held over the step that follows: its value there
+    held = np.append(0.5 * (command[1:] + command[:-1]), command[-1])
+    return cogging.Log(time=t, position=x, command=held)
+
+
+FORCES = {
+    "constant_force": ({"force": 0.2}, lambda t, x, v: 0.2 + 0 * x),
+    "cable_spring": ({"stiffness": 2.0, "center": 0.02}, lambda t, x, v: -2.0 * (x - 0.02)),
+    "local_force": (
+        {"force": 0.3, "center": 0.03, "width": 0.04},
+        lambda t, x, v: 0.3 * np.exp(-(((x - 0.03) / 0.04) ** 2)),
+    ),
+    "end_effect": (
+        {"force": 0.3, "decay_length": 0.1, "travel": [-0.3, 0.3]},
+        lambda t, x, v: 0.3 * (np.exp(-(0.3 - x) / 0.1) - np.exp(-(x + 0.3) / 0.1)),
+    ),
+    "cogging_harmonic": (
+        {"period": 0.05, "sine": 0.2, "cosine": 0.1},
+        lambda t, x, v: -(0.2 * np.sin(2 * np.pi * x / 0.05) + 0.1 * np.cos(2 * np.pi * x / 0.05)),
+    ),
+    "viscous_asymmetry": ({"difference": 0.05}, lambda t, x, v: -0.025 * np.abs(v)),
+    "quadratic_drag": ({"coefficient": 0.1}, lambda t, x, v: -0.1 * v * np.abs(v)),
+    "disturbance_tone": (
+        {"frequency": 7.0, "sine": 0.2, "cosine": -0.1},
+        lambda t, x, v: 0.2 * np.sin(14 * np.pi * t) - 0.1 * np.cos(14 * np.pi * t),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FORCES)
+def test_nothing_is_left_of_a_known_force_and_all_of_a_missing_one(name):
+    fields, law = FORCES[name]
+    effect, log = E[name].replace(**fields), moved(law)
+    b = ForceBalance(log, 5e-3)
+    inner = slice(20, -20)
+    expected = law(b.time, b.position, b.velocity)[inner]
+    scale = np.max(np.abs(expected))
+    np.testing.assert_allclose(b.residual(machine(effect))[inner], 0.0, atol=5e-3 * scale)
+    np.testing.assert_allclose(b.residual(machine())[inner], expected, atol=5e-3 * scale)
+    # `added` is the mean of the law over the steps on both sides, whatever the model
+    added = b.added(machine(), [effect], b.command)[0]
+    half = 0.5 / RATE
+    grid = np.linspace(-2.0, 2.0, 41) * half
+    weights = 1.0 - np.abs(grid) / (2.0 * half)
+    at = b.time[inner, None] + grid
+    x, v = np.interp(at, b.time, b.position), np.interp(at, b.time, b.velocity)
+    mean = law(at, x, v) @ weights / weights.sum()
+    np.testing.assert_allclose(added[inner], mean, atol=2e-3 * scale)
+
+
+MORE = {
+    "coulomb_asymmetry": {"difference": 0.02},
+    "stribeck_friction": {"static_excess": 0.03, "velocity": 0.05},
+    "position_dependent_friction": {"nodes": [-0.3, 0.0, 0.3], "levels": [0.02, -0.02, 0.02]},
+    "force_constant_ripple": {"period": 0.04, "sine": 0.03},
+    "force_constant_drift": {"change": 0.1, "time_constant": 0.5},
+    "disturbance_step": {"force": 0.1, "start": 0.4, "stop": 0.9},
+    "encoder_periodic_error": {"period": 0.02, "sine": 1e-6},
+    "encoder_scale_error": {"scale": 1e-3},
+}
+
+
+@pytest.mark.parametrize("name", [*FORCES, *MORE])
+def test_the_balance_of_a_simulated_run_is_zero(name):
+    """Noise-free runs of drawn machines with friction, cogging and an effect that the model has."""
+    rng = np.random.default_rng([*FORCES, *MORE].index(name))
+    mass, pitch = rng.uniform(0.08, 0.3), rng.uniform(0.03, 0.06)
+    level = rng.uniform(0.05, 0.15)
+    axis = cogging.AxisParameters(
+        mass=mass, viscous=rng.uniform(0.1, 0.5), coulomb=level, coulomb_width=0.02, travel=[-0.3, 0.3]
+    )
+    basis = cogging.SplineHarmonics(pitch=pitch, harmonics=[1, 2])
+    effect = E[name].replace(**(FORCES[name][0] if name in FORCES else MORE[name]))
+    pid = cogging.PidParameters(sample_rate=RATE, kp=8e4 * mass, ki=8e5 * mass, kd=400.0 * mass, mass=mass)
+    model = cogging.Model(
+        axis=axis,
+        cogging=cogging.CoggingModel(basis, level * rng.uniform(-1, 1, (2, 1)), level * rng.uniform(-1, 1, (2, 1))),
+        effects=[effect],
+        controller=pid,
+        controller_type="pid",
+    )
+    move = {"type": "point_to_point", "start": -0.1, "distance": 0.2, "velocity": 0.4, "acceleration": 8.0}
+    log = cogging.simulate(model, {**move, "jerk": 200.0, "dwell": 0.0, "repeats": 1})
+    b = ForceBalance(log, 0.02)
+    rows = slice(len(b.rows(b.command)[0]) // 5, None)
+    left, without = (b.rows(b.residual(m))[0][rows] for m in (model, model.replace(effects=())))
+    limit = 5e-3 * np.sqrt(np.mean(without**2)) + 5e-5 * np.sqrt(np.mean(b.command**2))
+    assert np.sqrt(np.mean(left**2)) < limit
+
+
+@pytest.mark.parametrize("rate", [1000.0, 5000.0, 20000.0])
+def test_rows_and_adjoint_are_transposes(rate):
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, 1.0, 1.0 / rate)
+    b = ForceBalance(cogging.Log(time=t, position=0.1 * np.sin(9 * t), command=np.cos(9 * t)), 1e-3)
+    for corner in (20.0, 250.0):
+        b.corner = corner
+        column = rng.standard_normal(len(b.time))
+        rows = b.rows(column)[0]
+        weights = rng.standard_normal(len(rows))
+        assert rows @ weights == pytest.approx(column @ b.adjoint(weights), rel=1e-9)
+
+
+def test_a_moved_balance_has_its_positions_elsewhere():
+    b = ForceBalance(moved(), 5e-3)
+    spring = machine(E["cable_spring"].replace(stiffness=2.0))
+    np.testing.assert_allclose(b.moved(0.01).residual(spring) - b.residual(spring), 0.02, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("pole", "zero"), [(0.9, 0.0), (0.0, 0.6), (0.95, -0.5)])
+def test_the_noise_filter_whitens(pole, zero):
+    """Rows (1 + zero q) / (1 - pole q) of white noise: the filter is close to the inverse, whose first tap is 1."""
+    white = np.random.default_rng(2).standard_normal(60_000)
+    rows = lfilter([1.0, zero], [1.0, -pole], white)
+    taps = noise_filter(rows, np.ones(len(rows), bool), 500.0)
+    left = lfilter(taps, 1.0, rows)[1000:]
+    assert taps[0] == 1.0
+    assert np.std(left) == pytest.approx(1.0, abs=0.03)
+    for lag in (1, 2, 5, 20):
+        # the spectrum is smoothed over a third of an octave, in which that of a zero near half the rate bends
+        assert abs(np.corrcoef(left[lag:], left[:-lag])[0, 1]) < (0.08 if zero > 0.0 else 0.03)
+
+
+def test_a_line_stays_behind_the_noise_filter():
+    n = 20_000
+    rows = np.random.default_rng(3).standard_normal(n) + 3.0 * np.sin(2 * np.pi * 0.05 * np.arange(n))
+    taps = noise_filter(rows, np.ones(n, bool), 500.0)
+    gain = np.abs(np.exp(-2j * np.pi * 0.05 * np.arange(len(taps))) @ taps)
+    assert gain == pytest.approx(1.0, abs=0.25)
+
+
+def test_likeliest_is_least_squares_of_normal_rows_and_ignores_outliers():
+    rng = np.random.default_rng(4)
+    x = rng.standard_normal((3, 4000))
+    r = np.array([1.0, -2.0, 0.5]) @ x + 0.1 * rng.standard_normal(4000)
+    r[::50] += 100.0
+    free = likeliest(x, r, np.full(3, np.inf), np.zeros(3), 10)
+    np.testing.assert_allclose(free.w, [1.0, -2.0, 0.5], atol=0.02)
+    held = likeliest(x, r, np.array([np.inf, 1e-9, np.inf]), np.array([0.0, -1.9, 0.0]), 10)
+    assert held.w[1] == pytest.approx(-1.9, abs=1e-6)
+    assert held.cost > free.cost
+
+
+def test_orthonormal_rows_span_the_same():
+    rows = np.random.default_rng(5).standard_normal((3, 50))
+    q = orthonormal(np.vstack([rows, rows[0] - rows[1]]))
+    assert len(q) == 3
+    np.testing.assert_allclose(q @ q.T, np.eye(3), atol=1e-9)
+    np.testing.assert_allclose((rows @ q.T) @ q, rows, atol=1e-9)
+
+
+def test_dahl_solves_its_equation():
+    t = np.linspace(0.0, 2.0, 4001)
+
+    def x(s):
+        return 1e-3 * np.sin(5.0 * s) + 4e-4 * s
+
+    def slope(s, z):
+        v = 5e-3 * np.cos(5.0 * s) + 4e-4
+        return (v - abs(v) * z) / 2e-4
+
+    solved = solve_ivp(slope, (0.0, 2.0), [0.0], t_eval=t, max_step=2e-3, rtol=1e-8, atol=1e-10).y[0]
+    np.testing.assert_allclose(dahl(x(t), 2e-4), solved, atol=5e-3)
+
+
+def test_lost_motion_against_a_load_between_stiff_stops():
+    """The load, a free mass between two stiff and damped stops, as a differential equation of its own."""
+    step, gap = 1e-3, 2e-4
+    t = np.arange(0.0, 1.5, step)
+    w = 2 * np.pi * 2.0
+    a = -0.02 * w**2 * np.sin(w * t)
+    load = solve_ivp(
+        lambda s, y: [
+            y[1],
+            2e7 * stop_depth(0.02 * np.sin(w * s) - y[0], gap)
+            + 1e4 * (stop_depth(0.02 * np.sin(w * s) - y[0], gap) != 0.0) * (0.02 * w * np.cos(w * s) - y[1]),
+        ],
+        (0.0, t[-1]),
+        [gap / 2, 0.02 * w],
+        method="Radau",
+        t_eval=t,
+        max_step=5e-4,
+        rtol=1e-7,
+        atol=1e-10,
+    ).y
+    relative = 0.02 * w * np.cos(w * t) - load[1]
+    found = lost_motion(a, step, gap)
+    assert np.max(np.abs(relative)) > 0.01
+    assert np.corrcoef(found[100:], relative[100:])[0, 1] > 0.9
+    assert np.max(np.abs(found)) == pytest.approx(np.max(np.abs(relative[100:])), rel=0.3)
+
+
+def stop_depth(lead, gap):
+    """How far a motor that leads the load's middle presses into a stop, m."""
+    return np.sign(lead) * max(abs(lead) - gap / 2, 0.0)
+
+
+def test_a_load_answers_as_its_transfer_function_says():
+    step, f, damping, tone = 1e-4, 40.0, 0.1, 25.0
+    t = np.arange(0.0, 2.0, step)
+    out = load_response(np.sin(2 * np.pi * tone * t), step, f, damping)[10_000:]
+    phasor = 2 * np.mean(out * np.exp(-2j * np.pi * tone * t[10_000:])) * 1j
+    q = 1j * tone / f
+    assert phasor == pytest.approx((2 * damping * q + 1) / (q * q + 2 * damping * q + 1), rel=0.01)
+
+
+def test_bases_sum_to_one():
+    x = np.linspace(0.0, 1.0, 101)
+    np.testing.assert_allclose(splines(x, 0.0, 1.0, 8).sum(axis=0), 1.0)
+    places = np.array([0.0, 0.2, 0.7, 1.0])
+    np.testing.assert_allclose(places @ hats(x, places), x, atol=1e-12)
+
+
+def searched(force):
+    """A search in a log with a force that its model lacks."""
+    model = machine().replace(uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
+    b = ForceBalance(moved(force, rate_noise=0.02), 5e-3)
+    return Search(Evidence([b], model, model).prepare())
+
+
+def test_a_period_is_found_within_its_resolution():
+    s = searched(lambda t, x, v: 0.1 * np.sin(2 * np.pi * x / 0.021))
+    peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances])
+    assert abs(peaks[0][0] - 1 / 0.021) < 1.0 / s.length
+    assert trials > 10
+
+
+def test_a_frequency_is_found_within_its_resolution():
+    s = searched(lambda t, x, v: 0.1 * np.sin(2 * np.pi * 31.7 * t))
+    tones, _ = best_tones(s)
+    assert abs(tones[0] - 31.7) < 0.5 / s.duration
