@@ -28,6 +28,7 @@ SKIP = 0.06  # s, at either end that do not count: the filters' edges and the st
 MOST_SUB_STEPS = 6  # of a row: friction changes sign within it; more no longer change its mean
 # Speed and rest
 SPEED_NOISE = 0.2  # of `coulomb_width`: deviation of the smoothed speed that the low-pass filter aims at
+WIDTH_SHARE = 0.05  # of the rms speed: width of a friction that has none
 LOWEST_BAND = 30.0  # Hz, of that filter: below, it would smooth away the reversals of the motion
 NYQUIST_SHARE = 0.4  # of the rate of the rows: highest corner of that filter
 REST_TIME = 0.012  # s: an axis that moves less than the encoder resolves within it is at rest
@@ -122,6 +123,7 @@ class ForceBalance:
         self.encoder_noise = max(
             1.4826 * float(np.median(np.abs(third))) / np.sqrt(20.0), quantum / np.sqrt(12.0), 1e-15
         )
+        width = width or WIDTH_SHARE * float(np.sqrt(np.mean(self.raw_velocity**2)))
         # noise of density d (m^2/Hz) gives a speed, below a band, of variance 4 pi^2 d band^3 / 3
         density = 2.0 * self.encoder_noise**2 / rate
         wanted = (3.0 * (SPEED_NOISE * max(width, 1e-9)) ** 2 / (4 * np.pi**2 * density)) ** (1 / 3)
