@@ -13,13 +13,12 @@ from cogging._core import DivergedError
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.balance.decision import Outcome, search
-from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.detection_limits import limits, unmeasured
 from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
-from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals
+from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals, without
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -32,7 +31,6 @@ from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading.misreading import misreading
 from cogging.memory import require_rows
 from cogging.model.model import Model
-from cogging.model.parameters import effect_paths
 from cogging.model.units import Units
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LOGS, MODEL
@@ -166,25 +164,24 @@ def _result(
     final, terms = terms_of(found, stated)
     nominal = found.nominal.model
 
-    # 1. the gap of the re-tuned model, then with one term more at a time; what of these does not enter the model
-    sequence = [nominal, *_one_by_one(terms, final)]
-    families = {id(term.accepted): [t.path for t in terms if t.accepted is term.accepted] for term in terms}
-    less = [_less(final, families[id(term.accepted)], nominal) for term in terms]
-    fitted = _gaps(yardstick.as_fitted(), [*less, final])
-    replayed = _replayed(yardstick, sequence, notes) if replay else None
-    balanced = _gaps(yardstick.by_balance(), sequence) if replayed is None else None
-    held_out, refused = _objections(terms, fitted, replayed or balanced or fitted, logs, stated)
-    shown = replayed is not None and not any(growth(a, b) for a, b in _ends_of(replayed))
+    # 1. the gaps of the re-tuned model, of the patched one, and of that without each family; what does not enter it
+    families = [[k for k, term in enumerate(terms) if term.accepted is one] for one in found.accepted]
+    models = [nominal, final, *(without(final, [terms[k] for k in family], found) for family in families)]
+    fitted = _gaps(yardstick.as_fitted(), models)
+    replayed = _replayed(yardstick, models, notes) if replay else None
+    measured = replayed or _gaps(yardstick.by_balance(), models)
+    held_out, refused = _objections(terms, families, (fitted, measured), logs, stated)
+    shown = replayed is not None and not any(one and two and growth(one, two) for one, two, *_ in replayed)
     if replayed is not None and not shown and len(held_out) + len(refused) < len(terms):
         notes.append("the replayed loop does not show what was found: the gap is that of the force balance")
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
     if replayed is None or (not shown and len(held_out) + len(refused) < len(terms)):
         yardstick = yardstick.by_balance()
-    given, confirm = (replayed if yardstick.replay else balanced) or _gaps(yardstick, sequence)
+    given, confirm = measured if yardstick.replay or replayed is None else _gaps(yardstick, models)
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
     if out:
-        final = _without(final, [terms[place] for place in out], found, stated)
+        final = with_intervals(without(final, [terms[place] for place in out], found), found.evidence)
     patched = any(term.path and place not in out for place, term in enumerate(terms))
     before, before_there = given[0], confirm[0]
     read = _as_read(yardstick, stated, before)
@@ -192,8 +189,8 @@ def _result(
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
     if not patched:
         final = nominal
-    after = before if not patched else given[-1] if not out else yardstick.on_given(final)
-    after_there = before_there if not patched else confirm[-1] if not out else yardstick.on_confirm(final)
+    after = before if not patched else given[1] if not out else yardstick.on_given(final)
+    after_there = before_there if not patched else confirm[1] if not out else yardstick.on_confirm(final)
     ends = [(before, after)] + ([(before_there, after_there)] if before_there and after_there else [])
     if patched and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
         notes.append("all that was found, together, makes the gap larger: the model is left without it")
@@ -218,9 +215,10 @@ def _result(
         after.rms / rms if rms > 0.0 else None,
         rest.elsewhere,
     )
-    shares = [
-        None if k in out else (given[k].rms ** 2 - given[k + 1].rms ** 2) / given[0].rms ** 2 for k in range(len(terms))
-    ]
+    shares: list[float | None] = [None] * len(terms)
+    for family, less in zip(families, given[2:], strict=True):
+        for k in set(family) - set(out):
+            shares[k] = (less.rms**2 - given[1].rms ** 2) / given[0].rms ** 2 / len(family)
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
     left_out = {kept.index(k): why for k, why in out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)
@@ -250,7 +248,7 @@ def _result(
         nominal,
         location,
         tuple(location.lines()),
-        tuple(_ledger(terms, out, given, confirm, found)),
+        tuple(_ledger(terms, families, out, given, confirm, found)),
         tuple(notes),
         _series(before, after) | {"given": stated},
         vocabulary,
@@ -278,29 +276,25 @@ def _replayed(yardstick: Yardstick, models: Sequence[Model], notes: list[str]) -
     return None
 
 
-def _ends_of(gaps: Gaps) -> list[tuple[Discrepancy, Discrepancy]]:
-    """Of given and of confirm logs, what the first and the last model leave."""
-    ends = [(one[0], one[-1]) for one in gaps]
-    return [(first, last) for first, last in ends if first is not None and last is not None]
-
-
 def _objections(
-    terms: Sequence[Term], fitted: Gaps, shown: Gaps, logs: Prepared, stated: Model
+    terms: Sequence[Term], families: Sequence[Sequence[int]], gaps: Sequence[Gaps], logs: Prepared, stated: Model
 ) -> tuple[dict[int, str], dict[int, str]]:
     """By place, why a term does not enter the model, and why another is none that a machine can have.
 
     Args:
         terms: what was accepted.
-        fitted: gaps of the model without each of them, then with all: no more may be left with it than chance leaves.
-        shown: gaps with one more at a time: no more may be left with it by GROWTH, or by CONTRADICTED of the replayed
-            loop, in which the friction about every reversal counts.
+        families: places of the terms that were accepted together, as harmonics: they are judged as a whole.
+        gaps: of the nominal model, of the patched one, and of that without each family and re-tuned; as fitted and as
+            shown. With it no more may be left than chance leaves; of the replayed loop, in which the friction about
+            every reversal counts, not CONTRADICTED times the power.
         logs: what was diagnosed.
         stated: model as it was read.
     """
     held_out: dict[int, str] = {}
     refused: dict[int, str] = {}
     unit = stated.units.command
-    for place, term in enumerate(terms):
+    for family, place in [(k, place) for k, places in enumerate(families) for place in places]:
+        term = terms[place]
         if term.accepted.found.name.startswith("~"):
             continue
         why = "" if term.effect is None else unphysical(stated.replace(effects=[term.effect]), 0, logs.given)
@@ -309,51 +303,15 @@ def _objections(
             continue
         if not term.certain:
             held_out[place] = "its interval includes zero"
-        # a family, as of harmonics, is judged as a whole
-        family = [k for k, other in enumerate(terms) if other.accepted is term.accepted]
-        for gaps, first, last in ((fitted, place, len(terms)), (shown, family[0], family[-1] + 1)):
-            for which, measured in zip(("", " on the other motion"), gaps, strict=True):
-                one, two = measured[first], measured[last]
-                if one is None or two is None:
-                    continue
-                most = CONTRADICTED if one.signal == REPLAYED else 1.0 + GROWTH
-                if two.rms**2 > most * one.rms**2 or (gaps is fitted and growth(one, two)):
-                    why = f"with it the gap{which} ({one.signal}) goes from {one.rms:.4g} to {two.rms:.4g} {unit}"
-                    held_out.setdefault(place, why)
+        for which, measured in [pair for one in gaps for pair in zip(("", " on the other motion"), one, strict=True)]:
+            less, full = measured[2 + family], measured[1]
+            if less is None or full is None:
+                continue
+            grows = full.rms**2 > CONTRADICTED * less.rms**2 if full.signal == REPLAYED else growth(less, full)
+            if grows:
+                why = f"with it the gap{which} ({full.signal}) goes from {less.rms:.4g} to {full.rms:.4g} {unit}"
+                held_out.setdefault(place, why)
     return held_out, refused
-
-
-def _one_by_one(terms: Sequence[Term], final: Model) -> list[Model]:
-    """The models with one term more at a time, each re-tuned; what has no parameters in the fit comes as it stands."""
-    models: list[Model] = []
-    known, without_law = dict(effect_paths(final.effects)), []
-    for place, term in enumerate(terms):
-        if term.path in known and term.accepted.after is not None:
-            law_of_its_own = len(term.accepted.after.effects) > len(term.accepted.before.effects)
-            without_law += [] if law_of_its_own else [known[term.path]]
-        after = term.accepted.after or final
-        later = {other.path for other in terms[place + 1 :] if other.accepted is term.accepted}
-        effects = [effect for path, effect in effect_paths(after.effects) if path not in later]
-        models.append(after.replace(effects=(*effects, *without_law)))
-    if models and terms[-1].path:
-        models[-1] = final
-    return models
-
-
-def _less(final: Model, paths: Sequence[str], nominal: Model) -> Model:
-    """The patched model without the effects of some paths, or with their parameters of the axis as they were."""
-    effects = [effect for path, effect in effect_paths(final.effects) if path not in paths]
-    axis = {path[5:]: getattr(nominal.axis, path[5:]) for path in paths if path.startswith("axis.")}
-    return final.replace(effects=tuple(effects), axis=final.axis.replace(**axis))
-
-
-def _without(final: Model, terms: Sequence[Term], found: Outcome, stated: Model) -> Model:
-    """The patched model without some terms, re-tuned."""
-    gone = [term.path for term in terms]
-    free = tuple(path for path in found.evidence.free if path not in gone)
-    smaller = _less(final, gone, found.nominal.model)
-    evidence = Evidence(found.evidence.balances, stated, smaller, [], free).prepare(1)
-    return with_intervals(evidence.model, evidence)
 
 
 def _as_read(yardstick: Yardstick, stated: Model, before: Discrepancy) -> Discrepancy | None:
@@ -403,13 +361,15 @@ def _with_empirical(
 
 def _ledger(
     terms: Sequence[Term],
+    families: Sequence[Sequence[int]],
     out: Mapping[int, str],
     given: Sequence[Discrepancy],
     confirm: Sequence[Discrepancy | None],
     found: Outcome,
 ) -> list[Step]:
-    """What was accepted, with the gaps without and with it, then what was refused, and why."""
+    """What was accepted, with the gaps of the patched model without and with it; what was refused, and why."""
     told = []
+    family_of = {k: place for place, family in enumerate(families) for k in family}
     for k, term in enumerate(terms):
         one, score = term.accepted, float(term.accepted.score)
         name = one.found.name.lstrip("~")
@@ -417,9 +377,10 @@ def _ledger(
             why = out.get(k, "it is there, but has no law that the model could have")
             told.append(Step(name, False, why, score, None, None, None, None))
             continue
-        there = [None if d is None else d.rms for d in (confirm[k], confirm[k + 1])]
+        less = 2 + family_of[k]
+        there = [None if d is None else d.rms for d in (confirm[less], confirm[1])]
         reason = f"the likeliest in {100.0 * one.share:.0f} of 100 resampled motions"
-        told.append(Step(name, True, reason, score, given[k].rms, given[k + 1].rms, *there))
+        told.append(Step(name, True, reason, score, given[less].rms, given[1].rms, *there))
     for name, gains, expected in found.refused:
         logs = ("given", "other")
         against = [

@@ -18,7 +18,7 @@ from cogging.diagnosis.places import empirical_term
 from cogging.effects.effect import Effect
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
-from cogging.model.parameters import effect_paths, parameters_of
+from cogging.model.parameters import effect_paths, parameters_of, with_values
 
 NODES = (21, 81, 321)  # of an empirical force: the fewest that follow the curve
 FOLLOWED = 0.95  # of a curve's power, that a force of one coordinate must give back to stand for it
@@ -46,7 +46,7 @@ class Term:
 def covariance(evidence: Evidence) -> FloatArray:
     """Of the steps theta of all that is fitted: parameters by `evidence.paths`, then columns without a law."""
     null = evidence.null
-    return np.asarray(null.variance * np.linalg.inv(null.gram) / np.outer(null.size, null.size))
+    return np.asarray(evidence.alike * null.variance * np.linalg.inv(null.gram) / np.outer(null.size, null.size))
 
 
 def with_intervals(model: Model, evidence: Evidence) -> Model:
@@ -85,6 +85,43 @@ def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
         owner = next((old for old in renamed if path.startswith(old + ".")), "")
         kept[renamed.get(owner, "") + path[len(owner) :]] = ends
     return model.replace(effects=tuple(effects.values()), intervals=kept), notes
+
+
+def without(model: Model, terms: Sequence[Term], found: Outcome) -> Model:
+    """The patched model without some terms, all else as it is likeliest then, as far as that is linear in amplitudes."""
+    evidence, gone = found.evidence, {term.path for term in terms}
+    null, known = evidence.null, parameters_of(model, together=True)
+    at = first = len(evidence.paths)
+    values = np.zeros(len(null.theta))
+    dropped, shape = np.zeros(len(values), dtype=bool), np.zeros(len(values), dtype=bool)
+    kept = {path: effect for path, effect in effect_paths(model.effects)}
+    for k, path in enumerate(evidence.paths):
+        owner = next((one for one in gone if path == one or path.startswith(one + ".")), None)
+        if owner is None:
+            continue
+        stated = getattr(evidence.given.axis, path.removeprefix("axis."), 0.0) if owner == path else 0.0
+        role = "amplitude" if owner == path else kept[owner].ROLES[path[len(owner) + 1 :].split("[")[0]]["role"]
+        dropped[k], values[k], shape[k] = role == "amplitude", known[path].value - stated, role != "amplitude"
+    for column in evidence.extra:
+        if any(column.label == t.accepted.found.label and column.name == t.accepted.found.name for t in terms):
+            dropped[at : at + len(column.amplitudes)] = True
+            values[at : at + len(column.amplitudes)] = null.theta[at : at + len(column.amplitudes)]
+        at += len(column.amplitudes)
+    # a law of no amplitude, as a delay, is its first number
+    if not dropped.any():
+        dropped, shape = shape, dropped
+    rest = ~(dropped | shape) & np.array([p in known for p in evidence.paths] + [False] * (len(values) - first))
+    moved = np.linalg.lstsq(null.gram[np.ix_(rest, rest)], null.gram[np.ix_(rest, dropped)] @ (values * null.size)[dropped])
+    steps = dict(zip(np.flatnonzero(rest), moved[0] / null.size[rest], strict=True))
+    changed = {}
+    for k, path in enumerate(evidence.paths):
+        if k not in steps or path not in known:
+            continue
+        low, high = evidence.limits.get(path, (0.0 if path.startswith("axis.") else -np.inf, np.inf))
+        changed[path] = float(np.clip(known[path].value + steps[k], low, high))
+    changed |= {path: getattr(evidence.given.axis, path.removeprefix("axis.")) for path in gone if path.startswith("axis.")}
+    tuned = with_values(model, changed)
+    return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
 
 
 def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:

@@ -194,6 +194,8 @@ def search(
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
     assert outcome is not None
+    if outcome.nominal.largely:
+        outcome.evidence = Evidence(balances, model, current, list(extra), tuple(free), plainly=True).prepare(3)
     without_each_other(outcome.accepted)
     return outcome
 

@@ -153,6 +153,7 @@ class Evidence:
         model: the same re-tuned, with what was accepted.
         extra: candidates that were accepted without a law: each has `columns(evidence)`.
         free: paths of the axis whose prior is released.
+        plainly: whether nothing is whitened, however little is left: what is left of large effects is no noise either.
         drives: part of the command that the motion asked for explains, V, (n,) of each log; accelerations (m/s^2) and
             blurs (V): see `drive`.
         largely: whether what is left is so much of the command that it is no noise.
@@ -170,6 +171,7 @@ class Evidence:
     model: Model
     extra: list[Any] = field(default_factory=list)
     free: tuple[str, ...] = ()
+    plainly: bool = False
     drives: list[FloatArray] = field(init=False, repr=False)
     accelerations: list[FloatArray] = field(init=False, repr=False)
     blurs: list[FloatArray] = field(init=False, repr=False)
@@ -246,7 +248,7 @@ class Evidence:
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
-        self.largely = bool(np.std(left) > LARGELY * np.std(command))
+        self.largely = self.plainly or bool(np.std(left) > LARGELY * np.std(command))
         self.alike = 1.0
         if self.largely:  # what is left is motion, and its rows are far from independent: priors count by as much more
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
