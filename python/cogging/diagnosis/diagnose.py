@@ -18,7 +18,7 @@ from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
-from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals, without
+from cogging.diagnosis.patched_model import Term, merged, patched, terms_of, without
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -161,12 +161,13 @@ def _result(
     """The result of a search: what of it enters the model, what that is worth, and what it is called."""
     units, notes = stated.units, list(logs.notes)
     yardstick = Yardstick(found, logs.given, logs.confirm, stated, replay)
-    final, terms = terms_of(found, stated)
-    nominal = found.nominal.model
+    whole, terms = terms_of(found, stated)
+    nominal = found.nominal.settled(found.nominal.model)
 
     # 1. the gaps of the re-tuned model, of the patched one, and of that without each family; what does not enter it
     families = [[k for k, term in enumerate(terms) if term.accepted is one] for one in found.accepted]
-    models = [nominal, final, *(without(final, [terms[k] for k in family], found) for family in families)]
+    less = [without(whole, terms, [terms[k] for k in family], found) for family in families]
+    models = [nominal, without(whole, terms, [], found), *less]
     fitted = _gaps(yardstick.as_fitted(), models)
     replayed = _replayed(yardstick, models, notes) if replay else None
     measured = replayed or _gaps(yardstick.by_balance(), models)
@@ -180,21 +181,20 @@ def _result(
     given, confirm = measured if yardstick.replay or replayed is None else _gaps(yardstick, models)
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
-    if out:
-        final = with_intervals(without(final, [terms[place] for place in out], found), found.evidence)
-    patched = any(term.path and place not in out for place, term in enumerate(terms))
+    final = patched(whole, terms, [terms[place] for place in out], found)
+    enters = any(term.path and place not in out for place, term in enumerate(terms))
     before, before_there = given[0], confirm[0]
     read = _as_read(yardstick, stated, before)
     if read is not None and read.rms < before.rms:  # re-tuning that makes the gap larger is none
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
-    if not patched:
+    if not enters:
         final = nominal
-    after = before if not patched else given[1] if not out else yardstick.on_given(final)
-    after_there = before_there if not patched else confirm[1] if not out else yardstick.on_confirm(final)
+    after = yardstick.on_given(final) if enters else before
+    after_there = yardstick.on_confirm(final) if enters else before_there
     ends = [(before, after)] + ([(before_there, after_there)] if before_there and after_there else [])
-    if patched and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
+    if enters and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
         notes.append("all that was found, together, makes the gap larger: the model is left without it")
-        final, after, after_there, patched = nominal, before, before_there, False
+        final, after, after_there = nominal, before, before_there
         out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}
 
     # 2. what is left, what is called what, and what has no name
@@ -216,9 +216,9 @@ def _result(
         rest.elsewhere,
     )
     shares: list[float | None] = [None] * len(terms)
-    for family, less in zip(families, given[2:], strict=True):
+    for family, one in zip(families, given[2:], strict=True):
         for k in set(family) - set(out):
-            shares[k] = (less.rms**2 - given[1].rms ** 2) / given[0].rms ** 2 / len(family)
+            shares[k] = (one.rms**2 - given[1].rms ** 2) / given[0].rms ** 2 / len(family)
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
     left_out = {kept.index(k): why for k, why in out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)

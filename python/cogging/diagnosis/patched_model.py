@@ -18,7 +18,7 @@ from cogging.diagnosis.places import empirical_term
 from cogging.effects.effect import Effect
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
-from cogging.model.parameters import effect_paths, parameters_of, with_values
+from cogging.model.parameters import effect_paths, parameters_of
 
 NODES = (21, 81, 321)  # of an empirical force: the fewest that follow the curve
 FOLLOWED = 0.95  # of a curve's power, that a force of one coordinate must give back to stand for it
@@ -87,41 +87,22 @@ def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
     return model.replace(effects=tuple(effects.values()), intervals=kept), notes
 
 
-def without(model: Model, terms: Sequence[Term], found: Outcome) -> Model:
-    """The patched model without some terms, all else as it is likeliest then, as far as that is linear in amplitudes."""
-    evidence, gone = found.evidence, {term.path for term in terms}
-    null, known = evidence.null, parameters_of(model, together=True)
-    at = first = len(evidence.paths)
-    values = np.zeros(len(null.theta))
-    dropped, shape = np.zeros(len(values), dtype=bool), np.zeros(len(values), dtype=bool)
-    kept = {path: effect for path, effect in effect_paths(model.effects)}
-    for k, path in enumerate(evidence.paths):
-        owner = next((one for one in gone if path == one or path.startswith(one + ".")), None)
-        if owner is None:
-            continue
-        stated = getattr(evidence.given.axis, path.removeprefix("axis."), 0.0) if owner == path else 0.0
-        role = "amplitude" if owner == path else kept[owner].ROLES[path[len(owner) + 1 :].split("[")[0]]["role"]
-        dropped[k], values[k], shape[k] = role == "amplitude", known[path].value - stated, role != "amplitude"
-    for column in evidence.extra:
-        if any(column.label == t.accepted.found.label and column.name == t.accepted.found.name for t in terms):
-            dropped[at : at + len(column.amplitudes)] = True
-            values[at : at + len(column.amplitudes)] = null.theta[at : at + len(column.amplitudes)]
-        at += len(column.amplitudes)
-    # a law of no amplitude, as a delay, is its first number
-    if not dropped.any():
-        dropped, shape = shape, dropped
-    rest = ~(dropped | shape) & np.array([p in known for p in evidence.paths] + [False] * (len(values) - first))
-    moved = np.linalg.lstsq(null.gram[np.ix_(rest, rest)], null.gram[np.ix_(rest, dropped)] @ (values * null.size)[dropped])
-    steps = dict(zip(np.flatnonzero(rest), moved[0] / null.size[rest], strict=True))
-    changed = {}
-    for k, path in enumerate(evidence.paths):
-        if k not in steps or path not in known:
-            continue
-        low, high = evidence.limits.get(path, (0.0 if path.startswith("axis.") else -np.inf, np.inf))
-        changed[path] = float(np.clip(known[path].value + steps[k], low, high))
-    changed |= {path: getattr(evidence.given.axis, path.removeprefix("axis.")) for path in gone if path.startswith("axis.")}
-    tuned = with_values(model, changed)
-    return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
+def without(model: Model, terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> Model:
+    """The model without some of its terms, all else as it is likeliest then."""
+    return found.evidence.settled(model, [t.path for t in gone if t.path], _kept(terms, gone, found))
+
+
+def patched(model: Model, terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> Model:
+    """The same as it is reported, with 95 % intervals: effects as they were fitted beside all that is not known."""
+    paths = [t.path for t in gone if t.path]
+    final = found.evidence.settled(model, paths, _kept(terms, gone, found), effects_too=bool(paths))
+    return with_intervals(final, found.evidence)
+
+
+def _kept(terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> list[int]:
+    """Places of the columns without a law of which the model keeps an effect."""
+    stand = {(t.accepted.found.name, t.accepted.found.label) for t in terms if t.path and t not in gone}
+    return [k for k, column in enumerate(found.evidence.extra) if (column.name, column.label) in stand]
 
 
 def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
@@ -160,7 +141,7 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
             values = [parameters_of(model)[p].value for p in paths]
             terms.append(Term(one, effect, prefix, certain=_certain(paths, values, evidence, deviations)))
-    return with_intervals(model, evidence), terms
+    return model, terms
 
 
 def _certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence, deviations: FloatArray) -> bool:

@@ -104,8 +104,8 @@ class Yardstick:
             effects=model.effects,
         )
         balances = self.found.both.balances[len(self.given) :]
-        tuned: Model = Evidence(balances, known, model).prepare(ROUNDS).model
-        return tuned
+        evidence = Evidence(balances, known, model).prepare(ROUNDS)
+        return evidence.settled(evidence.model)
 
     def by_balance(self) -> Yardstick:
         """The same without a replay."""

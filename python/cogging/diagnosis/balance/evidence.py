@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -242,7 +242,7 @@ class Evidence:
         self.counted = [lfilter(np.ones(GAP), 1.0, (~m).astype(float)) < 0.5 for m in self.masks]
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
-        for name in ("null", "screen", "basis", "starts"):
+        for name in ("null", "screen", "basis", "starts", "unfiltered"):
             self.__dict__.pop(name, None)
         theta = self.fitted(self.plain).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
@@ -366,19 +366,64 @@ class Evidence:
 
     def retuned(self, share: float = 1.0) -> Model:
         """The model with the nuisances as fitted."""
-        known = parameters_of(self.model, together=True)
-        values = {"axis.coulomb_width": self.likeliest_width()}
-        for path, step in zip(self.paths, self.theta, strict=False):
+        steps = {path: share * float(step) for path, step in zip(self.paths, self.theta, strict=False)}
+        width = self.likeliest_width()
+        return self.moved(self.model, steps | {"axis.coulomb_width": width - self.model.axis.coulomb_width})
+
+    def settled(
+        self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = (), effects_too: bool = True
+    ) -> Model:
+        """A model alone that leaves as little of the balance as it can, as far as that is linear.
+
+        The balance is explained by more than a model can have, as mixtures of laws of friction: with what was fitted
+        beside these, the model by itself would explain less than it could. No rows are whitened: it is the gap that
+        is to be small.
+
+        Args:
+            model: the evidence's, with effects behind it for some of `extra`.
+            gone: paths of effects that are dropped too, and of parameters of the axis, which go back to what is stated.
+            kept: places in `extra` of what is an effect of the model.
+            effects_too: whether effects are re-tuned too; else they are as they were fitted beside those nuisances.
+        """
+        null, known, effects = self.null, parameters_of(model, together=True), dict(effect_paths(model.effects))
+        free, moved = np.zeros(len(null.theta), dtype=bool), np.zeros(len(null.theta))
+        for k, path in enumerate(self.paths):
+            owner = next((one for one in gone if path == one or path.startswith(one + ".")), "")
+            free[k] = path in known and not owner and (effects_too or not path.startswith("effects."))
+            if path in known and not (owner or free[k]):
+                moved[k] = null.theta[k]
+            elif owner == path:
+                moved[k] = getattr(self.given.axis, path.removeprefix("axis.")) - known[path].value
+            elif owner:  # of a law that has amplitudes, these alone make it vanish
+                roles = {name: role["role"] for name, role in effects[owner].ROLES.items()}
+                if roles[path[len(owner) + 1 :].split("[")[0]] == "amplitude" or "amplitude" not in roles.values():
+                    moved[k] = -known[path].value
+        at = len(self.paths)
+        for place, column in enumerate(self.extra):
+            if place in kept:
+                moved[at : at + len(column.amplitudes)] = null.theta[at : at + len(column.amplitudes)]
+            at += len(column.amplitudes)
+        gap = self.unfiltered
+        sigma, target = gap.prior
+        slope = gap.x @ (gap.weight * gap.r) + target / np.maximum(sigma**2 / gap.variance, 1e-12)
+        right = slope[free] - gap.gram[np.ix_(free, ~free)] @ (moved * gap.size)[~free]
+        moved[free] = np.linalg.lstsq(gap.gram[np.ix_(free, free)], right)[0] / gap.size[free]
+        tuned = self.moved(model, dict(zip(self.paths, map(float, moved), strict=False)))
+        return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
+
+    def moved(self, model: Model, steps: Mapping[str, float]) -> Model:
+        """A model whose parameters are moved, as far as they may."""
+        known, values = parameters_of(model, together=True), {}
+        for path, step in steps.items():
             if path in known:
-                value = known[path].value + share * float(step)
-                if path.startswith("axis."):
-                    value = max(value, LEAST_MASS * known[path].value if path == "axis.mass" else 0.0)
+                value = known[path].value
+                least = LEAST_MASS * value if path == "axis.mass" else 0.0 if path.startswith("axis.") else -np.inf
                 low, high = self.limits.get(path, (-np.inf, np.inf))
-                values[path] = min(max(value, low), high)
+                values[path] = min(max(value + step, least, low), high)
         try:
-            return with_values(self.model, values)
+            return with_values(model, values)
         except ValueError:  # a shape that its effect does not take
-            return with_values(self.model, {k: v for k, v in values.items() if not k.startswith("effects.")})
+            return with_values(model, {k: v for k, v in values.items() if not k.startswith("effects.")})
 
     def likeliest_width(self) -> float:
         """Width of the arctangent that is closest to the fitted friction law over the speeds of the motion, m/s."""
@@ -437,6 +482,11 @@ class Evidence:
     def null(self) -> Maximum:
         """The nuisances alone at their likeliest."""
         return self.maximised()
+
+    @cached_property
+    def unfiltered(self) -> Maximum:
+        """The nuisances at their likeliest in rows that are not whitened."""
+        return self.fitted(self.plain)
 
     def inflation(self, products: FloatArray) -> FloatArray:
         """Ratio of the variance of a score to 1, what independent rows would have, at least 1, (p,).
