@@ -48,7 +48,6 @@ class Contender:
         found: the candidate.
         ratio: gain in 2 ln likelihood over the model without it.
         score: the same less what amplitudes and trials gain without any cause.
-        inflation: of the variance of what it adds, by which its gain is divided.
         blocks: gain of each block of motion.
         gains: of given and of confirm logs.
         expected: what these would show if the candidate is right.
@@ -57,7 +56,6 @@ class Contender:
     found: Found
     ratio: float
     score: float
-    inflation: float
     blocks: FloatArray = field(repr=False)
     gains: tuple[float, float] = (0.0, 0.0)
     expected: tuple[float, float] = (0.0, 0.0)
@@ -173,7 +171,7 @@ def search(
                 outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
                 contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
 
-        contenders = on_one_scale([c for c in contenders if c.score > 0])
+        contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
@@ -200,21 +198,6 @@ def search(
         outcome.evidence = Evidence(balances, model, current, list(extra), tuple(free), plainly=True).prepare(3)
     without_each_other(outcome.accepted)
     return outcome
-
-
-def on_one_scale(contenders: Sequence[Contender]) -> list[Contender]:
-    """Contenders by their likelihoods, the highest first.
-
-    Whether one stands is judged by its own inflation; which of two is likelier, by that of the likeliest of all.
-    """
-    standing = [c for c in contenders if c.score > THRESHOLD] or list(contenders)
-    likeliest = max(standing, key=lambda c: c.ratio * c.inflation, default=None)
-    out = []
-    for c in contenders:
-        assert likeliest is not None
-        share = c.inflation / max(c.inflation, likeliest.inflation)
-        out.append(replace(c, ratio=c.ratio * share, score=c.score - c.ratio * (1.0 - share), blocks=c.blocks * share))
-    return sorted(out, key=lambda c: -c.score)
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
@@ -293,7 +276,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         ratio = evidence.null.cost - best.cost
         by_row = evidence.null.by_row() - best.by_row()
         blocks = np.add.reduceat(by_row, edges)
-        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), 1.0, blocks)
+        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), blocks)
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
     ratio = (best.none.cost - best.cost) / best.inflation
     by_row = (best.none.by_row() - best.by_row()) / best.inflation
@@ -303,7 +286,6 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         f,
         ratio,
         score_of(ratio, max(f.k, 1), f.N, len(edges)),
-        best.inflation,
         np.add.reduceat(by_row, edges),
         (float(by_row[:first].sum()), float(by_row[first:].sum())),
         (float(expected[:first].sum()), float(expected[first:].sum())),
