@@ -48,6 +48,7 @@ class Contender:
         found: the candidate.
         ratio: gain in 2 ln likelihood over the model without it.
         score: the same less what amplitudes and trials gain without any cause.
+        inflation: of the variance of its score, by which its gain is divided.
         blocks: gain of each block of motion.
         gains: of given and of confirm logs.
         expected: what these would show if the candidate is right.
@@ -56,6 +57,7 @@ class Contender:
     found: Found
     ratio: float
     score: float
+    inflation: float
     blocks: FloatArray = field(repr=False)
     gains: tuple[float, float] = (0.0, 0.0)
     expected: tuple[float, float] = (0.0, 0.0)
@@ -276,7 +278,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         ratio = evidence.null.cost - best.cost
         by_row = evidence.null.by_row() - best.by_row()
         blocks = np.add.reduceat(by_row, edges)
-        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), blocks)
+        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), 1.0, blocks)
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
     ratio = (best.none.cost - best.cost) / best.inflation
     by_row = (best.none.by_row() - best.by_row()) / best.inflation
@@ -286,6 +288,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         f,
         ratio,
         score_of(ratio, max(f.k, 1), f.N, len(edges)),
+        best.inflation,
         np.add.reduceat(by_row, edges),
         (float(by_row[:first].sum()), float(by_row[first:].sum())),
         (float(expected[:first].sum()), float(expected[first:].sum())),
@@ -352,7 +355,10 @@ def block_edges(evidence: Evidence) -> NDArray[np.intp]:
 
 
 def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
-    """Probability of each candidate, none being one of them, averaged over motion that is resampled block by block."""
+    """Probability of each candidate, none being one of them, averaged over motion that is resampled block by block.
+
+    An inflation is read from as few blocks, and may be chance: that too is drawn, between none and all of it.
+    """
     rng = np.random.default_rng(seed)
     blocks = np.array([c.blocks for c in contenders])
     paid = np.array([c.score - c.blocks.sum() for c in contenders])
@@ -360,6 +366,7 @@ def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
     weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
     ratios = np.array([c.ratio for c in contenders])
     wrong = COLUMN_ERROR * ratios * rng.standard_normal((RESAMPLED, len(contenders)))
-    scores = np.hstack([weights @ blocks.T + paid + wrong, np.zeros((RESAMPLED, 1))])
+    real = np.array([c.inflation for c in contenders]) ** rng.random((RESAMPLED, len(contenders)))
+    scores = np.hstack([(weights @ blocks.T) * real + paid + wrong, np.zeros((RESAMPLED, 1))])
     odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
     return np.asarray(np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1])
