@@ -13,6 +13,7 @@ from cogging._core import DivergedError
 from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.balance.decision import Outcome, search
+from cogging.diagnosis.balance.evidence import TooLittleMotion
 from cogging.diagnosis.detection_limits import limits, unmeasured
 from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
@@ -114,7 +115,10 @@ def diagnose(
             raise ValueError(f"{name}: command: must act on an axis that moves, got 0 {unit} in every row")
     with steps(progress, "diagnose") as begin:
         begin("searching for what is missing")
-        found = search(ready.given, ready.confirm, model, own)
+        try:
+            found = search(ready.given, ready.confirm, model, own)
+        except TooLittleMotion as error:
+            return _unmeasured("insufficient_excitation", model, (*ready.notes, str(error)), vocabulary)
         begin("measuring the gap")
         replay = running.replay and replayable(ready.given, ready.confirm, model)
         return _result(found, ready, model, vocabulary, replay=replay, wanted=empirical)

@@ -21,7 +21,8 @@ from cogging.model.parameters import effect_paths
 from cogging.model.units import Units
 
 SURE = 0.9  # confidence from which a name is stated (contract)
-NOT_SURE = 0.89  # confidence at most of an effect that does not make the gap smaller, or beside a force without a name
+NOT_SURE = 0.89  # confidence at most of an effect beside a force without a name
+HELD_OUT = 0.5  # the same of one that the model is better without: something is there, and may be another
 RELIABLE = 0.92  # of names with a probability of 0.98 and more in drawn logs, so many were right: docs/evidence.md
 SEEN = 0.02  # of the power that is left: a force along one coordinate that predicts more is told
 SYSTEMATIC = 0.1  # of the rms command: less of what a generic force predicts is small
@@ -62,7 +63,7 @@ def named(
         entry = NamedEffect(
             name,
             tuple(other for other in others if not other.startswith("~") and other != name),
-            min(confidence, NOT_SURE) if unnamed or place in held_out else confidence,
+            min(confidence, HELD_OUT if place in held_out else NOT_SURE if unnamed else 1.0),
             parameters,
             _where(term, evidence),
             float(term.accepted.score),
@@ -94,7 +95,8 @@ def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) ->
     units = final.units
     if term.accepted.found.columns is None:
         name = term.path.removeprefix("axis.")
-        old, new = float(getattr(evidence.given.axis, name)), float(getattr(evidence.model.axis, name))
+        old = float(getattr(evidence.given.axis, name))
+        new = float(getattr(evidence.model.axis if held_out else final.axis, name))
         low, high = final.intervals.get(term.path, (np.nan, np.nan))
         if old <= 0.0:
             return {}

@@ -26,6 +26,7 @@ MINOR = 0.1  # of the largest score: what is less is a trait of a law that is ne
 SHARE = 0.05  # probability from which on another name is an alternative
 BLOCK = 0.5  # s, of motion that is resampled: a stroke or so
 RESAMPLED = 2000  # motions
+CHANCE = 2.0  # inflation that the few blocks of a log show by chance: it tells no two candidates apart
 COLUMN_ERROR = 0.01  # of a gain: columns of rivals are right to some per cent where friction is not the model's
 ROUNDS = 10  # effects at most, and a last look at what is left
 SURVIVORS = 24  # candidates of a look that are compared on all logs
@@ -61,6 +62,11 @@ class Contender:
     blocks: FloatArray = field(repr=False)
     gains: tuple[float, float] = (0.0, 0.0)
     expected: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def rank(self) -> float:
+        """Score by which it is compared with others: whether it stands is judged with all of its inflation."""
+        return self.score + self.ratio * (min(self.inflation, CHANCE) - 1.0)
 
     @property
     def is_contradicted(self) -> bool:
@@ -128,6 +134,9 @@ def search(
         model: stated model.
         also: own effects by name.
         progress: is called with what was found in each round, in a line.
+
+    Raises:
+        TooLittleMotion: the given logs, or the confirm logs, have too few rows that count.
     """
     width, quantum = model.axis.coulomb_width, model.encoder.resolution
     balances = [ForceBalance(log, width, quantum) for log in given]
@@ -180,8 +189,10 @@ def search(
         contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         least = max([THRESHOLD, *(MINOR * one.score for one in outcome.accepted)])
-        if not contenders or contenders[0].score < least:
+        first = next((k for k, c in enumerate(contenders) if c.score >= least), None)
+        if first is None:
             break
+        contenders = contenders[first:]
 
         if contenders[0].found.name == LATE:
             seconds = -float(contenders[0].found.amplitudes[0])
@@ -191,7 +202,7 @@ def search(
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives, current))
+        outcome.accepted.append(Accepted(f, contenders[0].rank, float(part[0]), alternatives, current))
         current = added_to(current, f, extra, free)
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
@@ -218,7 +229,7 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
         if c.found.k > 1 and not has_law and enough >= c.ratio:
             continue
         best.setdefault(name, c)
-    return sorted(best.values(), key=lambda c: -c.score)
+    return sorted(best.values(), key=lambda c: -c.rank)
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
@@ -357,7 +368,7 @@ def block_edges(evidence: Evidence) -> NDArray[np.intp]:
 def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
     """Probability of each candidate, none being one of them, averaged over motion that is resampled block by block.
 
-    An inflation is read from as few blocks, and may be chance: that too is drawn, between none and all of it.
+    What inflations show by chance is believed every other time.
     """
     rng = np.random.default_rng(seed)
     blocks = np.array([c.blocks for c in contenders])
@@ -366,7 +377,7 @@ def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
     weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
     ratios = np.array([c.ratio for c in contenders])
     wrong = COLUMN_ERROR * ratios * rng.standard_normal((RESAMPLED, len(contenders)))
-    real = np.array([c.inflation for c in contenders]) ** rng.random((RESAMPLED, len(contenders)))
-    scores = np.hstack([(weights @ blocks.T) * real + paid + wrong, np.zeros((RESAMPLED, 1))])
+    chance = np.minimum([c.inflation for c in contenders], CHANCE) ** rng.integers(0, 2, (RESAMPLED, 1))
+    scores = np.hstack([(weights @ blocks.T) * chance + paid + wrong, np.zeros((RESAMPLED, 1))])
     odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
     return np.asarray(np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1])

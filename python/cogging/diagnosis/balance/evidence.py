@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
-from scipy.signal import butter, lfilter, oaconvolve, sosfiltfilt
+from scipy.signal import butter, oaconvolve, sosfiltfilt
 
 from cogging._core import Predictor
 from cogging.arrays import FloatArray, Mask
@@ -22,7 +22,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
 
 # Noise
-GAP = 24  # rows after a gap that do not count: the noise filter's first taps reach over it
+FEWEST = 60  # rows that count: fewer are less than two for each of what is fitted
 MEMORY = 1.5  # s, of the noise filter: what is slower is the screen's, which has slow forces of any shape taken out
 BAND = 1.3  # about a frequency, up and down, of whose power the noise filter takes the median: a third of an octave
 LINES = 24  # of the spectrum, at least, in that band: the median of fewer is too uncertain
@@ -43,6 +43,7 @@ COGGING_STEP = 0.05  # relative, and rad: step of gain and phase of the known co
 # Instruments: the command regressed on what the model asks for along the reference, earlier and later
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop's answer lasts some 40 ms
 LAG = 4e-4  # s
+MOST_BAND = 0.8  # of half the rate of the rows: highest corner of these filters
 SLOW = 10.0  # Hz, below which the measured acceleration holds little noise
 
 
@@ -65,6 +66,10 @@ def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
     cepstrum[size // 2 + 1 :] = 0.0
     taps = np.fft.irfft(np.exp(np.fft.rfft(cepstrum)), size)
     return np.asarray(taps[: max(2, int(MEMORY * rate))] / taps[0])
+
+
+class TooLittleMotion(ValueError):
+    """Logs of which too few rows count."""
 
 
 @dataclass
@@ -239,7 +244,9 @@ class Evidence:
         self.prior_offset = np.concatenate([self.prior_offset, np.zeros(count)])
         self.raw = [b.residual(self.model) for b in self.balances]
         self.masks = [b.mask for b in self.balances]
-        self.counted = [lfilter(np.ones(GAP), 1.0, (~m).astype(float)) < 0.5 for m in self.masks]
+        self.counted = self.masks if self.largely else [b.counted for b in self.balances]
+        if (rows := sum(int(m.sum()) for m in self.counted)) < FEWEST:
+            raise TooLittleMotion(f"the encoder resolves the motion in {rows} rows at {self.rate:.3g} Hz only")
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
         for name in ("null", "screen", "basis", "starts", "unfiltered"):
@@ -577,10 +584,11 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
     plant = quiet_plant(only)
     if b.reference is None:
         forces = b.forces([plant])[0]
-        slow = sosfiltfilt(butter(2, b.corner * b.step, output="sos"), b.command)
+        slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
         caused = (slow + forces) / model.axis.mass
         # below SLOW what was measured: the command holds against forces that the model lacks as well
-        caused = caused + sosfiltfilt(butter(2, SLOW * 2.0 * b.step, output="sos"), b.acceleration - caused)
+        read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
+        caused = caused + sosfiltfilt(read, b.acceleration - caused)
         slow = model.axis.mass * caused - forces
         return slow, caused, np.zeros_like(slow)
     x, v, a = b.reference

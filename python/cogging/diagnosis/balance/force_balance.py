@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
-from scipy.signal import butter, firwin, freqz, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
+from scipy.signal import butter, firwin, freqz, lfilter, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Plant, Predictor
 from cogging.arrays import FloatArray, Mask
@@ -37,6 +37,7 @@ ROWS_PER_CORNER = 4.0  # rate of these rows over the corner of their filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
 CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
 FORCE_NOISE = (2.0, 30.0)  # Hz, where the noise of the force is read: above slow forces, below a loop's bandwidth
+GAP = 24  # rows after a gap that do not count: the noise filter's first taps reach over it
 ENCODER_SHARE = 0.3  # of the power at the corner, that is noise of the encoder where none is whitened
 COMMAND_HOOKS = (
     "command_gain",
@@ -154,6 +155,11 @@ class ForceBalance:
     def mask(self) -> Mask:
         """Which of the rows that are compared count."""
         return self.keep[:: self.every] > 0
+
+    @property
+    def counted(self) -> Mask:
+        """Which of them count behind a noise filter."""
+        return np.asarray(lfilter(np.ones(GAP), 1.0, (~self.mask).astype(float)) < 0.5)
 
     def moved(self, distance: float) -> ForceBalance:
         """A copy whose positions are larger by a distance (m): another zero of the encoder."""
