@@ -26,7 +26,7 @@ from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.running_controller import running_controller
 from cogging.diagnosis.separating import separating
-from cogging.diagnosis.yardstick import GROWTH, REPLAYED, Discrepancy, Yardstick, growth, replayable
+from cogging.diagnosis.yardstick import REPLAYED, Discrepancy, Yardstick, growth, replayable
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading.misreading import misreading
@@ -168,20 +168,27 @@ def _result(
     whole, terms = terms_of(found, stated)
     nominal = found.nominal.settled(found.nominal.model)
 
-    # 1. the gaps of the re-tuned model, of the patched one, and of that without each family; what does not enter it
+    # 1. what of it does not enter the model, and the gaps of the re-tuned model, of the patched one, of each one less
+    held_out, refused = _objections(terms, logs, stated)
     families = [[k for k, term in enumerate(terms) if term.accepted is one] for one in found.accepted]
-    less = [without(whole, terms, [terms[k] for k in family], found) for family in families]
-    models = [nominal, without(whole, terms, [], found), *less]
-    fitted = _gaps(yardstick.as_fitted(), models)
-    replayed = _replayed(yardstick, models, notes) if replay else None
-    measured = replayed or _gaps(yardstick.by_balance(), models)
-    held_out, refused = _objections(terms, families, (fitted, measured), logs, stated)
+    families = [family for family in families if terms[family[0]].path and not set(family) <= {*held_out, *refused}]
+    harmed = True
+    while harmed:
+        gone = [terms[k] for k in {**held_out, **refused}]
+        less = [without(whole, terms, [*gone, *(terms[k] for k in family)], found) for family in families]
+        models = [nominal, without(whole, terms, gone, found), *less]
+        replayed = _replayed(yardstick, models) if replay else None
+        measured = replayed or _gaps(yardstick.by_balance(), models)
+        harm, why = _harm((_gaps(yardstick.as_fitted(), models), measured), units)
+        if harmed := any(harm):
+            worst = int(np.argmax(harm))
+            held_out |= dict.fromkeys(set(families.pop(worst)) - {*held_out, *refused}, why[worst])
     shown = replayed is not None and not any(one and two and growth(one, two) for one, two, *_ in replayed)
-    if replayed is not None and not shown and len(held_out) + len(refused) < len(terms):
-        notes.append("the replayed loop does not show what was found: the gap is that of the force balance")
-    noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
-    if replayed is None or (not shown and len(held_out) + len(refused) < len(terms)):
+    if replay and (replayed is None or (not shown and families)):
+        does = "follow the logs closely enough to measure with" if replayed is None else "show what was found"
+        notes.append(f"the replayed loop does not {does}: the gap is that of the force balance")
         yardstick = yardstick.by_balance()
+    noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
     given, confirm = measured if yardstick.replay or replayed is None else _gaps(yardstick, models)
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
@@ -191,10 +198,8 @@ def _result(
     read = _as_read(yardstick, stated, before)
     if read is not None and read.rms < before.rms:  # re-tuning that makes the gap larger is none
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
-    if not enters:
-        final = nominal
-    after = yardstick.on_given(final) if enters else before
-    after_there = yardstick.on_confirm(final) if enters else before_there
+    final = final if enters else nominal
+    after, after_there = (yardstick.on_given(final), yardstick.on_confirm(final)) if enters else (before, before_there)
     ends = [(before, after)] + ([(before_there, after_there)] if before_there and after_there else [])
     if enters and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
         notes.append("all that was found, together, makes the gap larger: the model is left without it")
@@ -268,54 +273,49 @@ def _gaps(yardstick: Yardstick, models: Sequence[Model]) -> Gaps:
     return [yardstick.on_given(model) for model in models], [yardstick.on_confirm(model) for model in models]
 
 
-def _replayed(yardstick: Yardstick, models: Sequence[Model], notes: list[str]) -> Gaps | None:
-    """The same by replay of the loop; None, with a note, where that does not follow the logs."""
+def _replayed(yardstick: Yardstick, models: Sequence[Model]) -> Gaps | None:
+    """The same by replay of the loop; None where that does not follow the logs."""
     try:
         gaps = _gaps(yardstick, models)
-        if min(one.rms for one in gaps[0]) <= FOLLOWED * max(predicted(gaps[0][-1]).noise, 1e-300):
-            return gaps
-        notes.append("the replayed loop does not follow the logs closely enough to measure with")
-    except (DivergedError, ValueError) as error:
-        notes.append(f"{error}: the gap is that of the force balance")
-    return None
+    except (DivergedError, ValueError):
+        return None
+    followed = min(one.rms for one in gaps[0]) <= FOLLOWED * max(predicted(gaps[0][1]).noise, 1e-300)
+    return gaps if followed else None
 
 
-def _objections(
-    terms: Sequence[Term], families: Sequence[Sequence[int]], gaps: Sequence[Gaps], logs: Prepared, stated: Model
-) -> tuple[dict[int, str], dict[int, str]]:
-    """By place, why a term does not enter the model, and why another is none that a machine can have.
+def _objections(terms: Sequence[Term], logs: Prepared, stated: Model) -> tuple[dict[int, str], dict[int, str]]:
+    """By place, why a term does not enter the model, and why another is none that a machine can have."""
+    named = {place: term for place, term in enumerate(terms) if not term.accepted.found.name.startswith("~")}
+    refused = {
+        place: why
+        for place, term in named.items()
+        if term.effect is not None and (why := unphysical(stated.replace(effects=[term.effect]), 0, logs.given))
+    }
+    uncertain = {place for place, term in named.items() if not term.certain and place not in refused}
+    return dict.fromkeys(uncertain, "its interval includes zero"), refused
+
+
+def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
+    """By how much more power is left with each family than without it, all else re-tuned, and a clause; 0 by chance.
 
     Args:
-        terms: what was accepted.
-        families: places of the terms that were accepted together, as harmonics: they are judged as a whole.
-        gaps: of the nominal model, of the patched one, and of that without each family and re-tuned; as fitted and as
-            shown. With it no more may be left than chance leaves; of the replayed loop, in which the friction about
-            every reversal counts, not CONTRADICTED times the power.
-        logs: what was diagnosed.
-        stated: model as it was read.
+        gaps: of the nominal model, of the patched one, and of that without each family; as fitted and as shown. In the
+            replayed loop, in which the friction about every reversal counts, CONTRADICTED times the power is by chance.
+        units: labels.
     """
-    held_out: dict[int, str] = {}
-    refused: dict[int, str] = {}
-    unit = stated.units.command
-    for family, place in [(k, place) for k, places in enumerate(families) for place in places]:
-        term = terms[place]
-        if term.accepted.found.name.startswith("~"):
-            continue
-        why = "" if term.effect is None else unphysical(stated.replace(effects=[term.effect]), 0, logs.given)
-        if why:
-            refused[place] = why
-            continue
-        if not term.certain:
-            held_out[place] = "its interval includes zero"
-        for which, measured in [pair for one in gaps for pair in zip(("", " on the other motion"), one, strict=True)]:
-            less, full = measured[2 + family], measured[1]
-            if less is None or full is None:
+    count = len(gaps[0][0]) - 2
+    harm, why = [0.0] * count, [""] * count
+    measured = [pair for one in gaps for pair in zip(("", " on the other motion"), one, strict=True)]
+    for which, (_, full, *less) in measured:
+        for place, one in enumerate(less):
+            if one is None or full is None:
                 continue
-            grows = full.rms**2 > CONTRADICTED * less.rms**2 if full.signal == REPLAYED else growth(less, full)
-            if grows:
-                why = f"with it the gap{which} ({full.signal}) goes from {less.rms:.4g} to {full.rms:.4g} {unit}"
-                held_out.setdefault(place, why)
-    return held_out, refused
+            more = (full.rms**2 - one.rms**2) / max(one.rms**2, 1e-300)
+            harmful = more > CONTRADICTED - 1.0 if full.signal == REPLAYED else growth(one, full)
+            if harmful and more > harm[place]:
+                told = f"({full.signal}) goes from {one.rms:.4g} to {full.rms:.4g} {units.command}"
+                harm[place], why[place] = more, f"with it the gap{which} {told}"
+    return harm, why
 
 
 def _as_read(yardstick: Yardstick, stated: Model, before: Discrepancy) -> Discrepancy | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.decision import MINOR
-from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.evidence import LARGELY, Evidence
 from cogging.diagnosis.entries import Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
 from cogging.diagnosis.patched_model import Term
@@ -225,7 +225,8 @@ def unlisted(
                 entry |= {"places": curve.places.tolist(), "force": curve.force.tolist()}
             return entry | {"statistic": float(term.accepted.score), "confirmed": confirmed or None}
     left = rest.share * gap.after**2
-    if (gap.share or 0.0) * np.sqrt(rest.share) < SYSTEMATIC or left < gap.before**2 - gap.after**2:
+    systematic = (gap.share or 0.0) * np.sqrt(rest.share)
+    if systematic < SYSTEMATIC or (systematic < LARGELY and left < gap.before**2 - gap.after**2):
         return None
     curve = rest.curves[0]
     unit = COORDINATE_UNITS[curve.coordinate]

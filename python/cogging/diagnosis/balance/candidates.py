@@ -365,7 +365,7 @@ def best_places(s: Search, width: float) -> list[float]:
 
 def two_ends(s: Search, length: float) -> Columns:
     """Forces that decay from either end of the motion over a length (m), each of its own size."""
-    return along(lambda b: np.exp(np.vstack([-(b.position - s.low), -(s.high - b.position)]) / length))
+    return along(lambda b: np.exp(np.minimum(np.vstack([s.low - b.position, b.position - s.high]), 0.0) / length))
 
 
 def friction(s: Search) -> None:

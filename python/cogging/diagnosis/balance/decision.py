@@ -64,11 +64,6 @@ class Contender:
     expected: tuple[float, float] = (0.0, 0.0)
 
     @property
-    def rank(self) -> float:
-        """Score by which it is compared with others: whether it stands is judged with all of its inflation."""
-        return self.score + self.ratio * (min(self.inflation, CHANCE) - 1.0)
-
-    @property
     def is_contradicted(self) -> bool:
         """Logs that can show it show the contrary."""
         return any(e > SHOWN and g < 0.0 for g, e in zip(self.gains, self.expected, strict=True))
@@ -189,10 +184,8 @@ def search(
         contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         least = max([THRESHOLD, *(MINOR * one.score for one in outcome.accepted)])
-        first = next((k for k, c in enumerate(contenders) if c.score >= least), None)
-        if first is None:
+        if not contenders or contenders[0].score < least:
             break
-        contenders = contenders[first:]
 
         if contenders[0].found.name == LATE:
             seconds = -float(contenders[0].found.amplitudes[0])
@@ -202,13 +195,13 @@ def search(
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, contenders[0].rank, float(part[0]), alternatives, current))
+        outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives, current))
         current = added_to(current, f, extra, free)
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
     assert outcome is not None
-    if outcome.nominal.largely:
-        outcome.evidence = Evidence(balances, model, current, list(extra), tuple(free), plainly=True).prepare(3)
+    plain = Evidence(balances, model, current, list(extra), tuple(free), plainly=True)
+    outcome.evidence = plain.prepare(3) if outcome.nominal.largely else outcome.evidence
     without_each_other(outcome.accepted)
     return outcome
 
@@ -229,7 +222,7 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
         if c.found.k > 1 and not has_law and enough >= c.ratio:
             continue
         best.setdefault(name, c)
-    return sorted(best.values(), key=lambda c: -c.rank)
+    return sorted(best.values(), key=lambda c: -c.score)
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
@@ -286,10 +279,10 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         value = getattr(evidence.model.axis, name) + best.theta[evidence.paths.index(f.effect)]
         if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
             return None
-        ratio = evidence.null.cost - best.cost
-        by_row = evidence.null.by_row() - best.by_row()
+        ratio = (evidence.null.cost - best.cost) / evidence.alike
+        by_row = (evidence.null.by_row() - best.by_row()) / evidence.alike
         blocks = np.add.reduceat(by_row, edges)
-        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), 1.0, blocks)
+        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), evidence.alike, blocks)
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
     ratio = (best.none.cost - best.cost) / best.inflation
     by_row = (best.none.by_row() - best.by_row()) / best.inflation
@@ -372,12 +365,13 @@ def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
     """
     rng = np.random.default_rng(seed)
     blocks = np.array([c.blocks for c in contenders])
-    paid = np.array([c.score - c.blocks.sum() for c in contenders])
+    stated = np.array([c.ratio - c.blocks.sum() for c in contenders])  # what agrees better with the statement
+    paid = np.array([c.score - c.ratio for c in contenders])
     n = blocks.shape[1]
     weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)
     ratios = np.array([c.ratio for c in contenders])
     wrong = COLUMN_ERROR * ratios * rng.standard_normal((RESAMPLED, len(contenders)))
     chance = np.minimum([c.inflation for c in contenders], CHANCE) ** rng.integers(0, 2, (RESAMPLED, 1))
-    scores = np.hstack([(weights @ blocks.T) * chance + paid + wrong, np.zeros((RESAMPLED, 1))])
+    scores = np.hstack([(weights @ blocks.T + stated) * chance + paid + wrong, np.zeros((RESAMPLED, 1))])
     odds = np.exp(0.5 * (scores - scores.max(axis=1, keepdims=True)))
     return np.asarray(np.mean(odds / odds.sum(axis=1, keepdims=True), axis=0)[:-1])

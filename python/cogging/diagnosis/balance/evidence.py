@@ -244,7 +244,7 @@ class Evidence:
         self.prior_offset = np.concatenate([self.prior_offset, np.zeros(count)])
         self.raw = [b.residual(self.model) for b in self.balances]
         self.masks = [b.mask for b in self.balances]
-        self.counted = self.masks if self.largely else [b.counted for b in self.balances]
+        self.counted = [b.counted for b in self.balances]
         if (rows := sum(int(m.sum()) for m in self.counted)) < FEWEST:
             raise TooLittleMotion(f"the encoder resolves the motion in {rows} rows at {self.rate:.3g} Hz only")
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
@@ -340,18 +340,16 @@ class Evidence:
         """
         starts: list[tuple[list[FloatArray], FloatArray | None]]
         if tables is None:
-            parts, rounds, starts = self.nuisances, 3, [(self.plain, None), (self.start, None)]
+            parts, rounds, starts = self.nuisances, 2, [(self.plain, None), (self.start, None)]
         else:
             parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)]
-            rounds, starts = 2, [*self.starts]
-        best: Maximum | None = None
-        for taps, unadded in starts:
-            for _ in range(rounds):
-                fit = self.fitted(taps, tables, unadded=unadded)
-                if best is None or fit.cost < best.cost:
-                    best = fit
-                taps, unadded = self.taps_of(fit.theta, parts), None
-        assert best is not None
+            rounds, starts = 1, [*self.starts]
+        best = min((self.fitted(taps, tables, unadded=white) for taps, white in starts), key=lambda fit: fit.cost)
+        for _ in range(rounds):
+            fit = self.fitted(self.taps_of(best.theta, parts), tables)
+            if fit.cost >= best.cost:
+                break
+            best = fit
         if tables is not None:
             self._compare(best, len(self.nuisances[0]))
         return best
@@ -367,7 +365,7 @@ class Evidence:
         near = (x[:n] * best.weight) @ x[n:].T
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
-        best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance))))
+        best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance)), initial=1.0))
         best.told = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
         best.x = best.r = best.gram = np.zeros(0)
 
@@ -566,6 +564,8 @@ class Evidence:
 def orthonormal(rows: FloatArray) -> FloatArray:
     """Orthonormal rows that span rows (p, n), without directions that are rounding errors of the largest."""
     size = np.linalg.norm(rows, axis=1)
+    if not np.any(size):
+        return rows[:0]
     rows = rows[size > 1e-12 * size.max()] / size[size > 1e-12 * size.max(), None]
     value, vector = np.linalg.eigh(rows @ rows.T)
     good = value > 1e-9 * value[-1]
