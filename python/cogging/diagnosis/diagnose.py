@@ -19,7 +19,7 @@ from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
-from cogging.diagnosis.patched_model import Term, merged, patched, terms_of, without
+from cogging.diagnosis.patched_model import Term, merged, patched, terms_of, with_intervals, without
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -178,8 +178,8 @@ def _result(
         less = [without(whole, terms, [*gone, *(terms[k] for k in family)], found) for family in families]
         models = [nominal, without(whole, terms, gone, found), *less]
         replayed = _replayed(yardstick, models) if replay else None
-        measured = replayed or _gaps(yardstick.by_balance(), models)
-        harm, why = _harm((_gaps(yardstick.as_fitted(), models), measured), units)
+        balanced = _gaps(yardstick.by_balance(), models)
+        harm, why = _harm([balanced] if replayed is None else [balanced, replayed], units)
         if harmed := any(harm):
             worst = int(np.argmax(harm))
             held_out |= dict.fromkeys(set(families.pop(worst)) - {*held_out, *refused}, why[worst])
@@ -189,7 +189,7 @@ def _result(
         notes.append(f"the replayed loop does not {does}: the gap is that of the force balance")
         yardstick = yardstick.by_balance()
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
-    given, confirm = measured if yardstick.replay or replayed is None else _gaps(yardstick, models)
+    given, confirm = balanced if replayed is None or not yardstick.replay else replayed
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
     final = patched(whole, terms, [terms[place] for place in out], found)
@@ -200,11 +200,8 @@ def _result(
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
     final = final if enters else nominal
     after, after_there = (yardstick.on_given(final), yardstick.on_confirm(final)) if enters else (before, before_there)
-    ends = [(before, after)] + ([(before_there, after_there)] if before_there and after_there else [])
-    if enters and any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
-        notes.append("all that was found, together, makes the gap larger: the model is left without it")
-        final, after, after_there = nominal, before, before_there
-        out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}
+    if enters and (growth(given[1], after) or (confirm[1] and after_there and growth(confirm[1], after_there))):
+        final, after, after_there = with_intervals(models[1], found.evidence), given[1], confirm[1]
 
     # 2. what is left, what is called what, and what has no name
     rest = predicted(after, after_there)
@@ -299,8 +296,8 @@ def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
     """By how much more power is left with each family than without it, all else re-tuned, and a clause; 0 by chance.
 
     Args:
-        gaps: of the nominal model, of the patched one, and of that without each family; as fitted and as shown. In the
-            replayed loop, in which the friction about every reversal counts, CONTRADICTED times the power is by chance.
+        gaps: of the nominal model, of the patched one, and of that without each family; by the balance, and by the
+            replayed loop, in which the friction about every reversal counts: CONTRADICTED times the power is by chance.
         units: labels.
     """
     count = len(gaps[0][0]) - 2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
@@ -53,7 +53,7 @@ def with_intervals(model: Model, evidence: Evidence) -> Model:
     """The model with 95 % intervals of what was fitted: its `[bounds]`."""
     known, deviations = parameters_of(model), np.sqrt(np.maximum(np.diag(covariance(evidence)), 0.0))
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
-    for path, deviation in zip(evidence.paths, deviations, strict=False):
+    for path, deviation in zip(evidence.paths_in(model), deviations, strict=False):
         if path in known and np.isfinite(deviation):
             value, half = known[path].value, SIGMAS_95 * float(deviation)
             intervals[path] = (max(0.0, value - half) if known[path].positive else value - half, value + half)
@@ -111,6 +111,7 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
     What bears no name stays out.
     """
     evidence = found.evidence
+    names = [path for path, _ in effect_paths(evidence.model.effects)]
     model, of_laws = evidence.model, list(effect_paths(evidence.model.effects))[len(stated.effects) :]
     steps = evidence.null.theta
     deviations = covariance(evidence)
@@ -132,16 +133,19 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             path = ""
             if term is not None:
                 model = model.replace(effects=(*model.effects, term))
-                path = list(effect_paths(model.effects))[-1][0]
+                path = str(len(model.effects) - 1)
             terms.append(Term(one, effect, path, curve, _excludes_zero(amplitudes, block)))
             continue
         for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):
             fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
             paths = [p for p in evidence.paths if p.startswith(prefix + ".")]
             paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
-            values = [parameters_of(model)[p].value for p in paths]
-            terms.append(Term(one, effect, prefix, certain=_certain(paths, values, evidence, deviations)))
-    return model, terms
+            values = [parameters_of(evidence.model)[p].value for p in paths]
+            terms.append(
+                Term(one, effect, str(names.index(prefix)), certain=_certain(paths, values, evidence, deviations))
+            )
+    names = [path for path, _ in effect_paths(model.effects)]  # two of a name have numbers
+    return model, [replace(t, path=names[int(t.path)]) if t.path.isdigit() else t for t in terms]
 
 
 def _certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence, deviations: FloatArray) -> bool:

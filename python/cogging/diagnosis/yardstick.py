@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from scipy.signal import oaconvolve
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
@@ -66,7 +65,6 @@ class Yardstick:
         given, confirm: given and confirm logs.
         stated: model as it was read, with the controller that was running.
         replay: whether the loop is replayed.
-        white: whether the balance is told as the innovations of its noise, V: what was fitted, row by row alike.
         tuned: models as they were re-tuned to the confirm logs, by the model: whatever is measured.
     """
 
@@ -75,7 +73,6 @@ class Yardstick:
     confirm: Sequence[Log]
     stated: Model
     replay: bool
-    white: bool = False
     tuned: dict[int, tuple[Model, Model]] = field(default_factory=dict)
 
     def on_given(self, model: Model) -> Discrepancy:
@@ -111,25 +108,9 @@ class Yardstick:
         """The same without a replay."""
         return replace(self, replay=False)
 
-    def as_fitted(self) -> Yardstick:
-        """The same by the innovations of the balance, to which all is fitted."""
-        return replace(self, replay=False, white=True)
-
-    def _innovations(
-        self, balances: Sequence[Any], along: tuple[dict[str, FloatArray], ...], model: Model
-    ) -> Discrepancy:
-        given = balances is self.found.evidence.balances
-        evidence, first = (self.found.evidence, 0) if given else (self.found.both, len(self.given))
-        taps, counted = evidence.null.taps[first:], evidence.counted[first:]
-        rows = [b.rows(b.residual(model))[0] for b in balances]
-        left = tuple(oaconvolve(r, h / h[0])[: len(r)] for r, h in zip(rows, taps, strict=True))
-        return Discrepancy(BALANCED, left, along, tuple(counted))
-
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
         if not self.replay:
             along = tuple(_motion(b, b.time[:: b.every], slice(None, None, b.every)) for b in balances)
-            if self.white:
-                return self._innovations(balances, along, model)
             left = tuple(b._low_pass(b.residual(model) * b.keep, b.corner)[:: b.every] for b in balances)
             return Discrepancy(BALANCED, left, along, tuple(b.mask for b in balances))
         series, rows, masks, errors = [], [], [], []

@@ -392,7 +392,8 @@ class Evidence:
         """
         null, known, effects = self.null, parameters_of(model, together=True), dict(effect_paths(model.effects))
         free, moved = np.zeros(len(null.theta), dtype=bool), np.zeros(len(null.theta))
-        for k, path in enumerate(self.paths):
+        paths = self.paths_in(model)
+        for k, path in enumerate(paths):
             owner = next((one for one in gone if path == one or path.startswith(one + ".")), "")
             free[k] = path in known and not owner and (effects_too or not path.startswith("effects."))
             if path in known and not (owner or free[k]):
@@ -413,8 +414,15 @@ class Evidence:
         slope = gap.x @ (gap.weight * gap.r) + target / np.maximum(sigma**2 / gap.variance, 1e-12)
         right = slope[free] - gap.gram[np.ix_(free, ~free)] @ (moved * gap.size)[~free]
         moved[free] = np.linalg.lstsq(gap.gram[np.ix_(free, free)], right)[0] / gap.size[free]
-        tuned = self.moved(model, dict(zip(self.paths, map(float, moved), strict=False)))
+        tuned = self.moved(model, dict(zip(paths, map(float, moved), strict=False)))
         return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
+
+    def paths_in(self, model: Model) -> list[str]:
+        """`paths` as a model with more effects behind those of this one calls them: two of a name have numbers."""
+        own, other = ([path for path, _ in effect_paths(m.effects)] for m in (self.model, model))
+        renamed = {old: new for old, new in zip(own, other, strict=False) if old != new}
+        owners = [next((old for old in renamed if path.startswith(old + ".")), "") for path in self.paths]
+        return [renamed.get(old, "") + path[len(old) :] for path, old in zip(self.paths, owners, strict=True)]
 
     def moved(self, model: Model, steps: Mapping[str, float]) -> Model:
         """A model whose parameters are moved, as far as they may."""
