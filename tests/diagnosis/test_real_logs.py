@@ -109,17 +109,17 @@ def test_the_detent_of_the_motor_is_named(motor):
     moving = complex(term["sine"].value, term["cosine"].value)
     turned = np.degrees(np.angle(moving / static))
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
-    # Seen: 1.10 times that at rest.
-    assert 0.9 < abs(moving) / abs(static) < 1.3
-    # The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness): 8 degrees a 0.4 ms at 5 rad/s,
-    # more in the fast strokes of the ripple. Seen: -13.5 degrees.
-    assert -20.0 < turned < 0.0
+    # Seen: 1.33 times that at rest. The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness), and
+    # a measured current is no held one, half a sample more: taken so much earlier, the angle is that at rest.
+    assert 0.9 < abs(moving) / abs(static) < 1.4
+    assert -5.0 < turned < 5.0
+    assert any("logged 0.0009" in note for note in result.notes)
 
 
 def test_cogging_makes_most_of_its_current(motor):
     result, _ = motor
     assert result.effects[0].name == "cogging_harmonic"
-    assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.1225 A, then 0.0442 A
+    assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.172 A, then 0.063 A
     # No delay is stated with confidence: laas_motor.current_lateness has the opposite sign.
     assert not any(e.name == "command_delay" and e.confidence >= 0.9 for e in result.effects)
 
@@ -131,8 +131,11 @@ def test_a_coulomb_level_taken_away(logs):
     model = emps.published()
     result = cogging.diagnose(logs[0], model.replace(axis=model.axis.replace(coulomb=0.0)), confirm=logs[1])
     print("\n" + result.text())
-    coulomb = result.model.axis.coulomb
-    assert coulomb == pytest.approx(20.4, rel=0.06)  # seen: 21.3
+    axis, published = result.model.axis, model.axis
+    assert axis.coulomb == pytest.approx(published.coulomb, rel=0.12)  # seen: 22.2; viscous friction is 190 in turn
+    for speed in (0.05, 0.1, 0.15):  # m/s; the log's fastest is 0.17
+        friction = axis.coulomb * 2 / np.pi * np.arctan2(speed, axis.coulomb_width) + axis.viscous * speed
+        assert friction == pytest.approx(published.coulomb + published.viscous * speed, rel=0.05)
 
 
 @pytest.fixture(scope="module")
