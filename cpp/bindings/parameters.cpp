@@ -2,8 +2,8 @@
 
 namespace {
 
-// The place of a struct that Python holds; refuses what is none.
-const char* place_of(const py::handle& self, const py::detail::type_info* type) {
+// Where the data lie of a struct that Python holds; refuses what is none.
+const char* data_of(const py::handle& self, const py::detail::type_info* type) {
   py::detail::type_caster_generic caster(type);
   if (!caster.load(self, false) || caster.value == nullptr) throw py::type_error("incompatible function arguments");
   return static_cast<const char*>(caster.value);
@@ -67,7 +67,7 @@ void bind_fields(const py::object& type, const BoundStruct& all) {
                  py::repr(field.usual).cast<std::string>();
     described[py::str(field.name)] = py::make_tuple(field.unit, field.meaning);
     const py::cpp_function read(
-        [bound, info, &field](const py::object& self) { return field.get(place_of(self, info) + field.offset); },
+        [bound, info, &field](const py::object& self) { return field.get(data_of(self, info) + field.offset); },
         ("(self: " + name + ") -> " + field.kept).c_str());
     const std::string text = field.meaning + (field.unit.empty() ? "" : ", " + field.unit);
     py::setattr(type, field.name.c_str(), property(read, py::none(), py::none(), text));
@@ -80,10 +80,10 @@ void bind_fields(const py::object& type, const BoundStruct& all) {
       },
       py::detail::is_new_style_constructor());
   method("to_dict", "(self: " + name + ") -> dict\n\nAll fields by name.\n",
-         [bound, info](const py::object& self) { return values_of(*bound, place_of(self, info)); });
+         [bound, info](const py::object& self) { return values_of(*bound, data_of(self, info)); });
   method("replace", "(self: " + name + ", **kwargs) -> " + name + "\n\nA copy with the given fields changed.\n",
          [bound, info](const py::object& self, const py::kwargs& changes) {
-           py::dict values = values_of(*bound, place_of(self, info));
+           py::dict values = values_of(*bound, data_of(self, info));
            for (const auto& change : changes) values[change.first] = change.second;
            return py::type::of(self)(**values);
          });
