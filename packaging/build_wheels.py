@@ -97,6 +97,7 @@ def build_sources(tools: Path, out: Path) -> Path:
 def build_wheel(python: Path, tools: Path, archive: Path, folder: Path, out: Path) -> tuple[Path, float]:
     """A repaired wheel and the seconds that building it took."""
     settings = ["--config-settings=cmake.define.COGGING_WARNINGS_AS_ERRORS=ON"]
+    settings += ["--config-settings=cmake.define.COGGING_INSTRUCTION_SETS=all"]  # for processors that are not this one
     if os.environ.get("COGGING_CCACHE"):
         settings.append("--config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache")
     seconds = run(python, "-m", "pip", "wheel", "--no-deps", *settings, "-w", folder, archive)

@@ -6,9 +6,12 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -106,79 +109,74 @@ Member taken(std::string_view name, typename Taken<Member>::type&& value) {
   }
 }
 
-/// Binds a read-only parameter struct: keyword constructor with the struct's own defaults and its validation,
-/// properties with unit and meaning, FIELDS (name -> (unit, meaning)), replace, equality, repr and pickle.
+/// A field of a parameter struct, whatever its type: how it is read and written where it lies in the struct.
+struct BoundField {
+  std::string name, unit, meaning;
+  cogging::Trait trait;
+  std::ptrdiff_t offset;
+  py::object usual;         // its default
+  std::string given, kept;  // its type as an argument and as a property
+  py::object (*get)(const void* member);
+  void (*set)(void* member, const std::string& name, const py::handle& value);
+};
+
+/// A parameter struct, whatever its type.
+struct BoundStruct {
+  std::vector<BoundField> fields;
+  void* (*make)(const std::function<void(void*)>& fill);  // with its defaults but for what is filled in, and valid
+};
+
+/// The doc of its class.
+std::string doc_of(const py::module_& module, const std::string& class_name, const std::string& doc,
+                   const BoundStruct& bound);
+/// Keyword constructor with the struct's own defaults and its validation, properties with unit and meaning, FIELDS
+/// (name -> (unit, meaning)), to_dict and replace.
+void bind_fields(const py::object& type, const BoundStruct& bound);
+
+template <class Member>
+BoundField bound_field(const std::string_view (&texts)[3], const cogging::Trait& trait, const void* defaults,
+                       const Member& usual) {
+  // What pybind11 says of a function from one to the other: (arg0: given) -> kept
+  const py::cpp_function function([](const typename Taken<Member>::type&) { return Member{}; });
+  const auto types = function.attr("__doc__").cast<std::string>();
+  const std::size_t begin = types.find(": ") + 2, end = types.find(") -> "), next = end + 5;
+  return {std::string(texts[0]),
+          std::string(texts[1]),
+          std::string(texts[2]),
+          trait,
+          reinterpret_cast<const char*>(&usual) - static_cast<const char*>(defaults),
+          py::cast(usual),
+          types.substr(begin, end - begin),
+          types.substr(next, types.find('\n') - next),
+          [](const void* member) { return py::cast(*static_cast<const Member*>(member)); },
+          [](void* member, const std::string& name, const py::handle& value) {
+            *static_cast<Member*>(member) = taken<Member>(name, py::cast<typename Taken<Member>::type>(value));
+          }};
+}
+
 template <class Struct>
-py::class_<Struct> bind_parameters(py::module_& module, const std::string& class_name, std::string doc) {
-  doc += "\n\nFields:\n";
+BoundStruct bound_struct() {
+  BoundStruct bound{{}, [](const std::function<void(void*)>& fill) -> void* {
+                      auto made = std::make_unique<Struct>();
+                      fill(made.get());
+                      made->validate();
+                      return made.release();
+                    }};
   const Struct defaults{};
   cogging::for_each_field<Struct>([&](const auto& field) {
-    doc += "    " + std::string(field.name);
-    if (!field.unit.empty() && field.unit != "1") doc += " (" + std::string(field.unit) + ")";
-    doc += ": " + std::string(field.meaning) + "\n";
+    bound.fields.push_back(
+        bound_field({field.name, field.unit, field.meaning}, field.trait, &defaults, defaults.*(field.member)));
   });
-  doc += "\nRaises:\n    ValueError: a value breaks its rule; the message names field, rule and value.";
-  const std::string part = module.attr("__name__").cast<std::string>().ends_with(".effects") ? "effects." : "";
-  doc += "\n\nExample:\n    >>> one = cogging." + part + class_name + "()";
-  doc += "\n    >>> one.replace(**one.to_dict()) == one\n    True";
-  py::class_<Struct> bound(module, class_name.c_str(), doc.c_str());
-
-  std::apply(
-      [&]<class... Member>(const cogging::Field<Struct, Member>&... field) {
-        bound.def(py::init([](typename Taken<Member>::type... values) {
-                    Struct made{};
-                    std::apply(
-                        [&](const auto&... f) { ((made.*(f.member) = taken<Member>(f.name, std::move(values))), ...); },
-                        Struct::fields());
-                    made.validate();
-                    return made;
-                  }),
-                  py::kw_only(), (py::arg(field.name.data()) = defaults.*(field.member))...);
-      },
-      Struct::fields());
-
-  py::dict described;
-  cogging::for_each_field<Struct>([&](const auto& field) {
-    const auto member = field.member;
-    std::string text(field.meaning);
-    if (!field.unit.empty()) text += ", " + std::string(field.unit);
-    bound.def_property_readonly(field.name.data(), [member](const Struct& self) { return self.*member; }, text.c_str());
-    described[py::str(std::string(field.name))] = py::make_tuple(std::string(field.unit), std::string(field.meaning));
-  });
-  bound.attr("FIELDS") = described;
-
-  const auto to_dict = [](const Struct& self) {
-    py::dict values;
-    cogging::for_each_field<Struct>(
-        [&](const auto& field) { values[py::str(std::string(field.name))] = py::cast(self.*(field.member)); });
-    return values;
-  };
-  const py::object type = bound;
-  bound.def("to_dict", to_dict, "All fields by name.");
-  bound.def(
-      "replace",
-      [to_dict](const py::object& self, const py::kwargs& changes) {
-        py::dict values = to_dict(self.cast<const Struct&>());
-        for (const auto& change : changes) values[change.first] = change.second;
-        return py::type::of(self)(**values).template cast<Struct>();
-      },
-      "A copy with the given fields changed.");
-  bound.def("__eq__", [to_dict](const Struct& self, const py::object& other) {
-    return py::isinstance<Struct>(other) && to_dict(self).equal(to_dict(other.cast<const Struct&>()));
-  });
-  bound.def("__repr__", [to_dict, class_name](const Struct& self) {
-    std::string text = class_name + "(";
-    bool first = true;
-    for (const auto& item : to_dict(self)) {
-      text += (first ? "" : ", ") + std::string(py::str(item.first)) + "=" + std::string(py::repr(item.second));
-      first = false;
-    }
-    return text + ")";
-  });
-  bound.def(
-      py::pickle([to_dict](const Struct& self) { return to_dict(self); },
-                 [](const py::dict& values) { return py::type::of<Struct>()(**values).template cast<Struct>(); }));
   return bound;
+}
+
+/// Binds a read-only parameter struct by the list of its fields.
+template <class Struct>
+py::class_<Struct> bind_parameters(py::module_& module, const std::string& class_name, const std::string& doc,
+                                   const BoundStruct& bound = bound_struct<Struct>()) {
+  py::class_<Struct> type(module, class_name.c_str(), doc_of(module, class_name, doc, bound).c_str());
+  bind_fields(type, bound);
+  return type;
 }
 
 /// Binds the parameter struct of a class that stands in a list, unless it is bound already, and gives its type. It is

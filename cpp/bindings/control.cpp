@@ -3,6 +3,7 @@
 #include "cogging/control/desired_compensation_condition.hpp"
 #include "cogging/control/list.hpp"
 #include "controller_state.hpp"
+#include "instantiated.hpp"
 #include "real_number.hpp"
 
 using namespace cogging;

@@ -1,8 +1,13 @@
+#include <algorithm>
+#include <stdexcept>
+
 #include "bindings.hpp"
 #include "cogging/estimation/predictor.hpp"
 #include "cogging/estimation/whitening.hpp"
 #include "cogging/simulation/batch.hpp"
-#include "lanes/net_forces.hpp"
+#include "instantiated.hpp"
+#include "lanes/jobs.hpp"
+#include "lanes/lanes.hpp"
 #include "without_gil.hpp"
 
 using namespace cogging;
@@ -18,6 +23,45 @@ template <class Make>
 py::array_t<double> rows_of(const Predictor& predictor, std::size_t count, const Make& make) {
   std::vector<double> values = without_gil(make);
   return to_array(std::move(values), {py::ssize_t(count), py::ssize_t(predictor.rows())});
+}
+
+// Rows of plants that take longer than a thread to start, some 50 us against 10 to 100 ns a row.
+constexpr std::size_t rows_per_thread = 10'000;
+
+// Command that acts plus all forces, V, of many plants along a motion given half-way between rows: (plants, rows);
+// side by side those that share a course, each with the bits that it has alone.
+std::vector<double> net_forces(const Predictor& predictor, const std::vector<Plant<>>& plants,
+                               std::span<const double> middle_position, std::span<const double> middle_velocity,
+                               unsigned threads, StopRequest* stop) {
+  predictor.require_length("middle_position", middle_position);
+  predictor.require_length("middle_velocity", middle_velocity);
+  const auto worth =
+      static_cast<unsigned>(std::clamp<std::size_t>(plants.size() * predictor.rows() / rows_per_thread, 1, 1'000));
+  threads = std::min(threads_of(Predictor::useful(plants, threads)), worth);
+  const std::optional<InstructionSet> set = instruction_set();
+  const Jobs jobs = jobs_of(plants.size(), set, threads, [&](std::size_t i) { return course_of_forces(plants[i]); });
+  std::vector<double> values(plants.size() * predictor.rows());
+  const auto row = [&](std::size_t i) { return values.data() + i * predictor.rows(); };
+  const auto run_pack = [&](const std::vector<std::size_t>& job) {
+    std::vector<const Plant<>*> its;
+    std::vector<double*> rows;
+    for (const std::size_t i : job) its.push_back(&plants[i]), rows.push_back(row(i));
+    try {
+      set->net_force({its, rows, predictor.log(), middle_position, middle_velocity, stop});
+    } catch (const std::invalid_argument&) {
+      return false;  // each of them alone says why
+    }
+    return true;
+  };
+  run_batch(jobs.size(), threads, stop, [&](std::size_t number) {
+    const std::vector<std::size_t>& job = jobs[number];
+    if (job.size() > 1 && run_pack(job)) return;
+    for (const std::size_t i : job) {
+      const std::vector<double> force = net_force(plants[i], predictor.log(), middle_position, middle_velocity, stop);
+      std::copy(force.begin(), force.end(), row(i));
+    }
+  });
+  return values;
 }
 
 // What is looked at lives as long. py::keep_alive would do it for a result, but ends the process where an argument has

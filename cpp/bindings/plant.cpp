@@ -1,6 +1,7 @@
 #include "cogging/plant/plant.hpp"
 #include "bindings.hpp"
 #include "cogging/plant/amplifier.hpp"
+#include "instantiated.hpp"
 #include "own_effect.hpp"
 
 using namespace cogging;
@@ -25,11 +26,9 @@ py::tuple hooks_of() {
   return py::tuple(hooks);
 }
 
-template <class E>
-py::dict roles_of() {
+py::dict roles_of(const BoundStruct& effect) {
   py::dict roles;
-  const E defaults{};
-  for_each_field<E>([&](const auto& field) {
+  for (const BoundField& field : effect.fields) {
     const Trait& trait = field.trait;
     py::dict role;
     const bool searched = trait.role != Role::setting;
@@ -38,9 +37,9 @@ py::dict roles_of() {
     role["low"] = searched ? py::object(py::float_(trait.low)) : py::none();
     role["high"] = searched ? py::object(py::float_(trait.high)) : py::none();
     role["logarithmic"] = trait.logarithmic;
-    role["neutral"] = trait.vanishes ? py::cast(defaults.*(field.member)) : py::none();
-    roles[py::str(std::string(field.name))] = role;
-  });
+    role["neutral"] = trait.vanishes ? field.usual : py::none();
+    roles[py::str(field.name)] = role;
+  }
   return roles;
 }
 
@@ -60,6 +59,17 @@ E resolved(E effect, const PlantContext& plant = {}) {
 }
 
 using Values = py::array_t<double, py::array::forcecast>;
+using Law = std::function<double(double, double, double)>;
+
+// Of a law that does not ask for it.
+Values nothing() {
+  return Values(py::float_(0.0));
+}
+
+// A law at positions, velocities and times.
+py::object along(const Law& law, const Values& position, const Values& velocity, const Values& time) {
+  return py::vectorize(law)(position, velocity, time);
+}
 
 template <class E>
 void bind_laws(py::class_<E>& bound) {
@@ -68,9 +78,8 @@ void bind_laws(py::class_<E>& bound) {
         name,
         [law](const E& effect, const Values& position, const Values& velocity, const Values& time) {
           const E made = resolved(effect);
-          return py::vectorize([&](double x, double v, double t) {
-            return law(made, Motion<double>{x, v, sign(v), t});
-          })(position, velocity, time);
+          return along([&](double x, double v, double t) { return law(made, Motion<double>{x, v, sign(v), t}); },
+                       position, velocity, time);
         },
         py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0, doc);
   };
@@ -84,29 +93,41 @@ void bind_laws(py::class_<E>& bound) {
         [](const E& effect, const Motion<double>& motion) { return effect.friction_level(motion); },
         "Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).");
   if constexpr (HasCommandGain<E, double>)
-    bound.def("gain_at", py::vectorize([](const E* effect, double position, double time) {
-                return effect->command_gain(position, time);
-              }),
-              py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0,
-              "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).");
+    bound.def(
+        "gain_at",
+        [](const E& effect, const Values& position, const Values& time) {
+          return along([&](double x, double, double t) { return effect.command_gain(x, t); }, position, nothing(),
+                       time);
+        },
+        py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0,
+        "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).");
   if constexpr (HasShapeCommand<E, double>)
-    bound.def("shape_at", py::vectorize([](const E* effect, double command) { return effect->shape_command(command); }),
-              py::arg("command"), "What the amplifier makes of commands, V.");
+    bound.def(
+        "shape_at",
+        [](const E& effect, const Values& command) {
+          return along([&](double u, double, double) { return effect.shape_command(u); }, command, nothing(),
+                       nothing());
+        },
+        py::arg("command"), "What the amplifier makes of commands, V.");
   if constexpr (HasReading<E, double>)
-    bound.def("reading_at", py::vectorize([](const E* effect, double position) {
-                return position + effect->reading_error(position);
-              }),
-              py::arg("position"), "What the encoder reads at positions, m, before noise and rounding.");
+    bound.def(
+        "reading_at",
+        [](const E& effect, const Values& position) {
+          return along([&](double x, double, double) { return x + effect.reading_error(x); }, position, nothing(),
+                       nothing());
+        },
+        py::arg("position"), "What the encoder reads at positions, m, before noise and rounding.");
 }
 
 template <class E>
 void bind_listed(py::module_& module, py::dict& effects) {
   const std::string doc = "Effect `" + std::string(E::name) + "`: " + std::string(E::law) + ".";
-  auto bound = bind_parameters<E>(module, class_name(E::name), doc);
+  const BoundStruct fields = bound_struct<E>();
+  auto bound = bind_parameters<E>(module, class_name(E::name), doc, fields);
   bound.attr("NAME") = std::string(E::name);
   bound.attr("LAW") = std::string(E::law);
   bound.attr("HOOKS") = hooks_of<E>();
-  bound.attr("ROLES") = roles_of<E>();
+  bound.attr("ROLES") = roles_of(fields);
   bound.attr("KINDS") = kinds_of<E>();
   bind_laws<E>(bound);
   bound.def(
@@ -179,7 +200,8 @@ Example:
              return Plant<>{axis, model, list, encoder, noise};
            }),
            py::arg("axis"), py::kw_only(), py::arg("cogging") = py::none(), py::arg("effects") = py::list(),
-           py::arg("encoder") = EncoderParameters{}, py::arg("noise") = NoiseParameters{})
+           py::arg_v("encoder", EncoderParameters{}, "cogging._core.EncoderParameters()"),
+           py::arg_v("noise", NoiseParameters{}, "cogging._core.NoiseParameters()"))
       .def_property_readonly("axis", [](const Plant<>& plant) { return plant.axis; })
       .def_property_readonly("cogging",
                              [](const Plant<>& plant) {

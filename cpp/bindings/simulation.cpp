@@ -3,6 +3,7 @@
 #include "cogging/memory.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
+#include "instantiated.hpp"
 #include "own_controller.hpp"
 #include "without_gil.hpp"
 

@@ -143,6 +143,8 @@ def _reduced(self: Any) -> Any:
     kind = type(self)
     if hasattr(kind, "parameters"):
         return _remade, (kind, self.parameters)
+    if hasattr(kind, "FIELDS"):
+        return _remade, (kind, self.to_dict())
     return _remade, (kind, {name: getattr(self, name) for name in MADE_OF[kind.__name__]})
 
 
@@ -174,5 +176,5 @@ def as_values() -> None:
         setattr(kind, "__eq__", _equal)  # noqa: B010 - mypy knows these classes as they are bound
         setattr(kind, "__repr__", _shown)  # noqa: B010
         setattr(kind, "__hash__", None)  # noqa: B010
-        if not struct and not hasattr(kind, "__setstate__"):
+        if not hasattr(kind, "__setstate__"):
             setattr(kind, "__reduce__", _reduced)  # noqa: B010

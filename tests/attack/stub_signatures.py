@@ -1,14 +1,13 @@
-"""What can be called in the core, and with what: read out of its stubs."""
+"""What can be called in the core, and with what: read out of its stubs, which are written for this."""
 
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-
-import cogging
-
-STUBS = Path(cogging.__file__).parent / "_core"
 
 
 @dataclass(frozen=True)
@@ -36,12 +35,20 @@ class Target:
         return ".".join(part for part in (self.module, self.owner, self.name) if part)
 
 
+def stubs() -> dict[str, str]:
+    """The text of each stub by the name of its module, "" of the core itself."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "pybind11_stubgen", "cogging._core", "-o", folder]
+        subprocess.run(command, check=True, capture_output=True)
+        made = sorted(Path(folder, "cogging", "_core").glob("*.pyi"))
+        return {"" if path.stem == "__init__" else path.stem: path.read_text() for path in made}
+
+
 def targets() -> list[Target]:
     """Every function, constructor, method and property of the core, in the order of its stubs."""
     found: list[Target] = []
-    for path in sorted(STUBS.glob("*.pyi")):
-        module = "" if path.stem == "__init__" else path.stem
-        for node in ast.parse(path.read_text()).body:
+    for module, text in stubs().items():
+        for node in ast.parse(text).body:
             if isinstance(node, ast.FunctionDef):
                 found.append(_target(module, "", node))
             elif isinstance(node, ast.ClassDef):

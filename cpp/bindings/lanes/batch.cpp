@@ -8,17 +8,19 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "../bindings.hpp"
+#include "../controller_state.hpp"
+#include "../instantiated.hpp"
 #include "../own_controller.hpp"
 #include "../without_gil.hpp"
 #include "cogging/memory.hpp"
 #include "cogging/simulation/batch.hpp"
-#include "cogging/simulation/closed_loop.hpp"
-#include "cogging/simulation/run_record.hpp"
 #include "cogging/simulation/shared_rows.hpp"
 #include "jobs.hpp"
+#include "lanes.hpp"
 
 using namespace cogging;
 
@@ -27,6 +29,20 @@ namespace {
 constexpr std::size_t index_count = 6;
 using Failure = std::tuple<std::size_t, double, std::string>;  // run, time (s), reason
 using AskedReduction = std::tuple<std::string, std::string, double>;
+
+// The course of a run; none where it must run alone: a controller with a past, or one of the user's own.
+std::optional<SharedCourse> course_of_run(const Plant<>& plant, const GivenController& given) {
+  std::optional<SharedCourse> course;
+  detail::at_place(given, [&]<std::size_t place>() {
+    if constexpr (place < std::variant_size_v<AnyController<>>) {
+      const auto& controller = std::get<place>(given);
+      using C = std::variant_alternative_t<place, AnyController<>>;
+      if (numbers_of(controller) == numbers_of(C(controller.parameters())))
+        course = course_of<place>(plant, controller);
+    }
+  });
+  return course;
+}
 
 // What all runs of a batch have in common, and where each puts what it leaves behind.
 struct RecordedBatch {
@@ -289,12 +305,12 @@ Raises:
       "instruction_sets",
       [] {
         std::map<std::string, std::size_t> sets;
-        for (const InstructionSet& set : instruction_sets()) sets[set.name] = set.lanes;
+        for (const InstructionSet& set : instruction_sets()) sets[std::string(set.name)] = set.lanes;
         return sets;
       },
       "Instruction sets of this machine for which runs in packs were compiled, and how many runs a pack holds.");
   module.def(
-      "instruction_set", [] { return instruction_set().value_or(InstructionSet{"none", 1, nullptr, nullptr}).name; },
+      "instruction_set", [] { return instruction_set().value_or(InstructionSet{1, nullptr, nullptr, "none"}).name; },
       R"(The instruction set that closed_loop_batch uses: the widest of instruction_sets, or what the environment variable
 COGGING_INSTRUCTIONS names; "none": each run alone.
 

@@ -1,52 +1,40 @@
+#include "instruction_sets.hpp"
+
 #include <cstdlib>
-#include <string_view>
-#include <utility>
+#include <string>
 
-#include "run_lanes.hpp"
+#include "cogging/require.hpp"
 
-// Defined where run_lanes.cpp and force_lanes.cpp are compiled for them; the value is the size of a pack.
-#define COGGING_DECLARED(set)              \
-  void run_lanes_##set(const PackOfRuns&); \
-  void force_lanes_##set(const PackOfForces&);
-#ifdef COGGING_LANES_v2
-COGGING_DECLARED(v2)
-#endif
-#ifdef COGGING_LANES_v3
-COGGING_DECLARED(v3)
-#endif
-#ifdef COGGING_LANES_v4
-COGGING_DECLARED(v4)
-#endif
-#ifdef COGGING_LANES_neon
-COGGING_DECLARED(neon)
-#endif
+// COGGING_SETS says SET(v3) SET(v4): for each, lanes.cpp was compiled.
+#define SET(name) InstructionSet lanes_##name();
+COGGING_SETS
+#undef SET
 
-std::vector<InstructionSet> instruction_sets() {
-  std::vector<InstructionSet> sets;
-#if defined(COGGING_LANES_v2) || defined(COGGING_LANES_v3) || defined(COGGING_LANES_v4)
+// Whether the processor has the instructions; nothing that is compiled for them runs before this says so.
+[[maybe_unused]] static bool is_there([[maybe_unused]] std::string_view set) {
+#if defined(__x86_64__) && defined(__GNUC__)
   __builtin_cpu_init();
   const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
   const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                   __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-  [[maybe_unused]] const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                                   __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-                                   __builtin_cpu_supports("avx512vl");
-  const auto add = [&sets](bool is_there, InstructionSet set) {
-    if (is_there) sets.push_back(std::move(set));
-  };
+  const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                  __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                  __builtin_cpu_supports("avx512vl");
+  return set == "v2" ? v2 : set == "v3" ? v3 : v4;
+#else
+  return true;
 #endif
-#ifdef COGGING_LANES_v2
-  add(v2, {"v2", COGGING_LANES_v2, run_lanes_v2, force_lanes_v2});
-#endif
-#ifdef COGGING_LANES_v3
-  add(v3, {"v3", COGGING_LANES_v3, run_lanes_v3, force_lanes_v3});
-#endif
-#ifdef COGGING_LANES_v4
-  add(v4, {"v4", COGGING_LANES_v4, run_lanes_v4, force_lanes_v4});
-#endif
-#ifdef COGGING_LANES_neon
-  sets.push_back({"neon", COGGING_LANES_neon, run_lanes_neon, force_lanes_neon});
-#endif
+}
+
+std::vector<InstructionSet> instruction_sets() {
+  std::vector<InstructionSet> sets;
+#define SET(name_of)                   \
+  if (is_there(#name_of)) {            \
+    sets.push_back(lanes_##name_of()); \
+    sets.back().name = #name_of;       \
+  }
+  COGGING_SETS
+#undef SET
   return sets;
 }
 

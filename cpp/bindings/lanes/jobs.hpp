@@ -7,27 +7,10 @@
 #include <string>
 #include <unordered_map>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include "../controller_state.hpp"
-#include "../own_controller.hpp"
 #include "cogging/simulation/packing.hpp"
-#include "run_lanes.hpp"
-
-/// The course of a run; none where it must run alone: a controller with a past, or one of the user's own.
-inline std::optional<cogging::SharedCourse> course_of_run(const cogging::Plant<>& plant, const GivenController& given) {
-  std::optional<cogging::SharedCourse> course;
-  cogging::detail::at_place(given, [&]<std::size_t place>() {
-    if constexpr (place < std::variant_size_v<cogging::AnyController<>>) {
-      const auto& controller = std::get<place>(given);
-      using C = std::variant_alternative_t<place, cogging::AnyController<>>;
-      if (numbers_of(controller) == numbers_of(C(controller.parameters())))
-        course = cogging::course_of<place>(plant, controller);
-    }
-  });
-  return course;
-}
+#include "instruction_sets.hpp"
 
 using Jobs = std::vector<std::vector<std::size_t>>;
 

@@ -1,17 +1,14 @@
 #pragma once
-// Packs of runs, compiled once for each instruction set of the processor; which one runs is chosen at run time.
+// What packs of runs and of forces are given.
 
-#include <cstddef>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "cogging/control/list.hpp"
 #include "cogging/estimation/prediction.hpp"
 #include "cogging/simulation/lanes_loop.hpp"
 #include "cogging/simulation/reference_rows.hpp"
 #include "cogging/simulation/run_record.hpp"
+#include "instruction_sets.hpp"
 
 /// Runs of one course (see SharedCourse), as many as an instruction set has lanes or fewer, and what is left of each.
 struct PackOfRuns {
@@ -32,20 +29,3 @@ struct PackOfForces {
   std::span<const double> middle_position, middle_velocity;  // m, m/s
   cogging::StopRequest* stop = nullptr;
 };
-
-/// Instructions for which this module was compiled and that this machine has.
-struct InstructionSet {
-  std::string name;
-  std::size_t lanes;               // runs in a pack
-  void (*run)(const PackOfRuns&);  // raises what a run raises before its first row
-  void (*net_force)(const PackOfForces&);
-};
-
-/// The widest last.
-std::vector<InstructionSet> instruction_sets();
-
-/// The one in use: the widest, or what the environment variable COGGING_INSTRUCTIONS names; none where there is none,
-/// or where it says `none`.
-///
-/// Raises std::invalid_argument for a name that is none of this machine's.
-std::optional<InstructionSet> instruction_set();
