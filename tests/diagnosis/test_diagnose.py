@@ -112,6 +112,43 @@ def test_at_rest_there_is_nothing_to_see():
         result.plot()
 
 
+SLOW = cogging.Model(axis=cogging.AxisParameters(mass=0.1, viscous=0.05, coulomb=0.0, coulomb_width=0.05))
+
+
+@pytest.mark.parametrize("rate", [20.0, 50.0, 100.0])
+def test_a_slow_log_without_a_reference_is_answered(rate):
+    t = np.arange(0.0, 30.0, 1.0 / rate)
+    w, size = np.array([[4.0], [2.3], [0.7]]), np.array([[1.0], [0.5], [0.8]])
+    x, v, a = ((size * f).sum(axis=0) for f in (np.sin(w * t), w * np.cos(w * t), -(w**2) * np.sin(w * t)))
+    asked = 0.1 * a + 0.05 * v
+    held = np.append(0.5 * (asked[1:] + asked[:-1]), asked[-1])  # over the step that follows
+    command = held + 0.02 * np.random.default_rng(1).standard_normal(len(t))
+    assert cogging.diagnose(cogging.Log(t, x, command), SLOW).verdict == "no_gap"
+
+
+def test_an_encoder_that_resolves_the_motion_in_pieces_tells_nothing():
+    t = np.arange(0.0, 10.0, 2e-3)
+    w, step = 2 * np.pi, 3e-3
+    x = np.round(0.1 * np.sin(w * t) / step) * step
+    command = -0.01 * w**2 * np.sin(w * t) + 0.01 * np.random.default_rng(0).standard_normal(len(t))
+    result = cogging.diagnose(cogging.Log(t, x, command), SLOW)
+    assert result.verdict == "insufficient_excitation"
+    assert "the encoder resolves the motion" in result.notes[-1]
+
+
+def test_two_found_effects_of_one_name_keep_their_places():
+    """Two waves of unlike periods: each stands in the model with its own interval, and without either more is left."""
+    hidden = [effects.CoggingHarmonic(period=0.03, sine=0.05), effects.CoggingHarmonic(period=0.07, cosine=0.04)]
+    result = cogging.diagnose(run(*hidden, seed=3), MODEL, confirm=other(*hidden))
+    waves = [e for e in result.model.effects if e.NAME == "cogging_harmonic" and np.hypot(e.sine, e.cosine) > 0.01]
+    assert sorted(round(e.period, 3) for e in waves) == [0.03, 0.07]
+    for path, (low, high) in result.model.intervals.items():
+        if path.startswith("effects.cogging_harmonic"):
+            assert low < high
+    for step in result.ledger:
+        assert not step.accepted or step.gap_after < step.gap_before
+
+
 def test_a_wrong_controller_is_told(tmp_path):
     log = run(duration=3.0)
     wrong = MODEL.replace(controller=PID.replace(mass=0.0, viscous=0.0))

@@ -267,3 +267,44 @@ def test_a_frequency_is_found_within_its_resolution():
     s = searched(lambda t, x, v: 0.1 * np.sin(2 * np.pi * 31.7 * t))
     tones, _ = best_tones(s)
     assert abs(tones[0] - 31.7) < 0.5 / s.duration
+
+
+@pytest.mark.parametrize("width", [1e-3, 2e-2])
+def test_a_model_alone_leaves_no_more_than_the_one_it_was_fitted_beside(width):
+    """Friction that rises otherwise than the model's: a mixture of laws explains it, and the model must do without."""
+    t, x, v, a = motion(seconds=4.0)
+    command = MASS * a + 0.166 * v + 0.05 * np.tanh(v / 0.1)
+    command = command + 0.01 * np.random.default_rng(3).standard_normal(len(t))
+    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    axis = cogging.AxisParameters(mass=0.13, viscous=0.2, coulomb=0.04, coulomb_width=width)
+    model = cogging.Model(axis=axis, uncertainty={"mass": 0.2, "viscous": 0.5, "coulomb": 0.5})
+    balance = ForceBalance(log, width)
+    evidence = Evidence([balance], model, model).prepare(2, listen=True)
+
+    def left(one):
+        return float(np.std(balance.rows(balance.residual(one))[0][balance.mask]))
+
+    alone = evidence.settled(evidence.model)
+    assert left(alone) <= left(evidence.model) * 1.001
+    assert left(alone) < left(model)
+    # no step in a parameter of the axis makes it smaller by a thousandth
+    for name in ("mass", "viscous", "coulomb"):
+        for factor in (0.98, 1.02):
+            changed = alone.axis.replace(**{name: factor * getattr(alone.axis, name)})
+            assert left(alone.replace(axis=changed)) > 0.999 * left(alone)
+
+
+def test_a_model_alone_without_an_effect_moves_the_others_to_where_they_are_likeliest():
+    """An offset beside a spring whose center is not the travel's: without the spring it is the mean of both."""
+    t, x, v, a = motion(seconds=4.0)
+    command = MASS * a + 0.166 * v + 2.0 * (x - 0.05) - 0.3
+    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    spring, offset = E["cable_spring"].replace(stiffness=2.0, center=0.05), E["constant_force"].replace(force=0.3)
+    plain = machine()
+    evidence = Evidence([ForceBalance(log, 5e-3)], plain, plain.replace(effects=(spring, offset))).prepare()
+    less = evidence.settled(evidence.model, ["effects.cable_spring"])
+    assert [e.NAME for e in less.effects] == ["constant_force"]
+    assert less.effects[0].force == pytest.approx(0.3 + 2.0 * (0.05 - np.mean(x)), abs=0.02)
+    two = evidence.model.replace(effects=(*evidence.model.effects, spring))
+    assert "effects.cable_spring[0].stiffness" in evidence.paths_in(two)
+    assert "effects.cable_spring.stiffness" in evidence.paths_in(evidence.model)

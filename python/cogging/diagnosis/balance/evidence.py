@@ -641,12 +641,14 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
             sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
             columns.add(path, sigma, rows, stated - getattr(model.axis, name))
     # friction may follow a bend of the contact instead of the speed: it is a part of a row late
-    own = max(model.axis.coulomb, 1e-12)
+    own = model.axis.coulomb
+    rubs = own > SINGULAR * columns.largest  # nothing can be told of a friction that is hardly there
     late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
-    columns.add("friction.late", TIMING * own, late)
+    if rubs:
+        columns.add("friction.late", TIMING * own, late)
     if any(np.any(blur) for blur in evidence.blurs):
         columns.add("friction.blur", 1.0, evidence.blurs)
-    for k, w in enumerate(widths, 1):
+    for k, w in enumerate(widths if rubs else [], 1):
         columns.add(f"width.{w:g}", own, [law[0] - law[k] for law in laws])
     add_cogging(columns, model, known)
     evidence.limits = {}
