@@ -302,7 +302,9 @@ def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
     """
     count = len(gaps[0][0]) - 2
     harm, why = [0.0] * count, [""] * count
-    measured = [pair for one in gaps for pair in zip(("", " on the other motion"), one, strict=True)]
+    measured: list[tuple[str, Sequence[Discrepancy | None]]] = []
+    for given, confirm in gaps:
+        measured += [("", given), (" on the other motion", confirm)]
     for which, (_, full, *less) in measured:
         for place, one in enumerate(less):
             if one is None or full is None:

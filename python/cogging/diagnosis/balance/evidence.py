@@ -245,8 +245,8 @@ class Evidence:
         self.raw = [b.residual(self.model) for b in self.balances]
         self.masks = [b.mask for b in self.balances]
         self.counted = [b.counted for b in self.balances]
-        if (rows := sum(int(m.sum()) for m in self.counted)) < FEWEST:
-            raise TooLittleMotion(f"the encoder resolves the motion in {rows} rows at {self.rate:.3g} Hz only")
+        if (count := sum(int(m.sum()) for m in self.counted)) < FEWEST:
+            raise TooLittleMotion(f"the encoder resolves the motion in {count} rows at {self.rate:.3g} Hz only")
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
         for name in ("null", "screen", "basis", "starts", "unfiltered"):
