@@ -427,7 +427,7 @@ sys.exit(run_command(lambda: importlib.import_module("cogging.cli.main")))
 """
 
 
-@pytest.mark.parametrize("name", ["numpy", "tqdm", "cogging.cli.main"])
+@pytest.mark.parametrize("name", ["numpy", "tomli_w", "cogging.cli.main"])
 def test_an_interrupt_while_something_is_imported(name, folder):
     done = subprocess.run([sys.executable, "-c", IMPORTS, name], cwd=folder, capture_output=True, text=True)
     assert (done.returncode, done.stderr.count("\n")) == (130, 1), done.stderr

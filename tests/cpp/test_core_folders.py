@@ -12,8 +12,8 @@ FOLDERS = ["table", "basis", "reference", "plant", "control", "simulation", "est
 #: Physics of the machine and laws of control do not know each other.
 APART = {"plant": {"reference"}, "control": {"plant"}}
 BASE = "."
-#: What brings objects of Python into the core: bindings of no folder.
-OF_THE_USERS = {"own_controller", "own_effect"}
+#: What brings objects of Python into the core, and what several bindings share: bindings of no folder.
+OF_THE_USERS = {"own_controller", "own_effect", "instantiated", "parameters"}
 
 
 def folder_of(path):

@@ -44,7 +44,10 @@ def test_a_force_of_any_shape_is_predicted_and_noise_is_not(coordinate):
     assert unlisted([], told, gap, units, confirmed=True)["coordinate"] == coordinate
     assert unlisted([], quiet, gap, units, confirmed=True) is None
     assert unlisted([], told, replace(gap, share=0.05), units, confirmed=True) is None  # small beside the command
-    assert unlisted([], told, replace(gap, before=3.0), units, confirmed=True) is None  # most of it has a name
+    most = replace(gap, before=3.0, share=0.3)
+    assert unlisted([], told, most, units, confirmed=True) is None  # most of it has a name
+    large = unlisted([], told, replace(most, share=0.9), units, confirmed=True)
+    assert large["coordinate"] == coordinate  # and yet the command is mostly unexplained
 
 
 @pytest.mark.data

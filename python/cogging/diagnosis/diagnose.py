@@ -177,7 +177,7 @@ def _result(
         gone = [terms[k] for k in {**held_out, **refused}]
         less = [without(whole, terms, [*gone, *(terms[k] for k in family)], found) for family in families]
         models = [nominal, without(whole, terms, gone, found), *less]
-        replayed = _replayed(yardstick, models) if replay else None
+        replayed, doubt = _replayed(yardstick, models) if replay else (None, "")
         balanced = _gaps(yardstick.by_balance(), models)
         harm, why = _harm([balanced] if replayed is None else [balanced, replayed], units)
         if harmed := any(harm):
@@ -185,8 +185,7 @@ def _result(
             held_out |= dict.fromkeys(set(families.pop(worst)) - {*held_out, *refused}, why[worst])
     shown = replayed is not None and not any(one and two and growth(one, two) for one, two, *_ in replayed)
     if replay and (replayed is None or (not shown and families)):
-        does = "follow the logs closely enough to measure with" if replayed is None else "show what was found"
-        notes.append(f"the replayed loop does not {does}: the gap is that of the force balance")
+        notes.append(f"{doubt}: the gap is that of the force balance")
         yardstick = yardstick.by_balance()
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
     given, confirm = balanced if replayed is None or not yardstick.replay else replayed
@@ -270,14 +269,15 @@ def _gaps(yardstick: Yardstick, models: Sequence[Model]) -> Gaps:
     return [yardstick.on_given(model) for model in models], [yardstick.on_confirm(model) for model in models]
 
 
-def _replayed(yardstick: Yardstick, models: Sequence[Model]) -> Gaps | None:
-    """The same by replay of the loop; None where that does not follow the logs."""
+def _replayed(yardstick: Yardstick, models: Sequence[Model]) -> tuple[Gaps | None, str]:
+    """The same by replay of the loop; None where that does not follow the logs, and a clause that says why."""
     try:
         gaps = _gaps(yardstick, models)
-    except (DivergedError, ValueError):
-        return None
+    except (DivergedError, ValueError) as error:
+        return None, str(error)
     followed = min(one.rms for one in gaps[0]) <= FOLLOWED * max(predicted(gaps[0][1]).noise, 1e-300)
-    return gaps if followed else None
+    does = "show what was found" if followed else "follow the logs closely enough to measure with"
+    return gaps if followed else None, f"the replayed loop does not {does}"
 
 
 def _objections(terms: Sequence[Term], logs: Prepared, stated: Model) -> tuple[dict[int, str], dict[int, str]]:
