@@ -19,7 +19,7 @@ from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
-from cogging.diagnosis.patched_model import Term, merged, patched, terms_of, with_intervals, without
+from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals, without
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -191,16 +191,13 @@ def _result(
     given, confirm = balanced if replayed is None or not yardstick.replay else replayed
     contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
     out = {**held_out, **refused}
-    final = patched(whole, terms, [terms[place] for place in out], found)
     enters = any(term.path and place not in out for place, term in enumerate(terms))
     before, before_there = given[0], confirm[0]
     read = _as_read(yardstick, stated, before)
     if read is not None and read.rms < before.rms:  # re-tuning that makes the gap larger is none
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
-    final = final if enters else nominal
-    after, after_there = (yardstick.on_given(final), yardstick.on_confirm(final)) if enters else (before, before_there)
-    if enters and (growth(given[1], after) or (confirm[1] and after_there and growth(confirm[1], after_there))):
-        final, after, after_there = with_intervals(models[1], found.evidence), given[1], confirm[1]
+    final = with_intervals(models[1], found.evidence) if enters else nominal
+    after, after_there = (given[1], confirm[1]) if enters else (before, before_there)
 
     # 2. what is left, what is called what, and what has no name
     rest = predicted(after, after_there)

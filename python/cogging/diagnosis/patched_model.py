@@ -92,13 +92,6 @@ def without(model: Model, terms: Sequence[Term], gone: Sequence[Term], found: Ou
     return found.evidence.settled(model, [t.path for t in gone if t.path], _kept(terms, gone, found))
 
 
-def patched(model: Model, terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> Model:
-    """The same as it is reported, with 95 % intervals: effects as they were fitted beside all that is not known."""
-    paths = [t.path for t in gone if t.path]
-    final = found.evidence.settled(model, paths, _kept(terms, gone, found), effects_too=bool(paths))
-    return with_intervals(final, found.evidence)
-
-
 def _kept(terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> list[int]:
     """Places of the columns without a law of which the model keeps an effect."""
     stand = {(t.accepted.found.name, t.accepted.found.label) for t in terms if t.path and t not in gone}

@@ -110,6 +110,14 @@ class Maximum:
     inflation: float = field(init=False, default=1.0)
     told: FloatArray = field(init=False)
 
+    def solved(self, free: Mask, theta: FloatArray) -> FloatArray:
+        """Amplitudes theta (p,) with those that are free at their likeliest beside the others, weights as they are."""
+        sigma, target = self.prior
+        slope = self.x @ (self.weight * self.r) + target / np.maximum(sigma**2 / self.variance, 1e-12)
+        w = np.where(free, 0.0, theta * self.size)
+        w[free] = np.linalg.lstsq(self.gram[np.ix_(free, free)], (slope - self.gram @ w)[free])[0]
+        return np.asarray(w / self.size)
+
     def by_row(self) -> FloatArray:
         """Minus twice the logarithm of the density of each row, (n,)."""
         return student_cost(self.rest, self.variance) + self.unit
@@ -375,45 +383,41 @@ class Evidence:
         width = self.likeliest_width()
         return self.moved(self.model, steps | {"axis.coulomb_width": width - self.model.axis.coulomb_width})
 
-    def settled(
-        self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = (), effects_too: bool = True
-    ) -> Model:
+    def settled(self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = ()) -> Model:
         """A model alone that leaves as little of the balance as it can, as far as that is linear.
 
-        The balance is explained by more than a model can have, as mixtures of laws of friction: with what was fitted
-        beside these, the model by itself would explain less than it could. No rows are whitened: it is the gap that
-        is to be small.
+        The balance is explained by more than a model can have, as mixtures of laws of friction. Effects are as they are
+        likeliest beside these; with mass, friction and known cogging likewise, the model by itself would explain less
+        than it could: they are tuned to the gap, in rows that are not whitened.
 
         Args:
             model: the evidence's, with effects behind it for some of `extra`.
             gone: paths of effects that are dropped too, and of parameters of the axis, which go back to what is stated.
             kept: places in `extra` of what is an effect of the model.
-            effects_too: whether effects are re-tuned too; else they are as they were fitted beside those nuisances.
         """
-        null, known, effects = self.null, parameters_of(model, together=True), dict(effect_paths(model.effects))
-        free, moved = np.zeros(len(null.theta), dtype=bool), np.zeros(len(null.theta))
+        known, effects = parameters_of(model, together=True), dict(effect_paths(model.effects))
+        free, moved = np.ones(len(self.null.theta), dtype=bool), np.zeros(len(self.null.theta))
         paths = self.paths_in(model)
         for k, path in enumerate(paths):
             owner = next((one for one in gone if path == one or path.startswith(one + ".")), "")
-            free[k] = path in known and not owner and (effects_too or not path.startswith("effects."))
-            if path in known and not (owner or free[k]):
-                moved[k] = null.theta[k]
-            elif owner == path:
+            free[k] = not owner
+            if owner == path:
                 moved[k] = getattr(self.given.axis, path.removeprefix("axis.")) - known[path].value
             elif owner:  # of a law that has amplitudes, these alone make it vanish
                 roles = {name: role["role"] for name, role in effects[owner].ROLES.items()}
                 if roles[path[len(owner) + 1 :].split("[")[0]] == "amplitude" or "amplitude" not in roles.values():
                     moved[k] = -known[path].value
-        at = len(self.paths)
+        own = np.array(
+            [p in known and not p.startswith("effects.") for p in paths] + [False] * (len(free) - len(paths))
+        )
+        at = len(paths)
         for place, column in enumerate(self.extra):
-            if place in kept:
-                moved[at : at + len(column.amplitudes)] = null.theta[at : at + len(column.amplitudes)]
+            free[at : at + len(column.amplitudes)] = place in kept
             at += len(column.amplitudes)
-        gap = self.unfiltered
-        sigma, target = gap.prior
-        slope = gap.x @ (gap.weight * gap.r) + target / np.maximum(sigma**2 / gap.variance, 1e-12)
-        right = slope[free] - gap.gram[np.ix_(free, ~free)] @ (moved * gap.size)[~free]
-        moved[free] = np.linalg.lstsq(gap.gram[np.ix_(free, free)], right)[0] / gap.size[free]
+        # effects as they are likeliest beside all nuisances, then the axis as it leaves least of the gap without these
+        moved = self.null.solved(free, moved)
+        beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
+        moved = self.unfiltered.solved(own & free, np.where(beside, 0.0, moved))
         tuned = self.moved(model, dict(zip(paths, map(float, moved), strict=False)))
         return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
 
