@@ -36,6 +36,7 @@ LARGELY = 0.3  # of the command's deviation: where more is left, that is no nois
 TIMING = 0.25  # rows of a log by which friction may be late
 WIDTHS = 32  # of Coulomb friction's rise, of which its law is made: a factor of 1.3 apart over four decades
 KNEE = 0.6  # of the highest speed, up to which friction may bend: beyond, a bend is as good as viscous friction
+WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # times the width of friction, that are tried for a model alone
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until it leads nearer to the likeliest
 UNSTATED = 1.0  # uncertainty of mass and friction where none is stated
 LEAST_MASS = 0.05  # of the mass: re-tuning makes it no smaller
@@ -110,10 +111,12 @@ class Maximum:
     inflation: float = field(init=False, default=1.0)
     told: FloatArray = field(init=False)
 
-    def solved(self, free: Mask, theta: FloatArray) -> FloatArray:
-        """Amplitudes theta (p,) with those that are free at their likeliest beside the others, weights as they are."""
+    def solved(self, free: Mask, theta: FloatArray, r: FloatArray | None = None) -> FloatArray:
+        """Amplitudes theta (p,) with those that are free at their likeliest beside the others, in its rows or others r."""
         sigma, target = self.prior
-        slope = self.x @ (self.weight * self.r) + target / np.maximum(sigma**2 / self.variance, 1e-12)
+        slope = self.x @ (self.weight * (self.r if r is None else r)) + target / np.maximum(
+            sigma**2 / self.variance, 1e-12
+        )
         w = np.where(free, 0.0, theta * self.size)
         w[free] = np.linalg.lstsq(self.gram[np.ix_(free, free)], (slope - self.gram @ w)[free])[0]
         return np.asarray(w / self.size)
@@ -417,7 +420,17 @@ class Evidence:
         # effects as they are likeliest beside all nuisances, then the axis as it leaves least of the gap without these
         moved = self.null.solved(free, moved)
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
-        moved = self.unfiltered.solved(own & free, np.where(beside, 0.0, moved))
+        moved, gap, least = np.where(beside, 0.0, moved), self.unfiltered, np.inf
+        width = self.model.axis.coulomb_width
+        for factor in WIDER if width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0 else (1.0,):
+            wider = with_values(self.model, {"axis.coulomb_width": factor * width})
+            left = self.filtered([b.rows(b.residual(wider)) for b in self.balances], gap.taps)[0]
+            steps = gap.solved(own & free, moved, left)
+            power = float(gap.weight @ (left - (steps * gap.size) @ gap.x) ** 2)
+            if power < least:
+                least, best = power, (steps, factor * width)
+        moved = best[0]
+        model = model.replace(axis=model.axis.replace(coulomb_width=best[1]))
         tuned = self.moved(model, dict(zip(paths, map(float, moved), strict=False)))
         return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
 
