@@ -112,7 +112,7 @@ class Maximum:
     told: FloatArray = field(init=False)
 
     def solved(self, free: Mask, theta: FloatArray, r: FloatArray | None = None) -> FloatArray:
-        """Amplitudes theta (p,) with those that are free at their likeliest beside the others, in its rows or others r."""
+        """Amplitudes theta (p,) with those that are free at their likeliest beside the others, in its rows or in r."""
         sigma, target = self.prior
         slope = self.x @ (self.weight * (self.r if r is None else r)) + target / np.maximum(
             sigma**2 / self.variance, 1e-12
