@@ -38,7 +38,7 @@ from cogging.simulation.arguments import LOGS, MODEL
 
 MOTION_MIN = 1.0  # s in motion, in all given logs together: in less, friction hides every force
 NOISE = 0.01  # of a gap's power: where a generic force predicts less, a replayed loop shows nothing but noise
-CONTRADICTED = 1.25  # of the power of a replayed gap: with an effect it may not be more
+CONTRADICTED = 1.25  # of a gap's power: with all that was found, and in the replayed loop with one effect, no more
 FOLLOWED = 3.0  # floors of noise: a replay farther off the logs measures something else
 
 
@@ -198,6 +198,11 @@ def _result(
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
     final = with_intervals(models[1], found.evidence) if enters else nominal
     after, after_there = (given[1], confirm[1]) if enters else (before, before_there)
+    ends = [(one, two) for one, two in ((before, after), (before_there, after_there)) if one and two]
+    if any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
+        notes.append("all that was found, together, makes the gap larger: the model is left without it")
+        final, after, after_there = nominal, before, before_there
+        out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}
 
     # 2. what is left, what is called what, and what has no name
     rest = predicted(after, after_there)

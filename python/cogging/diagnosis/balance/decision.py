@@ -78,15 +78,12 @@ class Accepted:
         score: gain in 2 ln likelihood less what amplitudes and trials gain without any cause.
         share: probability that it is this one, over resampled motion.
         alternatives: other names with the same.
-        before, after: re-tuned model without and with it.
     """
 
     found: Found
     score: float
     share: float
     alternatives: list[tuple[str, float]]
-    before: Model
-    after: Model | None = None
 
 
 @dataclass
@@ -154,8 +151,6 @@ def search(
             outcome = Outcome(evidence, evidence, evidence, [], [], found)
         outcome.evidence = outcome.both = evidence
         outcome.found = found
-        if outcome.accepted:
-            outcome.accepted[-1].after = current
         extra = with_amplitudes(extra, evidence)
         if others:
             outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
@@ -195,7 +190,7 @@ def search(
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives, current))
+        outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives))
         current = added_to(current, f, extra, free)
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
