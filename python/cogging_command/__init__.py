@@ -65,6 +65,9 @@ def run_command(run: Callable[[], int | None]) -> int:
             raise
     finally:
         sys.unraisablehook = before
+    # `python -m` ends by SIGINT itself where the exception once left an exec() of text, as when a dataclass is made;
+    # CPython's flag for that is cleared by the next exec().
+    exec("")
     os.write(2, f"cogging: {WORDS[signal.Signals(received[0])]}; no file was left half written\n".encode())
     return 128 + received[0]
 

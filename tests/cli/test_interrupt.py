@@ -394,6 +394,20 @@ def test_an_interrupt_that_a_callback_swallows_is_raised_again(folder):
     assert (done.returncode, done.stderr.count("\n")) == (143, 1), done.stderr
 
 
+MAKES_CODE = """
+import os, signal, sys
+from cogging_command import run_command
+sys.exit(run_command(lambda: exec("os.kill(os.getpid(), signal.SIGINT)")))
+"""
+
+
+def test_an_interrupt_out_of_code_that_is_being_made(folder):
+    """`python -m` ends by SIGINT itself where a KeyboardInterrupt once left an exec() of text."""
+    (folder / "makes_code.py").write_text(MAKES_CODE)
+    done = subprocess.run([sys.executable, "-m", "makes_code"], cwd=folder, capture_output=True, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (130, 1), done.stderr
+
+
 FAILS = """
 import importlib, os, signal, sys
 from cogging_command import main
