@@ -225,7 +225,7 @@ def _result(
     shares: list[float | None] = [None] * len(terms)
     for family, one in zip(families, given[2:], strict=True):
         for k in set(family) - set(out):
-            shares[k] = (one.rms**2 - given[1].rms ** 2) / given[0].rms ** 2 / len(family)
+            shares[k] = max(one.rms**2 - given[1].rms ** 2, 0.0) / given[0].rms ** 2 / len(family)
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
     left_out = {kept.index(k): why for k, why in out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)
@@ -312,7 +312,8 @@ def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
             if one is None or full is None:
                 continue
             more = (full.rms**2 - one.rms**2) / max(one.rms**2, 1e-300)
-            harmful = more > CONTRADICTED - 1.0 if full.signal == REPLAYED else growth(one, full)
+            # what is chosen by the given logs grows there by chance, with what the law of friction leaves of them
+            harmful = growth(one, full) if which and full.signal != REPLAYED else more > CONTRADICTED - 1.0
             if harmful and more > harm[place]:
                 told = f"({full.signal}) goes from {one.rms:.4g} to {full.rms:.4g} {units.command}"
                 harm[place], why[place] = more, f"with it the gap{which} {told}"

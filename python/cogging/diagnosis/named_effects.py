@@ -58,7 +58,7 @@ def named(
         by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
         one = term.accepted
         others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
-        confidence = RELIABLE * one.share
+        confidence = RELIABLE * one.share * one.found.likeness
         other = term.effect is None and term.accepted.found.columns is not None
         entry = NamedEffect(
             name,
@@ -72,11 +72,11 @@ def named(
             curve=term.curve,
             in_model=place not in held_out and (not other or term.path != ""),
         )
-        if name in effects:  # a name is as sure as the surest of its terms
+        if name in effects:  # a name is as sure as the largest of its terms
             first = effects[name]
-            surest = max(first, entry, key=lambda one: one.confidence)
+            largest = max(first, entry, key=lambda one: one.statistic)
             both = (first.share or 0.0) + share if share is not None else first.share
-            entry = replace(first, share=both, confidence=surest.confidence, alternatives=surest.alternatives)
+            entry = replace(largest, share=both)
         effects[name] = entry
     for name, entry in effects.items():
         ordered = [one for _, one in sorted(by_size[name], key=lambda pair: -pair[0])]

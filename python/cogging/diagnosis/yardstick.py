@@ -20,8 +20,7 @@ from cogging.model.model import Model
 REPLAYED, BALANCED = "command of the replayed loop", "force balance"
 JITTER = 0.01  # of the sample time: what more does to a derivative would be the gap of a replay
 ACCELERATION_TIME = 0.02  # s over which the acceleration of the figures is averaged
-BLOCKS = 20  # of a log, between which gains differ by chance
-GROWTH = 0.02  # of the gap's power: by so much it may grow by chance, never by more
+GROWTH = 0.02  # of the gap's power: less is what re-tuning leaves to chance
 POSITION_GROWTH = 1.1  # times the error of the replayed position, which may not become more
 ROUNDS = 2  # of re-tuning on confirm logs: the second sees the friction's width of the first
 
@@ -164,12 +163,7 @@ def _motion(b: Any, time: FloatArray, rows: slice | None = None) -> dict[str, Fl
 
 
 def growth(before: Discrepancy, after: Discrepancy) -> bool:
-    """Whether a gap grows by more than chance: two deviations of what blocks say, 2 % of its power at most."""
-    gains = []
-    for old, new, mask in zip(before.series, after.series, before.masks, strict=True):
-        gains += [float(part.sum()) for part in np.array_split(new[mask] ** 2 - old[mask] ** 2, BLOCKS)]
-    rows = sum(int(mask.sum()) for mask in before.masks)
-    chance = min(2.0 * float(np.std(gains)) * len(gains) ** 0.5 / max(rows, 1), GROWTH * before.rms**2)
-    return after.rms**2 > before.rms**2 + chance or bool(
+    """Whether a gap grows by more than GROWTH, or the error of the replayed position does."""
+    return after.rms**2 > (1.0 + GROWTH) * before.rms**2 or bool(
         before.position and (after.position or 0.0) > POSITION_GROWTH * before.position
     )

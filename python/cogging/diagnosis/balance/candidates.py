@@ -49,6 +49,7 @@ LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it i
 LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
 FAMILY_TURNS = 1.5  # the same of a wave with harmonics
 WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
+MODULATIONS = (4, 6)  # splines of the amplitude of a modulated wave along the travel
 MOST_WAVES = 3  # that are looked for together
 SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
 ROWS_PER_WAVE = 2.2  # rows at the highest speed in the shortest wave: fewer are those of a longer one as well
@@ -83,6 +84,7 @@ class Found:
         columns: function(evidence) to columns of each log; None for a parameter of the axis.
         effect: function(amplitudes) to the law or several, None without one; for a parameter of the axis its path.
         others: names that a shape of no law may bear as well.
+        likeness: share of what a shape of no law explains that the law of its name explains too.
         period: m, of a wave along the travel, of two columns.
         refine: a number of the shape, function(number) to `Shape`, and a first relative step of the number.
     """
@@ -96,6 +98,7 @@ class Found:
     columns: Any
     effect: Any = None
     others: tuple[str, ...] = ()
+    likeness: float = 1.0
     period: float | None = None
     refine: Refine | None = None
 
@@ -667,7 +670,8 @@ def waves(s: Search) -> None:
     for kappa in known + [k for _, k in peaks[:3]]:
         if kappa * length > 2.5:
             trials = max(1, len(known)) if kappa in known else 3000
-            s.put("cogging_modulation", Shape(f"{1 / kappa:.4g}", modulated_wave(s, kappa)), trials)
+            for count in MODULATIONS:
+                s.put("cogging_modulation", modulated_wave(s, kappa, count), len(MODULATIONS) * trials)
 
 
 def several_waves(s: Search) -> None:
@@ -719,14 +723,19 @@ def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
     )
 
 
-def modulated_wave(s: Search, kappa: float) -> Columns:
-    """Sine and cosine of a wavenumber (1/m) whose amplitudes are splines along the travel."""
+def modulated_wave(s: Search, kappa: float, count: int) -> Shape:
+    """Cogging of a wavenumber (1/m) whose amplitudes are so many splines along the travel."""
 
     def make(b: ForceBalance) -> FloatArray:
-        amplitude, angle = splines(b.position, s.low, s.high, 6), 2 * np.pi * kappa * b.position
+        amplitude, angle = splines(b.position, s.low, s.high, count), 2 * np.pi * kappa * b.position
         return np.vstack([amplitude * np.sin(angle), amplitude * np.cos(angle)])
 
-    return along(make)
+    def law(a: FloatArray) -> Effect:
+        sine, cosine = np.reshape(-a, (2, count)).tolist()
+        knots = {"pitch": s.length / (count - 3), "order": 4, "origin": s.low}
+        return E["cogging_modulation"].replace(period=1.0 / kappa, sine=sine, cosine=cosine, **knots)
+
+    return Shape(f"{1 / kappa:.4g}", along(make), law)
 
 
 def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
@@ -901,7 +910,6 @@ CELLS = {
     "~command": ("command_saturation", "command_dead_zone"),
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
-    "~modulated wave": ("cogging_modulation", "cogging_harmonic"),
 }
 LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
 NESTED = 0.7  # share of the gain of another shape from which on a law is said instead
@@ -920,5 +928,7 @@ def with_cells(found: Sequence[Found]) -> list[Found]:
         best = members[0]
         if by[cell].score > best.score:
             others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
-            out[cell, ""] = replace(by[cell], name=best.name, label="other shape", effect=None, others=others)
+            likeness = best.T / max(best.T, by[cell].T, 1e-9)
+            named = replace(by[cell], name=best.name, label="other shape", effect=None)
+            out[cell, ""] = replace(named, others=others, likeness=likeness)
     return list(out.values())

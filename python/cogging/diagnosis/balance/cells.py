@@ -22,9 +22,8 @@ def hats(values: FloatArray, places: FloatArray) -> FloatArray:
 
 
 def splines(values: FloatArray, low: float, high: float, count: int) -> FloatArray:
-    """Cubic B-splines over [low, high] at values (n,), (count, n)."""
-    inner = np.linspace(low, high, count - 2)
-    knots = np.concatenate([[low] * 3, inner, [high] * 3])
+    """Cubic B-splines with equally spaced knots, count - 3 spans of them in [low, high], at values (n,), (count, n)."""
+    knots = low + (high - low) / (count - 3) * np.arange(-3, count + 1)
     x = np.clip(values, low, high - 1e-9 * (high - low))
     return np.asarray(BSpline.design_matrix(x, knots, 3).toarray().T)
 

@@ -221,10 +221,13 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
-    """The candidate, or what it shows the plainest law of an accepted effect to lack: another shape of that."""
-    taken = [one.found.name for one in accepted]
-    owner = next((name for name in CELLS.get(f.name, ()) if name in taken), None)
-    return f if owner is None else replace(f, name=owner, label="other shape", effect=None)
+    """The candidate, or, where it has no law, what it shows an accepted law of the same coordinate to lack."""
+    if f.columns is None or f.effect is not None:
+        return f
+    taken = {one.found.name for one in accepted} - {f.name}
+    names = next((names for cell, names in CELLS.items() if f.name in (cell, *names)), ())
+    owner = next((name for name in names if name in taken), None)
+    return f if owner is None else replace(f, name=owner, label="other shape")
 
 
 def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:

@@ -260,9 +260,9 @@ class Evidence:
             raise TooLittleMotion(f"the encoder resolves the motion in {count} rows at {self.rate:.3g} Hz only")
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
-        for name in ("null", "screen", "basis", "starts", "unfiltered"):
+        for name in ("null", "screen", "basis", "unfiltered"):
             self.__dict__.pop(name, None)
-        theta = self.fitted(self.plain).theta
+        theta = self.fitted(self.plain, rounds=1).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
@@ -307,33 +307,29 @@ class Evidence:
         """No filter, but each log to a deviation of 1."""
         return [np.ones(1) / deviation(r[m]) for r, m in zip(self.residuals, self.masks, strict=True)]
 
-    def unadded(self, taps: Sequence[FloatArray]) -> FloatArray:
-        """What the model leaves and the nuisances behind a filter, (1 + q, n)."""
-        return self.filtered([np.vstack([r, x]) for r, x in zip(self.residuals, self.nuisances, strict=True)], taps)
-
-    @cached_property
-    def starts(self) -> list[tuple[list[FloatArray], FloatArray]]:
-        """Noise filters from which a candidate is fitted, and `unadded` behind them: the same for every candidate."""
-        return [(taps, self.unadded(taps)) for taps in (self.plain, self.null.taps, self.screen.taps)]
-
     def fitted(
         self,
         taps: list[FloatArray],
         tables: Sequence[FloatArray] | None = None,
         rounds: int = 3,
-        unadded: FloatArray | None = None,
+        base: Maximum | None = None,
     ) -> Maximum:
-        """Nuisances, and columns of each log (k, m), at their likeliest behind a filter."""
-        parts = [self.nuisances] if tables is None else [self.nuisances, tables]
-        size = np.sqrt(np.concatenate([sum(np.sum(x**2, axis=1) for x in part) for part in parts]))
-        size = np.maximum(size, 1e-12 * size.max())
-        more = len(size) - len(self.prior_sigma)
-        sigma = np.concatenate([self.prior_sigma, np.full(more, np.inf)]) * size / np.sqrt(self.alike)
-        target = np.concatenate([self.prior_offset, np.zeros(more)]) * size
-        white = self.unadded(taps) if unadded is None else unadded
+        """Nuisances, and columns of each log (k, m), at their likeliest behind a filter: that of `base` where given."""
+        if base is None:
+            base_rows = zip(self.residuals, self.nuisances, strict=True)
+            white = self.filtered([np.vstack([r, x]) for r, x in base_rows], taps)
+            size = np.sqrt(sum(np.sum(x**2, axis=1) for x in self.nuisances))
+            size = np.maximum(size, 1e-12 * size.max())
+            r, x = white[0], white[1:] / size[:, None]
+        else:
+            size, r, x = base.size, base.r, base.x
         if tables is not None:
-            white = np.vstack([white, self.filtered(tables, taps)])
-        r, x = white[0], white[1:] / size[:, None]
+            more = np.sqrt(sum(np.sum(t**2, axis=1) for t in tables))
+            size = np.concatenate([size, np.maximum(more, 1e-12 * size.max())])
+            x = np.vstack([x, self.filtered(tables, taps) / size[len(x) :, None]])
+        count = len(size) - len(self.prior_sigma)
+        sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)]) * size / np.sqrt(self.alike)
+        target = np.concatenate([self.prior_offset, np.zeros(count)]) * size
         best = likeliest(x, r, sigma, target, rounds)
         scale = [-2.0 * np.log(abs(h[0])) for h in taps]
         best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
@@ -349,13 +345,13 @@ class Evidence:
         the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither. A filter that has swallowed
         a force finds no force that it could give back: what is left without any filter is a start as well.
         """
-        starts: list[tuple[list[FloatArray], FloatArray | None]]
         if tables is None:
-            parts, rounds, starts = self.nuisances, 2, [(self.plain, None), (self.start, None)]
+            parts, rounds = self.nuisances, 2
+            best = min((self.fitted(taps) for taps in (self.plain, self.start)), key=lambda fit: fit.cost)
         else:
-            parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)]
-            rounds, starts = 1, [*self.starts]
-        best = min((self.fitted(taps, tables, unadded=white) for taps, white in starts), key=lambda fit: fit.cost)
+            parts, rounds = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)], 1
+            base = self.bases[int(np.argmin(self.costs_with(tables)))]
+            best = self.fitted(base.taps, tables, base=base)
         for _ in range(rounds):
             fit = self.fitted(self.taps_of(best.theta, parts), tables)
             if fit.cost >= best.cost:
@@ -473,7 +469,7 @@ class Evidence:
 
     def keep_positive(self, taps: list[FloatArray]) -> None:
         """Leave out the widths of friction's rise that would need a negative share of it."""
-        fit = self.fitted(taps)
+        fit = self.fitted(taps, rounds=1)
         sigma, target = fit.prior
         prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
         right, gram = fit.x @ (fit.weight * fit.r) + prior * target, fit.gram
@@ -491,13 +487,19 @@ class Evidence:
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
         self.nuisances = [t[kept] for t in self.nuisances]
 
-    def quick_ratio(self, tables: Sequence[FloatArray]) -> float:
-        """Twice the logarithm of the likelihood ratio of columns against none, behind filters that they do not change.
+    @property
+    def bases(self) -> tuple[Maximum, Maximum, Maximum]:
+        """The nuisances at their likeliest behind no filter, behind their own, and behind that of the search."""
+        return self.unfiltered, self.null, self.screen
 
-        It takes a hundredth of the time of `maximised`, and says for which candidates that is worth while.
+    def costs_with(self, tables: Sequence[FloatArray]) -> list[float]:
+        """Minus twice the logarithm of the likelihood with columns, behind the filter of each of `bases`.
+
+        One step of least squares: it takes a hundredth of the time of `maximised`, and says for which candidates that
+        is worth while, and from where.
         """
         costs = []
-        for base in (self.null, self.screen):
+        for base in self.bases:
             c = self.filtered(tables, base.taps)
             c /= np.linalg.norm(c, axis=1)[:, None] + 1e-300
             near = (base.x * base.weight) @ c.T
@@ -506,7 +508,11 @@ class Evidence:
             good = value > 1e-6
             along = vector[:, good].T @ (c @ (base.weight * base.rest)) / np.sqrt(value[good])
             costs.append(base.cost - float(along @ along) / base.variance)
-        return min(self.null.cost, self.screen.cost) - min(costs)
+        return costs
+
+    def quick_ratio(self, tables: Sequence[FloatArray]) -> float:
+        """Twice the logarithm of the likelihood ratio of columns against none, behind the same filters."""
+        return min(base.cost for base in self.bases) - min(self.costs_with(tables))
 
     @cached_property
     def null(self) -> Maximum:

@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 from scipy.signal import butter, firwin, freqz, lfilter, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
@@ -21,11 +22,12 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 
 # Grid of the motion
-MIDDLE_RATE = 6000.0  # Hz, of the rows at which laws are evaluated: well above any corner, cheap enough for many laws
+MIDDLE_RATE = 3000.0  # Hz, of the rows at which laws are evaluated: well above any corner, cheap enough for many laws
 UNEVEN = 0.3  # of the median step: where steps differ by more, the log is put on an even grid
 GAP_STEPS = 5.0  # median steps: a longer one is a gap, whose rows do not count
 SKIP = 0.06  # s, at either end that do not count: the filters' edges and the start of the loop
 MOST_SUB_STEPS = 6  # of a row: friction changes sign within it; more no longer change its mean
+NEAR = 10.0  # widths of friction, or changes of the speed in a row: at higher speeds a row needs no sub-steps
 # Speed and rest
 SPEED_NOISE = 0.2  # of `coulomb_width`: deviation of the smoothed speed that the low-pass filter aims at
 WIDTH_SHARE = 0.05  # of the rms speed: width of a friction that has none
@@ -47,18 +49,25 @@ COMMAND_HOOKS = (
 )  # hooks that change the command before it acts
 
 
-class SubSteps(NamedTuple):
-    """The motion between rows.
+class FineMotion(NamedTuple):
+    """The motion at all rows, and between those that are close to a reversal.
 
     Attributes:
-        per_row: sub-steps in a row.
-        time: s, (m,), half a sub-step before the instant of position (m) and velocity (m/s), (m,).
+        instant: s, (m,), of position (m) and velocity (m/s), (m,).
+        start: s, (m,): middle of the instants on both sides, from which on an instant's command acts.
+        rows: places of the rows of the motion, (n,).
+        near: rows close to a reversal, (n,); around: places about each of them, (count, 2 half - 1).
+        weights: of these in its mean, (2 half - 1,).
     """
 
-    per_row: int
-    time: FloatArray
+    instant: FloatArray
+    start: FloatArray
     position: FloatArray
     velocity: FloatArray
+    rows: NDArray[np.intp]
+    near: Mask
+    around: NDArray[np.intp]
+    weights: FloatArray
 
 
 def decimated(rows: FloatArray, every: int) -> FloatArray:
@@ -242,29 +251,33 @@ class ForceBalance:
         self.corner = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS))
 
     @cached_property
-    def fine(self) -> SubSteps:
-        """The motion in so many sub-steps that the speed changes by no more than `width` in one."""
-        most = float(np.max(np.abs(np.diff(self.velocity))))
-        n = int(np.clip(np.ceil(most / max(self.width, 1e-9)), 1, MOST_SUB_STEPS))
-        if n == 1:
-            return SubSteps(1, self.time - 0.5 * self.step, self.position, self.velocity)
-        rows = np.arange(len(self.time))
-        at = np.arange(n * len(self.time) - n + 1) / n
-        t = np.interp(at, rows, self.time) - 0.5 * self.step / n
-        return SubSteps(n, t, np.interp(at, rows, self.position), np.interp(at, rows, self.velocity))
+    def fine(self) -> FineMotion:
+        """The motion with so many sub-steps about a reversal that the speed changes by no more than `width` in one."""
+        change = np.abs(np.diff(self.velocity))
+        change = np.maximum(np.append(change, 0.0), np.append(0.0, change))
+        n = int(np.clip(np.ceil(change.max() / max(self.width, 1e-9)), 1, MOST_SUB_STEPS))
+        half, rows = max(1, round(n / self.thinning)), np.arange(len(self.time))
+        near: Mask = (np.abs(self.velocity) < NEAR * np.maximum(change, self.width)) & (half > 1)
+        last = n * (len(rows) - 1)
+        wanted = np.clip(n * rows[near][:, None] + np.arange(1 - half, half), 0, last)
+        at = np.union1d(n * rows, wanted)
+        instant, position, velocity = (np.interp(at / n, rows, x) for x in (self.time, self.position, self.velocity))
+        start = instant - 0.5 * np.diff(instant, prepend=instant[0] - self.step)
+        weights = (half - np.abs(np.arange(1 - half, half))) / half**2
+        places = np.searchsorted(at, n * rows), np.searchsorted(at, wanted)
+        return FineMotion(instant, start, position, velocity, places[0], near, places[1], weights)
 
     def averaged(self, table: FloatArray) -> FloatArray:
-        """Rows at the sub-steps (p, m), averaged over the steps on both sides of each row of the motion, (p, n)."""
-        n = self.fine.per_row
-        if n == 1:
-            return table
-        half = max(1, round(n / self.thinning))
-        weights = np.concatenate([np.arange(1, half + 1), np.arange(half - 1, 0, -1)]) / half**2
-        padded = np.pad(table, ((0, 0), (half - 1, half - 1)), mode="edge")
-        rows = len(self.time)
-        out = weights[0] * padded[:, ::n][:, :rows]
-        for k, w in enumerate(weights[1:], 1):
-            out = out + w * padded[:, k::n][:, :rows]
+        """Laws along the fine motion (p, m), averaged over the steps on both sides of each row of the log, (p, n).
+
+        The mean weights fall linearly to 0 at the rows on both sides; away from a reversal a law bends little in a row,
+        and its mean is its value and a twelfth of its second difference.
+        """
+        fine = self.fine
+        out = table[:, fine.rows]
+        out[:, 1:-1] += np.diff(out, 2, axis=1) / (12.0 * self.thinning**2)
+        if len(fine.around):
+            out[:, fine.near] = table[:, fine.around] @ fine.weights
         return np.asarray(out)
 
     def forces(
@@ -272,16 +285,13 @@ class ForceBalance:
     ) -> FloatArray:
         """Net force of plants along the motion, V, (plants, n), under a command (V, (n,)) or none.
 
-        `error` (m) is how much too far the encoder reads, at the sub-steps.
+        `error` (m) is how much too far the encoder reads along the fine motion.
         """
-        n, t, x, v = self.fine
-        if command is None:
-            u = np.zeros(len(t))
-        else:
-            u = command if n == 1 else np.interp(t + 0.5 * self.step / n, self.time, command)
+        t, start, x, v = self.fine[:4]
+        u = np.zeros(len(t)) if command is None else np.interp(t, self.time, command)
         if error is not None:
-            x, v = x - error, v - np.gradient(error, self.step / n)
-        return self.averaged(Predictor(t, x, u).net_force(plants, x, v))
+            x, v = x - error, v - np.gradient(error, t)
+        return self.averaged(Predictor(start, x, u).net_force(plants, x, v))
 
     def residual(self, model: Model, command: FloatArray | None = None) -> FloatArray:
         """The missing force, V, (n,): M a less what the model accounts for, under the logged command or another."""
@@ -291,7 +301,7 @@ class ForceBalance:
         if wrong:
             x = self.fine.position
             error = np.sum([e.reading_at(x) - x for e in wrong], axis=0)
-            coarse = error[:: self.fine.per_row]
+            coarse = error[self.fine.rows]
             a = a - np.gradient(np.gradient(coarse, self.step), self.step)
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
