@@ -20,6 +20,7 @@ from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
+from cogging.threads import on_threads
 
 THRESHOLD = 20.0  # score from which on a candidate is taken: above those of 36 drawn logs with nothing missing
 MINOR = 0.1  # of the largest score: what is less is a trait of a law that is nearly right
@@ -160,7 +161,7 @@ def search(
         # those that may be the likeliest on all logs, each with its own noise filter
         compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
         compared = closest(outcome.both, compared)
-        contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
+        contenders = contenders_of(outcome.both, compared, len(given))
         if others and not outcome.shift and model.cogging is None:
             # gravity has the same zero on all motions
             same = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
@@ -170,7 +171,7 @@ def search(
             if outcome.shift:
                 others = [b.moved(outcome.shift) for b in others]
                 outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
-                contenders = [c for f in compared if (c := contender(outcome.both, f, len(given))) is not None]
+                contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
         if others:
@@ -266,6 +267,13 @@ def score_of(ratio: float, k: int, trials: int, blocks: int) -> float:
     return float(ratio - k * max(np.log1p(max(ratio, 0.0) / k), np.log(blocks)) - 2 * np.log(max(trials, 1)))
 
 
+def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> list[Contender]:
+    """The candidates on all logs, compared on threads, without changes that no machine can have."""
+    made = on_threads(lambda f: contender(evidence, f, given), found)
+    return [c for c in made if c is not None]
+
+
+@np.errstate(all="ignore")
 def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
     """The candidate on all logs, the first of which are given; None for a change that no machine can have."""
     edges = block_edges(evidence)
@@ -301,14 +309,17 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
     """Those that a closer look may find to be the likeliest on all logs, the best of the given logs among them."""
     blocks = len(block_edges(evidence))
 
+    @np.errstate(all="ignore")
     def worth(f: Found) -> float:
         if f.columns is None:
             return f.score
         tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
         return score_of(evidence.quick_ratio(tables), max(f.k, 1), f.N, blocks)
 
+    assert evidence.bases  # made once, before threads share them
+    worths = on_threads(worth, found)
     near: list[Found] = []
-    for f in [*found[:FIRST], *sorted(found, key=worth, reverse=True)]:
+    for f in [*found[:FIRST], *(found[k] for k in np.argsort(worths, kind="stable")[::-1])]:
         if f not in near and sum(other.name == f.name for other in near) < SHAPES:
             near.append(f)
     return near[:CLOSE]
