@@ -665,13 +665,17 @@ def waves(s: Search) -> None:
                 period = 1.0 / kappa
                 refine = period, shape, 0.1 * period / length
                 s.put(name, shape(period), trials, period=period, refine=refine, family=f"{name}{family}")
+    plain = s.found.get("cogging_harmonic")
     several_waves(s)
     peaks.sort(reverse=True)
     for kappa in known + [k for _, k in peaks[:3]]:
-        if kappa * length > 2.5:
-            trials = max(1, len(known)) if kappa in known else 3000
-            for count in MODULATIONS:
-                s.put("cogging_modulation", modulated_wave(s, kappa, count), len(MODULATIONS) * trials)
+        same = plain is not None and plain.period is not None and abs(1.0 / plain.period - kappa) < 1.0 / length
+        constant = plain.T if same and plain is not None else 0.0  # the score with a constant amplitude
+        trials = max(1, len(known)) if kappa in known else 3000
+        for count in MODULATIONS if kappa * length > 2.5 else ():
+            shape = modulated_wave(s, kappa, count)
+            if constant < NESTED * s.scored(shape)[0]:
+                s.put("cogging_modulation", shape, len(MODULATIONS) * trials)
 
 
 def several_waves(s: Search) -> None:
