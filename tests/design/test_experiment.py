@@ -7,10 +7,8 @@ import pytest
 from scipy.stats import norm
 
 import cogging
-from cogging.design.experiment.goals import detect, explained, fit, frequency, separate
-from cogging.design.experiment.look import Look, Machine, shapes
-from cogging.design.experiment.motion import SURVEY
-from cogging.design.experiment.plan import found_in
+from cogging.design.experiment_motion import SURVEY, Look, Machine, shapes
+from cogging.design.experiment_plan import detect, explained, fit, found_in, frequency, separate
 from cogging.diagnosis.balance.decision import THRESHOLD, score_of
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance

@@ -5,7 +5,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.identification.trust import is_refuted, widened_interval
+from cogging.identification.parameter_fit import is_refuted, widened_interval
 from tests.fixtures.strokes import HIDDEN, as_believed, drawn
 
 CASES = [(seed, hidden) for seed in (0, 1) for hidden in HIDDEN if hidden != "nothing"]

@@ -13,11 +13,10 @@ import pytest
 import cogging
 from cogging import Log
 from cogging.cli.main import main
+from cogging.estimation.axis_balance import AXIS, AxisBalance, explained_share, stated_bounds
 from cogging.files import InputError
-from cogging.identification.misreading.balance import AXIS, Balance
-from cogging.identification.misreading.explained import explained_share, stated_bounds
-from cogging.identification.misreading.misreading import misreading
-from cogging.log_check.unit_check import check_against_model
+from cogging.identification.misreading import misreading
+from cogging.log_check.log_audit import check_against_model
 from tests.fixtures import emps, moving_axis, slow_rotary, unlike_machines
 from tests.fixtures.unlike_machines import MISREADINGS, MISSING
 
@@ -54,7 +53,7 @@ def test_nor_is_one_that_cogging_drives_back_and_forth(seed):
     amplitudes, poles = np.repeat([0.3, 1.0], 4), np.tile([3.45, 5.0, 9.0, 20.0], 2)
     for log in slow_rotary.logs(seed, amplitudes, poles):
         assert misreading([log], slow_rotary.model()) is None
-        assert Balance.of(replace(log, command=-log.command), slow_rotary.model()).work < 0.0
+        assert AxisBalance.of(replace(log, command=-log.command), slow_rotary.model()).work < 0.0
 
 
 @pytest.mark.study
@@ -216,7 +215,7 @@ def test_no_small_mass_raises_the_share(right):
 
 def test_the_fit_is_that_of_a_dense_least_squares(right):
     """Of the places by hat functions written out, and of the rest by numpy."""
-    balance = Balance.of(right, moving_axis.machine())
+    balance = AxisBalance.of(right, moving_axis.machine())
     fit = balance.fit(dict.fromkeys((*AXIS, "drag"), (-1e9, 1e9)))
     node, share, matrix = balance._nodes
     hats = np.zeros((matrix.shape[1], len(node)))

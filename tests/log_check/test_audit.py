@@ -7,9 +7,8 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.log_check.controller_gains import linear_regressors
-from cogging.log_check.encoder_quantum import encoder_quantum
-from cogging.log_check.outliers import find_outliers
+from cogging.log_check.controller_check import linear_regressors
+from cogging.log_check.encoder_readings import encoder_quantum, find_outliers
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.measured import FOLDER
 

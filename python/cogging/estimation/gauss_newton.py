@@ -10,9 +10,8 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.residuals import Residuals
-from cogging.estimation.statistics import student
+from cogging.estimation.statistics import SINGULAR, jackknife, student
 from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.difference_steps import central
 from cogging.model.model import Model

@@ -9,8 +9,7 @@ import numpy as np
 from cogging._core import Plant, PlantAlong, Prediction, Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
-from cogging.estimation.residuals import quiet_plant, steps_needed
-from cogging.estimation.rows_in_motion import SETTLED, START, settling, since
+from cogging.estimation.residuals import SETTLED, START, quiet_plant, settling, since, steps_needed
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.difference_steps import central, one_sided

@@ -1,4 +1,4 @@
-"""What a model leaves unexplained of a log, row by row, in force units; and the plant that is expected of a model."""
+"""The residuals of a model along a log, and which rows count."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from cogging._core import EncoderParameters, NoiseParameters, Plant, friction_slope_max
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, Mask
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
@@ -48,3 +48,32 @@ def steps_needed(model: Model, sample_time: float) -> int:
         return 1
     rate = friction_slope_max(width) * model.axis.coulomb / model.axis.mass
     return int(np.clip(np.ceil(rate * sample_time), 1, 20))
+
+
+SETTLED = 6.0  # time constants of the observer, after which what it did not know (7 exp(-6) of it) is forgotten
+START = 0.06  # s, left out at the start and after a gap: what acted before the first row is not known
+
+
+def settling(still: Mask, time: FloatArray, velocity: FloatArray, rest: float, bandwidth: float) -> FloatArray:
+    """Seconds for which each row must wait after the last that was still, (n,).
+
+    What friction does below `rest` is not known. It has 2 rest / a to act in, at an acceleration a, and leaves a speed
+    that the observer forgets as (1 + s) exp(-s) over time constants s. The wait is that in which as much is left as
+    SETTLED time constants leave of what acted for one or longer; one time constant at least.
+    """
+    constant = 1.0 / (2.0 * np.pi * bandwidth)
+    last = np.maximum(np.maximum.accumulate(np.where(still, np.arange(len(time)), -1)), 0)
+    starts = np.unique(last)
+    ahead = np.minimum(np.searchsorted(time, time[starts] + 0.5 * SETTLED * constant), len(time) - 1)
+    acceleration = np.abs(velocity[ahead] - velocity[starts]) / np.maximum(time[ahead] - time[starts], 1e-300)
+    acted = 2.0 * rest / np.maximum(np.maximum(acceleration * constant, 2.0 * rest), 1e-300)
+    waits = np.linspace(1.0, SETTLED, 51)
+    left = (1.0 + waits) * np.exp(-waits)
+    needed = np.interp(-left[-1] / np.maximum(acted, 1e-12), -left, waits)  # np.interp wants what increases
+    return np.asarray(constant * needed[np.searchsorted(starts, last)])
+
+
+def since(event: Mask, time: FloatArray) -> FloatArray:
+    """Seconds since the last row with the event, 0 in such a row, infinite before the first, (n,)."""
+    last = np.maximum.accumulate(np.where(event, np.arange(len(time)), -1))
+    return np.where(last >= 0, time - time[np.maximum(last, 0)], np.inf)

@@ -1,4 +1,4 @@
-"""A first model and a first reference, with what was found and what could not be told."""
+"""Draft a first model and a first reference from a log, with comments on every number."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import json
 import math
 import os
 import shlex
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,23 +15,165 @@ import numpy as np
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
+from cogging.calls import PATH, Kind, takes
 from cogging.files import InputError, parse_toml
-from cogging.first_model.column_guess import ColumnGuesses
-from cogging.first_model.model_text import MARGIN, model_lines, number
-from cogging.first_model.moves import Motion
-from cogging.first_model.pitch import Wave
-from cogging.first_model.sizes import Sizes
-from cogging.first_model.units import STATED
-from cogging.identification.identify import FEWEST_ROWS
-from cogging.log_check.audit import Audit
-from cogging.log_check.recovery import RecoveredController
-from cogging.logs.log import Log
+from cogging.first_model.axis_sizes import WIDTH, Sizes, Wave, sizes_of, strongest_wave
+from cogging.first_model.column_guess import ColumnGuesses, guess_columns
+from cogging.first_model.headers import LIKELY, STATED, UNKNOWN
+from cogging.first_model.motion_kind import Motion, motion_of_log
+from cogging.identification.identification import FEWEST_ROWS
+from cogging.log_check.controller_recovery import RecoveredController, recover_controller
+from cogging.log_check.controller_samples import on_its_clock
+from cogging.log_check.log_audit import Audit, audit, hints
+from cogging.logs.log import Log, read_log, require_sizes, units_beside
 from cogging.model.model import Model
-from cogging.model.units import Units
+from cogging.model.units import UNIT_KEYS, Units
 from cogging.outputs import write_files
 from cogging.shown import printable
 from cogging.simulation.reference import reference_from
 from cogging.values import ByValue
+
+MARGIN = 0.05  # of the travel that was seen, to either side
+CROSSOVER = 0.01  # of the sample rate: closed-loop poles, rad/s over 2 pi, of gains that are proposed for trying
+
+
+def model_lines(
+    name: str,
+    units: Units,
+    told_units: Sequence[str],
+    sizes: Sizes,
+    travel: tuple[float, float],
+    audit: Audit,
+    controller: RecoveredController | None,
+    wave: Wave | None,
+) -> list[str]:
+    """The lines of the file.
+
+    Args:
+        name: of the log.
+        units: labels of command and position.
+        told_units: how they are known, command first.
+        sizes: mass and friction.
+        travel: m, of the axis.
+        audit: of the log.
+        controller: that reproduces the log's command, if one does.
+        wave: that stands out over position, if one does.
+    """
+    lines = [
+        f"## A first model of the axis that made {name}, by `cogging init`.",
+        "## found: from the log. assumed: by nobody's measurement, replace it where you know better.",
+        "## A line behind a single # is a proposal: take the # away to have it.",
+        "## Check each line, then fit it: cogging identify. (A fitted model is written without these comments.)",
+        "",
+        *_axis(units, sizes, travel, audit),
+        "",
+        "[encoder]",
+        *_encoder(units, audit),
+        "",
+        "[units]                     # labels only: no number is converted by them",
+        _line("command", json.dumps(units.command), told_units[0]),
+        _line("position", json.dumps(units.position), told_units[1]),
+    ]
+    if units.command == "%":
+        lines.append("## % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
+    return [*lines, "", *_cogging(units, wave, travel), "", *_controller(units, sizes, audit, controller)]
+
+
+def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit) -> list[str]:
+    law = "mass x'' = command - viscous x' - coulomb S(x') - cogging(x)"
+    lines = [f"[axis]                      # {law}"]
+    for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
+        size = sizes.sizes[name]
+        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {size.told}"))
+    width = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3
+    lines += [
+        _line("coulomb_width", number(width), f"{units.of('m/s')}; assumed: {100 * WIDTH:g} % of the top speed"),
+        _line("travel", f"[{number(travel[0], 6)}, {number(travel[1], 6)}]", f"{units.of('m')}; {_seen(units, audit)}"),
+        "",
+        "[axis.uncertainty]          # relative, 1 sigma; 0 = exact; left out = unknown within a factor of three",
+    ]
+    for name, size in sizes.sizes.items():
+        if size.uncertainty is None:
+            lines.append(f"# {name} = 0.2              # not told by this log: fill in what you know")
+        else:
+            lines.append(_line(name, number(size.uncertainty, 2), "how far the first balance can be trusted"))
+    return lines
+
+
+def _seen(units: Units, audit: Audit) -> str:
+    low, high = audit.travel
+    return f"found: {low:.5g} to {high:.5g} {units.of('m')} in this log, and a margin; fill in the axis' own"
+
+
+def _encoder(units: Units, audit: Audit) -> list[str]:
+    quantum = audit.encoder_quantum
+    found = "found: the readings differ by multiples of it (the last digit of the file, if that is coarser)"
+    none = "no step could be told from the readings; fill in"
+    return [_line("resolution", number(quantum), f"{units.of('m')}; {found if quantum else none}")]
+
+
+def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> list[str]:
+    lines = ["# [cogging]                 # opposes the command"]
+    if wave is None:
+        span = 0.1 * (travel[1] - travel[0])
+        lines += [
+            "## no period over position stands out of this log: fill in the magnets' pitch",
+            f"# pitch = {number(span, 2):<18} # {units.of('m')}; to be filled in",
+            "# harmonics = [1, 2]",
+        ]
+        return [*lines, f"# sine = [[0.0], [0.0]]     # {units.command}", "# cosine = [[0.0], [0.0]]"]
+    share = f"{100.0 * wave.share:.0f} % of what mass and friction leave"
+    return [
+        *lines,
+        f"# pitch = {number(wave.period):<18} # {units.of('m')}; found: the strongest wave over position, {share};",
+        "##                           it may as well be a harmonic of the magnets' pitch: compare with the data sheet",
+        "# harmonics = [1]",
+        f"# sine = [[{number(wave.sine)}]]          # {units.of('V')}; found",
+        f"# cosine = [[{number(wave.cosine)}]]        # {units.of('V')}; found",
+    ]
+
+
+def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredController | None) -> list[str]:
+    lines = ["# [controller]              # simulate and predict need it"]
+    if found is not None:
+        fields = {"type": found.type, **found.parameters.to_dict()}
+        told = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
+        return [*lines, f"## {told}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
+    rate, mass = rounded_rate(audit.rate), sizes.sizes["mass"].value
+    pole = 2.0 * math.pi * CROSSOVER * rate
+    gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
+    lines += [
+        "## this log does not tell it: fill in yours. The gains below are a proposal for trying, from the mass alone:",
+        f"## three poles at {CROSSOVER:g} of the sample rate.",
+        '# type = "pid"',
+        f"# sample_rate = {rate:g}",
+    ]
+    for (key, value), unit in zip(gains.items(), ("V/m", "V/(m s)", "V/(m/s)"), strict=True):
+        lines.append(f"# {key} = {number(value, 3):<20} # {units.of(unit)}; assumed")
+    return lines
+
+
+def rounded_rate(rate: float) -> float:
+    """A rate as a maker would set it: to three digits."""
+    return float(f"{rate:.3g}")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number as TOML reads it back, to so many digits, always a float."""
+    text = f"{value:.{digits}g}"
+    return text if any(mark in text for mark in ".en") else f"{text}.0"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, float):
+        return number(value, 6) if math.isfinite(value) else ("inf" if value > 0.0 else "-inf")
+    return json.dumps(value)
+
+
+def _line(key: str, value: str, comment: str) -> str:
+    return f"{f'{key} = {value}':<27} # {comment}"
+
 
 ROWS_OF_REFERENCE = 20_000  # of a sampled motion that are kept
 SMOOTHED = 0.002  # of its length, over which readings make a reference
@@ -271,3 +413,113 @@ def _smoothed(log: Log) -> FloatArray:
 
 def _quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
+
+
+FILE = Kind((Log, *PATH), "a Log or the path of a log file")
+ROWS_OF_CONTROLLER = 50_000  # in which its gains are sought
+FEWEST = 10  # rows
+
+
+@takes(log=FILE)
+@np.errstate(all="ignore")  # wild numbers lead to sizes that are not told
+@on_one_blas_thread(scipy=True)
+def draft_model(
+    log: Log | str | os.PathLike[str],
+    *,
+    columns: Mapping[str, str] | None = None,
+    scale: Mapping[str, float] | None = None,
+    rows: slice | None = None,
+) -> ModelDraft:
+    """Look at a log as its owner has it, and draft a model and a reference of the axis that made it.
+
+    Columns are known by their names in English or German, or by how their numbers behave; units by the header's words
+    or by what axes do; mass and friction by least squares of the force balance; each guess is said with its reason,
+    and so is what cannot be told. Nothing here is a fit: `identify` is, and starts from the drafted model.
+
+    Args:
+        log: a Log, or a file of any format that logs have (see read_log), with columns of any names.
+        columns: names in the file that are known, by the names of a log: `{"position": "qm"}`.
+        scale: factors that are known, by the names of a log.
+        rows: the data rows to take, from 0.
+
+    Returns:
+        The draft; print its `text()`, and `write` it.
+
+    Raises:
+        InputError: the file cannot be read, or which column is the time, the position or the command cannot be told.
+        ValueError: a log in memory of fewer than ten rows, or one whose numbers are of no machine.
+
+    Example:
+        >>> log.write("run.csv")
+        >>> draft = cogging.draft_model("run.csv")
+        >>> draft.write("first.toml", "motion.toml")
+        ['first.toml', 'motion.toml']
+        >>> cogging.Model.read("first.toml").axis.mass == draft.model.axis.mass
+        True
+    """
+    if isinstance(log, Log):
+        return _drafted("log", log, None, {}, rows)
+    guesses = guess_columns(log, columns or {}, scale or {}, rows, units_beside(log))
+    read = read_log(log, columns=guesses.columns, scale=guesses.scale, rows=rows)
+    try:
+        return _drafted(os.fspath(log), read, guesses, guesses.scale, rows)
+    except ValueError as error:
+        raise error if isinstance(error, InputError) else InputError(f"{log}: {error}") from None
+
+
+def _drafted(
+    source: str, log: Log, guesses: ColumnGuesses | None, scale: Mapping[str, float], rows: slice | None
+) -> ModelDraft:
+    """The draft of a log that was read."""
+    if len(log) < FEWEST:
+        raise ValueError(f"rows: must be at least {FEWEST} to draft a model from, got {len(log)}")
+    require_sizes(log)
+    units = log.units
+    if guesses is not None:
+        units = Units(**{name: guesses.used[name].unit.label for name in UNIT_KEYS})
+    stamps, (log, clock) = log.time, on_its_clock(log)
+    sizes = sizes_of(log, units)
+    unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
+    if sizes.reversed:
+        log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
+        scale = {**scale, "command": -scale.get("command", 1.0)}
+        unsure.append("which of command and position has the wrong sign: one of them has; the command is turned here")
+    found = audit(replace(log, time=stamps))
+    seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
+    motion = motion_of_log(log.time, seen, quantum, units)
+    controller = recover_controller(_beginning(log))
+    waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
+    draft = ModelDraft(
+        source=source,
+        log=log,
+        columns=guesses,
+        audit=replace(found, units=units),
+        motion=motion,
+        seen_in="position" if log.reference is None else "reference",
+        sizes=sizes,
+        wave=next(filter(None, waves), None),
+        controller=controller and controller._replace(units=units),
+        units=units,
+        scale=dict(scale),
+        rows=rows,
+        likely=(*_guessed(guesses, LIKELY), *([clock] if clock else ())),
+        unsure=(),
+    )
+    unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]
+    unsure += hints(found, draft.model)
+    return replace(draft, unsure=tuple(unsure))
+
+
+def _beginning(log: Log) -> Log:
+    """As many rows as tell a controller's gains."""
+    if len(log) <= ROWS_OF_CONTROLLER:
+        return log
+    return Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
+
+
+def _guessed(guesses: ColumnGuesses | None, sure: str) -> list[str]:
+    """What was guessed of the columns and their units, as sure as that."""
+    if guesses is None:
+        return []
+    said = [f"{g.name}: {g.unit.told}" for g in guesses.used.values() if g.unit.sure == sure]
+    return said + [f"{g.name}: it is {g.label!r}, {g.told}" for g in guesses.used.values() if g.sure == sure]

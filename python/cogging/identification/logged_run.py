@@ -9,13 +9,11 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError, friction_slope_max
 from cogging.arrays import FloatArray, real_array
+from cogging.estimation.force_balance import ForceBalance, Simulator
 from cogging.estimation.replay import Replay
-from cogging.identification.force_balance import Simulator
-from cogging.identification.inverse_dynamics import InverseDynamics
-from cogging.log_check.audit import Audit, audit
-from cogging.log_check.controller import MISMATCH, ControllerCheck, check_controller
-from cogging.log_check.time_base import on_its_clock
-from cogging.log_check.unit_check import check_against_model
+from cogging.log_check.controller_check import MISMATCH, ControllerCheck, check_controller
+from cogging.log_check.controller_samples import on_its_clock
+from cogging.log_check.log_audit import Audit, audit, check_against_model
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
@@ -161,7 +159,7 @@ class LoggedRun:
             return {}
         run = self.replay.log_of(model)
         cutoff = min(80.0, 0.1 / float(np.median(np.diff(self.log.time))))
-        measured, simulated = (InverseDynamics(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
+        measured, simulated = (ForceBalance(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
 
         def ratio(a: FloatArray, b: FloatArray) -> float:
             return float(np.linalg.norm(a - b) / np.linalg.norm(a))
