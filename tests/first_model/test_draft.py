@@ -207,7 +207,7 @@ def test_a_log_without_a_header_or_columns_of_numbers(tmp_path):
     with pytest.raises(InputError, match="line 1: must be a header row with the names of the columns"):
         cogging.draft_model(tmp_path / "a.csv")
     (tmp_path / "b.csv").write_text("a,b\nx,y\nu,v\n")
-    with pytest.raises(InputError, match="column time: cannot tell which it is of none"):
+    with pytest.raises(InputError, match="column time: cannot be identified among none"):
         cogging.draft_model(tmp_path / "b.csv")
 
 

@@ -30,7 +30,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, with_values
 from cogging.values import ByValue, brief
 
-PERIODS_IN_PITCH = 64  # how many times the longest period may go into the common pitch of a list of periods
+PERIODS_IN_PITCH = 64  # largest ratio of the common pitch to the longest period
 
 
 def periods_of(basis: SplineHarmonics) -> list[float]:
@@ -62,12 +62,12 @@ def pitch_and_harmonics(basis: SplineHarmonics) -> tuple[float, list[int]]:
 
 
 GRID = 201  # points along position, velocity and time
-HORIZON = 10.0  # s, of effects that depend on time; longer where a field of theirs says so
-TRAVEL = 1.0  # m on either side, of an axis without ends
+HORIZON = 10.0  # s, for effects that depend on time; longer if a field of theirs is
+TRAVEL = 1.0  # m on either side, for an axis without ends
 
 
 def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -> tuple[Interval, float, list[str]]:
-    """The range of the summed force of effects and noise, V; its middle guess; what is not in it, in words.
+    """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
 
     Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
     and time. To the range at the model's values come, for each field with an interval, the largest changes of force
@@ -141,7 +141,7 @@ def _forces(effect: Effect, points: FloatArray) -> FloatArray:
 
 
 def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
-    """Positions, velocities and times at which an effect is looked at, (n, 3); the first is mid-travel at rest at 0.
+    """Positions, velocities and times at which an effect is evaluated, (n, 3); the first is mid-travel at rest at 0.
 
     A product grid over those coordinates that the effect depends on, as found by moving one at a time.
     """
@@ -186,7 +186,7 @@ NO_DISTURBANCE = (
 @told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounds(ByValue):
-    """Between which numbers an axis lies, and the controllers designed for all of it.
+    """The bounds of an uncertain axis, and the controllers designed for them.
 
     The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
     estimates and the feedforward. In what follows w is `bandwidth` (1/s); None: the smaller of 200 1/s, the k_1 of the
@@ -201,8 +201,8 @@ class Bounds(ByValue):
         disturbance: d_n, V: summed force of effects and noise (see disturbance_range).
         cogging: V, from the smallest to the largest end of the intervals of all amplitudes; None without a cogging.
         disturbance_estimate: V, at rest in mid-travel.
-        fallbacks: which parameters' intervals did not come from `[bounds]` of the model, in words.
-        notes: what is not within the disturbance, and where it is a guess.
+        fallbacks: parameters whose intervals do not come from `[bounds]` of the model.
+        notes: what the disturbance does not include, and where it is assumed.
 
     Example:
         >>> bounds = cogging.Bounds.of(model)
@@ -229,7 +229,7 @@ class Bounds(ByValue):
 
     @classmethod
     def of(cls, model: Model, *, default: Mapping[str, Interval] | None = None, velocity_max: float = 1.0) -> Bounds:
-        """Between which numbers the axis of a model lies: what its controllers are designed from.
+        """Bounds of a model's axis, from which its controllers are designed.
 
         Args:
             model: with intervals in `[bounds]`, as `identify` writes them, or stated uncertainties.
@@ -343,7 +343,7 @@ class Bounds(ByValue):
     def observer_problem(
         self, velocity_min: float, velocity_max: float, *, bandwidth: float | None = None, **overrides: Any
     ) -> ObserverProblem:
-        """What the observer of Malaize and Levine 2009 is designed for (`design_observer`, extra `design`).
+        """The design problem of the observer of Malaize and Levine 2009 (`design_observer`, extra `design`).
 
         The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w, at least 2.4 times the fastest
         harmonic 2 pi velocity_max / P_n, which no smaller disk could hold: the ratios of the comparison of the papers

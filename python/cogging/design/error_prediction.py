@@ -57,19 +57,19 @@ def drawn_machines(
 def drawn_samples(
     intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
 ) -> list[DrawnMachine]:
-    """Draw machines from the intervals of a model, and keep what was drawn.
+    """Draw machines from the intervals of a model.
 
     Each parameter is normal around the model's value, jointly where a covariance is given; a machine with a value that
-    breaks its field's rule is drawn anew. Machine i is the same however many are drawn.
+    breaks its field's rule is drawn again. Machine i does not depend on the number of machines.
 
     Args:
         intervals: of the model; a parameter without one is held.
-        samples: how many.
+        samples: number of machines.
         seed: of the draws.
         covariance: paths (p) and covariance (p, p), in place of their intervals.
 
     Raises:
-        ValueError: an infinite interval, a covariance that is none, or intervals that hold hardly a valid machine.
+        ValueError: an infinite interval, an invalid covariance, or intervals with hardly a valid machine.
     """
     model = intervals.model
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
@@ -146,7 +146,7 @@ def chosen_controllers(
     bandwidth: float | None,
     default: Mapping[str, Interval] | None,
 ) -> tuple[dict[str, AnyController], list[str]]:
-    """The controllers to run on a motion, and which were left out and why.
+    """The controllers to run on a motion, and why others are left out.
 
     Raises:
         ValueError: the names are no list of different known ones, one that was named cannot be had, none is left.
@@ -184,7 +184,7 @@ def chosen_controllers(
 
 
 def _wanted(controllers: Sequence[str] | None) -> list[str]:
-    """The names that are asked for; all where none is."""
+    """The requested names, checked; all by default."""
     wanted = list(controllers) if controllers is not None else [OWN, *DESIGNED]
     if isinstance(controllers, str) or not wanted or len(set(wanted)) != len(wanted):
         raise ValueError(f"controllers: must be a list of different names, got {controllers!r}")
@@ -232,7 +232,7 @@ class PredictedIndex:
 
 @dataclass(frozen=True)
 class ControllerPrediction:
-    """What a controller would reach.
+    """The predicted error of a controller.
 
     Attributes:
         name: of the controller.
@@ -405,14 +405,14 @@ def predict_error(
     controllers run on the same machines. A pure function: the same arguments give the same numbers, whatever the
     threads; more samples keep those of fewer.
 
-    What the model lacks is not predicted: an effect that the machine has and the model has not.
+    Effects that the machine has and the model lacks are not predicted.
 
     Args:
         model: a Model, or the path of a model file.
         reference: a motion, the fields of a reference file, or the path of one.
-        controllers: by name, those of the core or of one's own (see Controller); or which of `own` (the model's) and
-            pid, cascade, arc, dcarc, output_feedback_arc, observer_based, designed from the bounds; None: all of these
-            that can be.
+        controllers: by name, of the core or user-defined (see Controller); or names among `own` (the model's) and pid,
+            cascade, arc, dcarc, output_feedback_arc, observer_based, designed from the bounds; None: all that can be
+            designed.
         samples: machines to draw, at least 2; 39 or more for intervals of 95 %.
         seed: of machines and noise.
         duration: s; 0 = that of the reference file, or the motion's own end.
@@ -422,7 +422,7 @@ def predict_error(
         covariance: paths (p) and covariance (p, p) of parameters that are drawn jointly.
 
     Returns:
-        Median and interval of rms and largest error by controller; print it to read them.
+        Median and interval of rms and largest error by controller.
 
     Raises:
         ValueError: an argument breaks its rule, an interval is infinite without a default, a named controller cannot
@@ -464,7 +464,7 @@ def _errors(
 ) -> FloatArray:
     """The indexes of each controller on each machine, (controllers, machines, 3), m; infinite where a run diverged."""
     plants = [machine.model.plant() for machine in machines]
-    # What the whole run has beyond the window is read off columns, so few runs at a time as their rows allow.
+    # The error outside the window is computed from columns, with as many runs at a time as memory allows.
     whole = window[0] <= 0.0
     jobs = [(controller, place) for controller in controllers for place in range(len(plants))]
     rows = window[1] * max(map(_rate, controllers)) + 1.0
@@ -484,7 +484,7 @@ def _errors(
                 window=(window[0], np.inf, 2.0),
                 columns=() if whole else ("position", "reference"),
             )
-        except ValueError as error:  # what is refused is so on every machine
+        except ValueError as error:  # refused on every machine alike
             raise ValueError(re.sub(r"^run \d+: ", "", str(error))) from None
         largest, rms = (kept.values[:, OF_A_RUN.index(name)] for name in ("error_max", "error_rms"))
         if not whole:
@@ -497,13 +497,13 @@ def _errors(
 
 
 def _rate(controller: AnyController) -> float:
-    """Its sample rate, Hz; what is no controller, the run itself refuses."""
+    """Its sample rate, Hz, or 0; the run itself refuses an invalid controller."""
     rate = getattr(controller, "sample_rate", 0.0)
     return float(rate) if is_number(rate) else 0.0
 
 
 def _drawn(machines: Sequence[DrawnMachine]) -> dict[str, Any]:
-    """What was drawn of the machines, by path, and the seeds of their noise."""
+    """The drawn parameters by path, and the seeds of the noise."""
     drawn: dict[str, Any] = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
     return {**drawn, "seed": np.array([one.seed for one in machines])}
 
@@ -537,9 +537,9 @@ def _index(values: FloatArray) -> PredictedIndex:
 
 
 def _quantile(values: FloatArray, share: float) -> float:
-    """The value below which one more of the same kind lies with this chance, i.e. order statistic share (n + 1).
+    """The value below which a further one lies with probability `share`, i.e. order statistic share (n + 1).
 
-    That of the sample itself (numpy's default) is too narrow: 40 values would hold 90 % where 95 % are asked.
+    The quantile of the sample itself (numpy's default) is too narrow: with 40 values 90 % instead of 95 %.
     """
     ordered = np.sort(values)
     place = min(max(share * (len(ordered) + 1) - 1.0, 0.0), len(ordered) - 1.0)

@@ -23,11 +23,11 @@ from cogging.memory import LOG_COLUMNS, require_table
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
 
-SHARE = 0.9  # of each limit, that a reference takes: its machine does a little more
+SHARE = 0.9  # of each limit, used by a reference; the machine exceeds it a little
 MARGIN = 0.02  # of the travel, kept from each end
 REST = 0.03  # s, after a move
-NEAR = 0.35  # deviation of the logarithm of a number that is drawn near its old value
-SAME = 0.1  # of the rms motion: references that differ by less are one
+NEAR = 0.35  # standard deviation of the logarithm of a number drawn near its old value
+SAME = 0.1  # of the rms motion: references that differ by less are the same
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Element:
 
 
 class Track:
-    """A motion that grows move by move, from the middle of the travel.
+    """A motion built move by move, from the middle of the travel.
 
     Args:
         limits: with travel and jerk (MotionLimits.of).
@@ -99,7 +99,7 @@ class Track:
         return True
 
     def motion(self) -> Sampled:
-        """What was put together, at rest from there to the end of its time."""
+        """The motion, at rest until the end of its time."""
         self.rest((self.rows - self.used) / self.rate)
         position, velocity, acceleration = (np.concatenate(column) for column in zip(*self.pieces, strict=True))
         rows = [
@@ -121,7 +121,7 @@ def strokes(track: Track, p: Mapping[str, float]) -> None:
         for share in (center + half, center - half):
             fits = track.move(track.at(share), p["speed"] * 0.4 ** (done % speeds), p["acceleration"])
             track.rest(p["rest"] if fits else 0.0)
-        fits |= done % speeds > 0  # a slow stroke that has no room may leave room for a quick one
+        fits |= done % speeds > 0  # after a slow stroke without room a fast one may fit
         done += 1
 
 
@@ -137,7 +137,7 @@ def creep(track: Track, p: Mapping[str, float]) -> None:
 
 
 def steps(track: Track, p: Mapping[str, float]) -> None:
-    """Short moves as quick as may be, to and fro about places along the travel."""
+    """Short moves at the limits, back and forth about several positions."""
     length, places, done = p["step"] * (track.high - track.low), (0.5, 0.2, 0.8, 0.35, 0.65, 0.05, 0.95), 0
     while track.move(track.at(places[done % len(places)]), 0.5):
         for sign in (1.0, -1.0, -1.0, 1.0) * 3:
@@ -147,7 +147,7 @@ def steps(track: Track, p: Mapping[str, float]) -> None:
 
 
 def random_moves(track: Track, p: Mapping[str, float]) -> None:
-    """Moves between random places at random speeds and accelerations: what comes with time does not come with place."""
+    """Moves between random positions at random speeds and accelerations, which decorrelate time and position."""
     random, fits = np.random.default_rng(round(p["seed"])), True
     while fits:
         speed, acceleration = p["slowest"] ** random.random(), random.uniform(0.3, 1.0)
@@ -157,7 +157,7 @@ def random_moves(track: Track, p: Mapping[str, float]) -> None:
 
 
 Ends = tuple[float, float]
-#: The kinds, each with its numbers and the ends between which they are drawn, evenly in their logarithm.
+#: The kinds, each with its numbers and the ends of their log-uniform distribution.
 KINDS: dict[str, tuple[Callable[[Track, Mapping[str, float]], None], dict[str, Ends]]] = {
     "strokes": (
         strokes,
@@ -168,7 +168,7 @@ KINDS: dict[str, tuple[Callable[[Track, Mapping[str, float]], None], dict[str, E
     "steps": (steps, {"step": (0.003, 0.2), "rest": (0.03, 0.3)}),
     "random_moves": (random_moves, {"seed": (1.0, 1e6), "slowest": (0.03, 0.7)}),
 }
-#: Strokes over the whole travel at three speeds, by which a machine is surveyed.
+#: Strokes over the whole travel at three speeds: the survey of a machine.
 SURVEY = Element(
     "strokes", {"reach": 1.0, "middle": 0.5, "speed": 1.0, "speeds": 3.0, "acceleration": 1.0, "rest": REST}
 )
@@ -216,17 +216,17 @@ def is_known(motion: Sampled, logs: Sequence[Log]) -> bool:
     return False
 
 
-RATE = 2000.0  # Hz, of a reference's samples at most: it is cubic between them
-SCALES = (1.0, 0.7, 0.5, 0.35, 0.2)  # of speed and acceleration, until the limits hold
-NOISES = 8  # copies of the survey from which the noise is known
-SHAPES = 12  # of an effect, at most, at which it is looked for
-COUNT = 6  # amplitudes along the travel, of an effect that has a list of them
+RATE = 2000.0  # Hz, largest rate of a reference's samples, with cubics between them
+SCALES = (1.0, 0.7, 0.5, 0.35, 0.2)  # of speed and acceleration, tried until the limits hold
+NOISES = 8  # copies of the survey that give the noise
+SHAPES = 12  # shapes of an effect that are tried at most
+COUNT = 6  # amplitudes along the travel, of an effect with a list of them
 CHANGES = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}  # fields of the axis
 
 
 @dataclass(frozen=True)
 class Run:
-    """A motion as it was simulated, with the largest of each quantity over its limit, by the limit's name."""
+    """A simulated motion, and the largest of each quantity over its limit, by the limit's name."""
 
     elements: tuple[Element, ...]
     motion: Sampled
@@ -253,7 +253,7 @@ class Machine:
     taps: FloatArray | None = None
 
     def listening(self, model: Model, survey: Run) -> Machine:
-        """The machine with the noise of its balance: of copies of the survey, for that of one log is not known well."""
+        """The machine with the noise of its balance, estimated from copies of the survey."""
         logs = [survey.log, *(replace(self, seed=self.seed + n).log(model, survey.motion) for n in range(1, NOISES))]
         width, resolution = model.axis.coulomb_width, model.encoder.resolution
         balances = [ForceBalance(log, width, resolution) for log in logs if log is not None]
@@ -278,7 +278,7 @@ class Machine:
             return None
 
     def run(self, model: Model, elements: Sequence[Element]) -> Run | None:
-        """The elements at the largest scale at which the limits hold; None where there is none, or nothing moves."""
+        """Run the elements at the largest scale that keeps the limits; None if there is none, or nothing moves."""
         controller = model.make_controller() if self.controller is None else self.controller
         for scale in SCALES:
             slower = tuple(replace(element, scale=scale * element.scale) for element in elements)
@@ -299,7 +299,7 @@ class Shape:
 
 
 class Look:
-    """A run of `model`, whose parameters beyond those of the effects of `given` are re-tuned, in the force balance."""
+    """A run of `model` in the force balance, with its parameters but those of the effects of `given` re-tuned."""
 
     def __init__(self, machine: Machine, run: Run, given: Model, model: Model) -> None:
         self.machine, self.run, self.model = machine, run, model
@@ -310,14 +310,14 @@ class Look:
         self.evidence.screen = self.evidence.fitted([machine.taps])
 
     def columns(self, shapes: Sequence[Shape]) -> list[FloatArray]:
-        """Whitened columns of each shape, freed of what is re-tuned, for amplitudes of 1, (k, m)."""
+        """Whitened columns of each shape, orthogonal to the re-tuned parameters, for amplitudes of 1, (k, m)."""
         table = np.array([self.force(part) for shape in shapes for part in shape.parts])
         found = self.evidence.project([self.balance.rows(table)])[0]
         found = found / np.concatenate([shape.units for shape in shapes])[:, None]
         return np.split(found, np.cumsum([len(shape.parts) for shape in shapes])[:-1])
 
     def force(self, part: Effect | str) -> FloatArray:
-        """What an effect adds to the balance, or a parameter of the axis that is twice as large, V, (n,)."""
+        """Contribution of an effect to the balance, or of a doubled parameter of the axis, V, (n,)."""
         balance, model = self.balance, self.model
         if part == "mass_change":
             return np.asarray(-model.axis.mass * self.evidence.accelerations[0])
@@ -338,7 +338,7 @@ class Look:
         return self._missing(self.model)
 
     def _missing(self, truth: Model) -> FloatArray:
-        """What the model lacks of a truth that runs without noise, V, (n,)."""
+        """Residual of the model along a noise-free run of the truth, V, (n,)."""
         log = self.machine.log(quiet(truth), self.run.motion)
         if log is None:
             return np.zeros(len(self.balance.time))
@@ -347,7 +347,7 @@ class Look:
 
 
 def shapes(law: Effect | str, model: Model, limits: MotionLimits, near: Effect | None = None) -> list[Shape]:
-    """The plainest shapes of an effect for a machine, first those of another effect with the same fields (`near`)."""
+    """Typical shapes of an effect for a machine, first those of another effect with the same fields (`near`)."""
     if isinstance(law, str):
         return [Shape((law,), np.ones(1))]
     low, high = limits.travel or (0.0, 0.0)
@@ -374,7 +374,7 @@ def shapes(law: Effect | str, model: Model, limits: MotionLimits, near: Effect |
     units |= {"force_per_velocity_squared": small / speed**2, "distance": 1e-5 * length}
     ends, knots, spline = kind_of(law, Travel), kind_of(law, Knots), kind_of(law, SplineKnots)
     if knots is not None and law.ROLES[knots.nodes]["role"] == "setting":
-        return []  # made to measure, never looked for
+        return []  # user-defined nodes are not searched
     fixed: dict[str, Any] = {} if ends is None else {ends.ends: [low, high]}
     if knots is not None:
         fixed |= {knots.nodes: list(np.linspace(low, high, COUNT))}

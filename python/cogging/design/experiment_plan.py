@@ -51,28 +51,28 @@ from cogging.values import ByValue
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COPIES = 1000  # of rivals along a motion, from which a frequency is read
-HOPELESS = 0.6  # frequency of being right below which a motion does not tell rivals apart
-LOUD = 100.0  # noncentrality of an effect whose size a result does not tell
-TRIALS = 20  # independent shapes of an effect, among which it must stand out
-CHANCE = 0.95  # of being seen, of a detection limit
-FAR = 4.0  # of the logarithm of a detection limit: farther from that of the survey counts no more
-BEYOND = 100.0  # small amplitudes, a hundredth of the machine's force each: what is seen from there on is not seen
-HALF = 1.96  # deviations: half of a 95 % interval
+COPIES = 1000  # simulated copies of a motion, for the frequency of a correct decision
+HOPELESS = 0.6  # frequency of a correct decision below which a motion does not separate rivals
+LOUD = 100.0  # noncentrality assumed for an effect of unknown size
+TRIALS = 20  # independent shapes of an effect, for the detection threshold
+CHANCE = 0.95  # detection probability at a detection limit
+FAR = 4.0  # largest change of the logarithm of a detection limit that counts
+BEYOND = 100.0  # times a hundredth of the machine's force: larger limits count as not detectable
+HALF = 1.96  # standard deviations in half of a 95 % interval
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """What is expected of one thing that a plan is for.
+    """What a planned motion is expected to show of one effect or parameter.
 
     Attributes:
-        name: of the effect; of a fit, the path of the parameter.
-        alternative: the other name that it is held against; empty where there is none.
-        parameter: field whose smallest visible size is told; empty where there is none.
+        name: of the effect; for a fit, the path of the parameter.
+        alternative: name of the rival; empty if there is none.
+        parameter: field with a detection limit; empty if there is none.
         unit: of the numbers.
-        expected: of rivals, how often the right one is the likelier in simulated copies of the motion; the smallest
-            size that would be seen with 95 % chance; or half of a 95 % interval. None: the motion cannot tell.
-        today: the same of what is known before the motion; None where that is not known.
+        expected: for rivals, the frequency of a correct decision in simulated copies of the motion; the smallest size
+            detected with probability 95 %; or half of a 95 % interval. None: not identifiable from the motion.
+        today: the same before the motion; None: unknown.
     """
 
     name: str
@@ -88,12 +88,12 @@ class Expectation:
         today = "" if self.today is None else f"; today {self.today:.2g}{unit}"
         if self.alternative:
             often = f"the right one is the likelier in {100 * (self.expected or 0.0):.0f} % of simulated runs"
-            none = ": no motion that was tried tells them apart" if (self.expected or 0.0) < HOPELESS else ""
+            none = ": no tried motion separates them" if (self.expected or 0.0) < HOPELESS else ""
             return f"{self.name} or {self.alternative}: {often}{none}"
         if self.expected is None:
             return f"{self.name}: {'cannot be seen in' if self.parameter else 'not determined by'} this motion{today}"
         if self.parameter:
-            return f"{self.name}: {self.parameter} of {self.expected:.3g}{unit} would be seen{today}"
+            return f"{self.name}: {self.parameter} of {self.expected:.3g}{unit} would be detected{today}"
         return f"{self.name}: to +- {self.expected:.3g}{unit}{today}"
 
 
@@ -114,7 +114,7 @@ class Found(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What a run is worth, and what is to be expected of it."""
+    """The value of a run, and what it is expected to show."""
 
     worth: Callable[[Run], float]
     expectations: Callable[[Run], list[Expectation]]
@@ -136,8 +136,8 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
     """Effects against their alternatives: noncentrality of the one beside the other refitted, either way round.
 
     lambda = min over shapes and sizes of b, and over what is re-tuned, of |a - b|^2, whitened: 2 ln of the likelihood
-    of the right one over the other has the mean lambda (Atkinson and Fedorov 1975). The other one is taken to look
-    as much alike as it can on the survey, and to be as loud there.
+    of the right one over the other has the mean lambda (Atkinson and Fedorov 1975). The rival has the shape most
+    similar to it on the survey, and the same power there.
     """
     alike: dict[tuple[str, str], tuple[FloatArray, int, FloatArray]] = {}
 
@@ -197,7 +197,7 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
 
 
 def explained(groups: Sequence[FloatArray], signal: FloatArray) -> tuple[float, int, FloatArray]:
-    """How much of a signal the best of groups of columns takes, which group, and its amplitudes."""
+    """Power of a signal that the best of groups of columns explains, the group, and its amplitudes."""
     best = (0.0, 0, np.zeros(len(groups[0])))
     for number, columns in enumerate(groups):
         size = np.linalg.norm(columns, axis=1) + 1e-300
@@ -209,13 +209,13 @@ def explained(groups: Sequence[FloatArray], signal: FloatArray) -> tuple[float, 
 def frequency(
     own: Sequence[FloatArray], other: Sequence[FloatArray], signal: FloatArray, blocks: int, seed: int
 ) -> float:
-    """How often the right one of two effects is the likelier in white noise, by the score of the engine.
+    """Frequency with which the right one of two effects has the larger score in white noise.
 
     Args:
         own: whitened columns of the right one at its shapes, a group a shape.
-        other: those of the other one.
-        signal: what the right one does.
-        blocks: of motion, by which amplitudes cost.
+        other: those of the rival.
+        signal: of the right one.
+        blocks: of motion, which penalise amplitudes.
         seed: of the noise.
     """
     seen = [[group for group in side if np.any(group)] for side in (own, other)]
@@ -232,7 +232,7 @@ def frequency(
 
 
 def detect(machine: Machine, model: Model, laws: Mapping[str, Effect], survey: Run, today: Mapping[str, Any]) -> Goal:
-    """Detection limits, lowered on the whole: the mean of their logarithms. `today`: limits as a result states them."""
+    """Lower the detection limits: the mean of their logarithms. `today`: the limits in a result."""
     wanted = {name: shapes(law, model, machine.limits)[:3] for name, law in laws.items()}
     wanted = {name: groups for name, groups in wanted.items() if groups}
 
@@ -265,9 +265,9 @@ def detect(machine: Machine, model: Model, laws: Mapping[str, Effect], survey: R
 
 
 def smallest(law: Effect, seen: Sequence[tuple[Shape, FloatArray]], blocks: int) -> tuple[str, float]:
-    """The field that tells the size of an effect, and the median over shapes of the smallest size that is seen.
+    """The field of an effect's size, and the median over shapes of the smallest size that is detected.
 
-    Seen is what passes the engine's threshold with 95 % chance: 2 ln of the likelihood is noncentral chi-square.
+    Detected: above the engine's threshold with probability 95 %; 2 ln of the likelihood is noncentral chi-square.
     """
     from scipy.optimize import brentq
     from scipy.stats import ncx2
@@ -294,7 +294,7 @@ def fit(machine: Machine, given: Model, model: Model, survey: Run) -> Goal:
     known = parameters_of(model, together=True)
 
     def information(run: Run) -> tuple[list[str], FloatArray]:
-        """Parameters, and what a run tells of them beside the friction law that is free too."""
+        """Parameters, and the information of a run about them with the friction law free."""
         evidence = Look(machine, run, given, model).evidence
         rows = evidence.filtered(evidence.nuisances, evidence.screen.taps) * evidence.basis[0]
         own = np.array([path in known for path in evidence.paths])
@@ -333,14 +333,14 @@ PURPOSE = {
     "detect": "a motion to see small effects",
     "fit": "a motion to narrow the intervals of a fit",
 }
-ROUNDS, FRESH, TOGETHER = 9, 5, 4  # of drawn motions, those that owe nothing to the best so far, and motions in each
-PARTS, PART_MIN = 3, 2.0  # elements one after another, at most, and s of each, at least
-POLE, POLE_RATE = 60.0, 1000.0  # 1/s and Hz, of the loop of a model that states none
-QUIET = 0.01  # of the force of the largest acceleration: noise of a model that states none
+ROUNDS, FRESH, TOGETHER = 9, 5, 4  # rounds of drawn motions, those independent of the best so far, motions per round
+PARTS, PART_MIN = 3, 2.0  # largest number of elements, and shortest duration of each, s
+POLE, POLE_RATE = 60.0, 1000.0  # 1/s and Hz, of the loop assumed without a stated controller
+QUIET = 0.01  # of the force of the largest acceleration: assumed noise without a stated one
 
 
 class NoMotion(ValueError):
-    """No motion keeps to the limits."""
+    """No motion keeps the limits."""
 
     def __init__(self, why: str) -> None:
         self.why = why
@@ -355,10 +355,10 @@ class ExperimentPlan(ByValue):
         goal: separate, detect or fit.
         elements: motions one after another, each a kind with its parameters.
         motion: the reference.
-        limits: what the machine may do, with what the model stated of it.
+        limits: of the machine, completed from the model.
         taken: largest of each quantity in the simulated loop over its limit, by the limit's name.
         expected: what the motion is expected to show.
-        notes: sentences on what was assumed.
+        notes: assumptions.
         seed: of the noise and the drawn motions.
         units: labels of the model's units.
 
@@ -388,12 +388,12 @@ class ExperimentPlan(ByValue):
         lines = [f"{PURPOSE[self.goal]}, {self.motion.end:.4g} s:"]
         lines += [f"  {number}. {element.text()}" for number, element in enumerate(self.elements, start=1)]
         shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in self.taken.items())
-        lines += [f"of the limits it takes: {shares}", "to be expected:"]
-        lines += [f"  {entry.text()}" for entry in self.expected] or ["  nothing that can be told"]
+        lines += [f"shares of the limits used: {shares}", "expected:"]
+        lines += [f"  {entry.text()}" for entry in self.expected] or ["  nothing identifiable"]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def to_dict(self) -> dict[str, Any]:
-        """The plan without its samples: what stands beside the reference file."""
+        """The plan without its samples, for JSON."""
         return {
             "goal": self.goal,
             "expected": [vars(entry) for entry in self.expected],
@@ -458,33 +458,33 @@ def plan_experiment(
     seed: int = 0,
     progress: Progress = False,
 ) -> ExperimentPlan:
-    """Compute a motion within a machine's limits that tells most, and what is to be expected of it.
+    """Find the most informative motion within a machine's limits, and what it is expected to show.
 
-    Motions are drawn: strokes, creep with reversals, short steps, random moves. Each is simulated in closed loop, with
-    noise and encoder, and held against the limits: travel with room to stop, speed, acceleration, jerk, time and
-    command. Its log is seen as `diagnose` would see it; the best motion is varied.
+    Motions are drawn at random: strokes, creep with reversals, short steps, random moves. Each is simulated in closed
+    loop, with noise and encoder, and checked against the limits: travel with room to stop, speed, acceleration, jerk,
+    duration and command. Its log is evaluated as by `diagnose`; the best motion is then varied.
 
-    Goals: `separate` makes an effect and its alternatives, refitted to the same motion, stand as far apart as can be
-    (T-optimal, Atkinson and Fedorov 1975); `detect` lowers the detection limits; `fit` narrows the intervals of the
-    model's parameters (D-optimal), with what its `[bounds]` know already.
+    Goals: `separate` maximises the distance of an effect from its alternatives, refitted to the same motion (T-optimal,
+    Atkinson and Fedorov 1975); `detect` lowers the detection limits; `fit` narrows the intervals of the model's
+    parameters (D-optimal), given its `[bounds]`.
 
     Args:
         model: model that the result is of, or its file. Without a controller a plain PID tracks the motion: a note
             says so.
-        limits: what the machine may do, or its file.
-        result: what `diagnose` found, or the JSON that it wrote.
-        logs: logs that the result is of: their motion is not proposed again.
+        limits: of the machine, or their file.
+        result: of `diagnose`, or its JSON file.
+        logs: of the result; their motion is not proposed again.
         goal: separate, detect or fit; None: separate where the result has alternatives, else detect.
-        controller: one to use in place of the model's own (see simulate).
-        also: effects of your own that the result names.
+        controller: to use instead of the model's (see simulate).
+        also: user-defined effects in the result.
         seed: of the noise and the drawn motions.
-        progress: True shows a line of what is being done, a function is told each step in words.
+        progress: True shows the current step; a function receives its name.
 
     Returns:
-        The motion with what it is expected to show; print it to read it, `write` it to run it.
+        The motion and what it is expected to show; `write` it to run it.
 
     Raises:
-        ValueError: a goal that is none, a result without alternatives for `separate`, limits that no motion keeps to.
+        ValueError: an unknown goal, a result without alternatives for `separate`, limits that no motion keeps.
         FieldError: a ValueError: limits or a result that cannot be used with the model.
         InputError: a file that cannot be read.
 
@@ -521,7 +521,7 @@ def plan_experiment(
             whole = one.added_to(whole)
         survey = machine.run(whole, (SURVEY,))
         if survey is None:
-            raise NoMotion("no motion of this machine keeps to them, not even at a fifth of the speed")
+            raise NoMotion("no motion of this machine keeps them, not even at a fifth of the speed")
         machine = machine.listening(whole, survey)
         if goal == "separate":
             told = separate(machine, model, found, vocabulary, survey)
@@ -531,7 +531,7 @@ def plan_experiment(
             told = fit(machine, model.replace(effects=()), whole, survey)
         best = _best(machine, whole, told.worth, logs, begin)
         if best is None:
-            raise NoMotion("no motion that was drawn keeps to them, or none lets the axis move for long enough")
+            raise NoMotion("no drawn motion keeps them, or none lets the axis move for long enough")
         begin("what is to be expected")
         expected = tuple(told.expectations(best))
     plan = goal, best.elements, best.motion, limits, best.taken, expected, tuple(notes), seed, model.units
@@ -541,7 +541,7 @@ def plan_experiment(
 def _best(
     machine: Machine, truth: Model, worth: Callable[[Run], float], logs: Sequence[Log], begin: Callable[[str], None]
 ) -> Run | None:
-    """The best of motions drawn anew and then near the best so far; None where none keeps to the limits."""
+    """The best of random motions, later drawn near the best so far; None if none keeps the limits."""
     random = np.random.default_rng(machine.seed)
     count = max(1, min(PARTS, int(machine.limits.duration / PART_MIN)))
     best: tuple[float, Run] | None = None
@@ -578,7 +578,7 @@ def _best(
 def _with_loop_and_noise(
     model: Model, controller: AnyController | None, limits: MotionLimits, notes: list[str]
 ) -> Model:
-    """The model with a controller and noise: its own, or a plain PID and a hundredth of the force; notes say so."""
+    """The model with a controller and noise: its own, or an assumed PID and noise, with a note."""
     mass, viscous = model.axis.mass, model.axis.viscous
     if controller is None and model.controller is None:
         kp, ki, kd = pid_gains([-POLE] * 3, mass)
@@ -586,7 +586,7 @@ def _with_loop_and_noise(
         model = model.replace(controller=own, controller_type="pid")
         notes.append(
             f"the model states no controller: planned with a PID of three poles at {POLE:g} 1/s at {POLE_RATE:g} Hz; "
-            "what yours makes of the motion may exceed the limits"
+            "the motion under yours may exceed the limits"
         )
     if model.noise.force == 0.0 and model.encoder.resolution == 0.0 and model.encoder.noise == 0.0:
         force = QUIET * mass * limits.acceleration
@@ -599,10 +599,10 @@ def _with_loop_and_noise(
 
 
 def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read what `diagnose --json` wrote.
+    """Read the result of `diagnose --json`.
 
     Raises:
-        InputError: the file cannot be read, or is no such result.
+        InputError: the file cannot be read, or is not such a result.
     """
     what = f"{path}: must be the result of diagnose --json"
     try:
@@ -654,7 +654,7 @@ def found_in(result: Mapping[str, Any] | None, model: Model, vocabulary: Mapping
 
 
 def _values(table: Any, place: str, name: str, fields: Sequence[str]) -> dict[str, Any]:
-    """Values of parameters by field; those that are not known are left out."""
+    """Values of parameters by field, without unknown ones."""
     if not isinstance(table, Mapping):
         raise FieldError("", place, f"must be a table, got {quoted(table)}")
     values: dict[str, Any] = {}

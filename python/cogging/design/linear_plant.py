@@ -35,7 +35,7 @@ class LinearPlant(NamedTuple):
         b: (n, 1).
         c: (1, n).
         delay: s.
-        left_out: what is not linear and has no part in it, in words.
+        left_out: nonlinear parts that are not included.
     """
 
     a: FloatArray
@@ -117,7 +117,7 @@ def held(plant: LinearPlant, sample_time: float) -> HeldPlant:
 
 
 def _held(a: FloatArray, b: FloatArray, time: float) -> FloatArray:
-    """What a command of 1 that is held for a time leaves in the state."""
+    """The state after a command of 1 held for a time."""
     from scipy.linalg import expm
 
     size = a.shape[0]
@@ -155,7 +155,7 @@ def _behind_lag(a: FloatArray, b: FloatArray, c: FloatArray, time: float) -> tup
 
 
 def _friction(model: Model, known: list[Effect], position: float, velocity: float) -> float:
-    """What opposes the motion there, V: viscous, Coulomb with what effects add to its level, and their forces."""
+    """Force opposing the motion there, V: viscous and Coulomb friction with the effects' contributions."""
     level, force = model.axis.coulomb, 0.0
     for one in known:
         if "friction_level" in one.HOOKS:
@@ -173,7 +173,7 @@ def _damping(model: Model, known: list[Effect], speed: float, position: float) -
 
 
 def _stiffness(model: Model, known: list[Effect], speed: float, position: float | None) -> float:
-    """By how much the force falls a metre, V/m."""
+    """Stiffness, V/m."""
     if position is None:
         return sum(one.stiffness for one in known if isinstance(one, effects.CableSpring))
     above, below = (_friction(model, known, position + way * STEP, speed) for way in (1.0, -1.0))
@@ -182,7 +182,7 @@ def _stiffness(model: Model, known: list[Effect], speed: float, position: float 
 
 
 def _reading_slope(known: list[Effect], position: float | None) -> float:
-    """By how much the reading rises with the position."""
+    """Slope of the reading over the position."""
     slope = 1.0
     for one in known:
         if isinstance(one, effects.EncoderScaleError):
@@ -194,7 +194,7 @@ def _reading_slope(known: list[Effect], position: float | None) -> float:
 
 
 def _command_gain(known: list[Effect], position: float | None) -> float:
-    """By how much the command acts more there, at the start."""
+    """Gain of the command there."""
     if position is None:
         return 1.0
     gains = (laws_of(one).gain_at(position=position) for one in known if "command_gain" in one.HOOKS)
@@ -217,7 +217,7 @@ def _left_out(model: Model, speed: float | None, position: float | None) -> tupl
     return tuple(left)
 
 
-FREQUENCIES = 2000  # at which the sensitivity is looked at, up to half the sample rate
+FREQUENCIES = 2000  # of the sensitivity, up to half the sample rate
 LOWEST = 1e-4  # of them, over the sample rate
 UNIT_CIRCLE = 1.0 + 1e-9
 
@@ -289,7 +289,7 @@ def linear_controller(model: Model, *, speed: float | None = None) -> Polynomial
 
 
 def _compensated(of: Mapping[str, float], speed: float | None) -> float:
-    """Slope of the friction that a controller makes up for, V/(m/s)."""
+    """Slope of the friction that a controller compensates, V/(m/s)."""
     if speed is None or of["coulomb"] == 0.0:
         return of["viscous"]
     step = 1e-6 * max(abs(speed), of["coulomb_width"])

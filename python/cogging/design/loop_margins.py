@@ -29,11 +29,11 @@ class Machine(NamedTuple):
 
 
 def variations_of(setup: Setup, vary: Mapping[str, Any] | str) -> tuple[list[Variation], list[str]]:
-    """How the machines differ, and what is to be said of that.
+    """The variations between machines, and remarks on them.
 
     Raises:
-        FieldError: a number that cannot be varied here, or how it is breaks a rule.
-        ValueError: a path that the run has not, with the nearest.
+        FieldError: a number that cannot be varied here, or an invalid variation.
+        ValueError: an unknown path; the nearest is named.
     """
     notes = []
     if vary == BOUNDS:
@@ -60,17 +60,17 @@ def variations_of(setup: Setup, vary: Mapping[str, Any] | str) -> tuple[list[Var
 
 
 def machines_of(setup: Setup, variations: list[Variation], count: int, seed: int, stream: int) -> list[Machine]:
-    """Draw machines: a Latin hypercube, values that break a rule drawn anew. The same arguments give the same.
+    """Draw machines on a Latin hypercube; values that break a rule are drawn again. Deterministic.
 
     Args:
-        setup: the model as it is.
+        setup: the nominal model and motion.
         variations: of its numbers.
-        count: how many.
+        count: number of machines.
         seed: of the draws.
         stream: of that seed: machines of different streams are independent.
 
     Raises:
-        ValueError: the distributions hold hardly a valid machine.
+        ValueError: the distributions have hardly a valid machine.
     """
     from scipy.stats import qmc
 
@@ -96,28 +96,28 @@ def machines_of(setup: Setup, variations: list[Variation], count: int, seed: int
     return machines
 
 
-GROWN = 5.0  # times its largest trace in the loop as it is: from then on a push counts as grown
-FORGOTTEN = 0.3  # of its largest in the first half of the motion behind it: what may be left in the second
-COUNTS = 10.0  # of the encoder: a trace below that is not told from its rounding
+GROWN = 5.0  # times the largest response of the unchanged loop: a larger response has grown
+FORGOTTEN = 0.3  # of the largest response in the first half of the motion after a push: allowed in the second
+COUNTS = 10.0  # of the encoder: smaller responses are rounding
 PUSH_SHARE = 0.2  # of the largest command
 PUSH_SAMPLES = 50
-MOVING = 0.05  # of the largest reference speed: from there on friction does not hold what a push has left
-HALVINGS = 5  # of the step in which a loop is lost: a margin is known to 3 %
+MOVING = 0.05  # of the largest reference speed: above it friction does not hold the response
+HALVINGS = 5  # of the step in which the loop fails: a margin is accurate to 3 %
 GAIN_MOST = 1024.0
-DELAY_SHARE = 0.25  # of the run: the longest delay that is tried
+DELAY_SHARE = 0.25  # of the run: the longest delay tried
 ROWS = 4000  # kept of a run
-FAR = 1e9  # m: a period beside which the travel is nothing
+FAR = 1e9  # m: a period much longer than any travel
 
 
 class Push(NamedTuple):
-    """A push on the machine: a force of a given length, while the machine moves.
+    """A force pulse on the machine while it moves.
 
     Attributes:
         force: V.
         start, stop: s.
         duration: of the run, s; 0 = the motion's own end.
-        every: each so many rows are kept.
-        moving: which of the kept rows the reference moves in.
+        every: rows per kept row.
+        moving: kept rows in which the reference moves.
     """
 
     force: float
@@ -129,7 +129,7 @@ class Push(NamedTuple):
 
 
 def push_of(motion: Reference, sample_rate: float, duration: float, command_max: float) -> Push:
-    """The push of a motion: a fifth of the largest command, for 50 samples, when half the largest speed is reached.
+    """The push for a motion: a fifth of the largest command for 50 samples, from half the largest speed.
 
     Args:
         motion: that the machine follows.
@@ -152,11 +152,11 @@ def push_of(motion: Reference, sample_rate: float, duration: float, command_max:
 class Loops:
     """Machines under one controller, pushed with more delay and gain than they have.
 
-    A push makes a trace: the difference of the true position between two runs, with and without it, alike in all else
-    (machine, noise, delay, gain). The loop holds on a machine when both runs come to their end, no trace is larger than
-    GROWN times the largest of the loop as it is, and in the second half of the moving rows behind the push its rms is
-    at most FORGOTTEN of its largest in the first half, and of that in the loop as it is. Where no loop holds as it is,
-    the trace is that of the velocity: a speed loop keeps no place.
+    The trace of a push is the difference of the true position between two runs with and without it, equal in all else.
+    The loop holds on a machine if both runs complete, the trace is at most GROWN times the largest of the unchanged
+    loop, and its rms in the second half of the moving rows after the push is at most FORGOTTEN of its largest in the
+    first half, and of that in the unchanged loop. If no unchanged loop holds, as for a speed loop, the trace of the
+    velocity is used.
     """
 
     def __init__(self, machines: Sequence[Machine], controller: AnyController, push: Push, *, threads: int = 0) -> None:

@@ -20,15 +20,15 @@ from cogging.model.model import Model, is_number
 from cogging.shown import quoted
 from cogging.values import ByValue
 
-DURATION = (2.0, 600.0)  # s, of a motion: a shorter one leaves no rows between its turns
-JERK_RISE = 0.01  # s, in which the acceleration rises to its limit where no jerk is stated
-LASTING = 0.02  # s, over which a machine's acceleration is averaged: held commands and noise make it jump
+DURATION = (2.0, 600.0)  # s, of a motion
+JERK_RISE = 0.01  # s, in which the acceleration rises to its limit without a stated jerk
+LASTING = 0.02  # s, over which a machine's acceleration is averaged, against held commands and noise
 
 
 @told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits(ByValue):
-    """What a machine may do in an experiment.
+    """The limits of a machine in an experiment.
 
     Attributes:
         velocity: largest speed, m/s.
@@ -102,7 +102,7 @@ class MotionLimits(ByValue):
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> MotionLimits:
-        """Make limits of the fields of a limits file; raises FieldError, which names field, rule and value."""
+        """Make limits from the fields of a limits file; raises FieldError, which names field, rule and value."""
         refuse_unknown_keys(document, LIMITS, "")
         for name in LIMITS_NEEDED:
             if name not in document:
@@ -115,7 +115,7 @@ class MotionLimits(ByValue):
         return {name: list(v) if name == "travel" else v for name, v in stated.items() if v is not None}
 
     def of(self, model: Model) -> MotionLimits:
-        """The limits with what they leave open taken from the model.
+        """The limits, completed from the model.
 
         Raises:
             FieldError: the travel is stated neither here nor by the model, or is not inside the model's.
@@ -135,10 +135,10 @@ class MotionLimits(ByValue):
 
 
 def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
-    """Largest of each quantity of a reference and of a run along it, over its limit; above 1 the limit is exceeded.
+    """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
 
-    The machine's acceleration is the mean over 20 ms of what its true speed does; the jerk is the reference's alone:
-    each new command makes the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
+    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes
+    the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
     """
     asked = motion.samples
     position = log.true_position if log.true_position is not None else log.position

@@ -15,7 +15,7 @@ from cogging.model.parameters import Scales
 
 
 class Residuals(Protocol):
-    """One log seen by models: rows that count, and what each model leaves unexplained of them, V."""
+    """The residuals of models along one log, V, and which rows count."""
 
     log: Log
 
@@ -25,19 +25,19 @@ class Residuals(Protocol):
 
     @property
     def scales(self) -> Scales:
-        """Sizes of the log."""
+        """Typical sizes of the log's quantities."""
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n)."""
 
 
 def quiet(model: Model) -> Model:
-    """The model without quantiser and noise: what is expected of it."""
+    """The model without quantiser and noise."""
     return model.replace(encoder=EncoderParameters(), noise=NoiseParameters())
 
 
 def quiet_plant(model: Model) -> Plant:
-    """The plant of a model without quantiser and noise: what predicts."""
+    """The plant of a model without quantiser and noise."""
     return quiet(model).plant()
 
 
@@ -50,16 +50,16 @@ def steps_needed(model: Model, sample_time: float) -> int:
     return int(np.clip(np.ceil(rate * sample_time), 1, 20))
 
 
-SETTLED = 6.0  # time constants of the observer, after which what it did not know (7 exp(-6) of it) is forgotten
-START = 0.06  # s, left out at the start and after a gap: what acted before the first row is not known
+SETTLED = 6.0  # time constants after which the observer has forgotten its initial error (7 exp(-6) remains)
+START = 0.06  # s, omitted at the start and after a gap: earlier commands are unknown
 
 
 def settling(still: Mask, time: FloatArray, velocity: FloatArray, rest: float, bandwidth: float) -> FloatArray:
-    """Seconds for which each row must wait after the last that was still, (n,).
+    """Time that must pass since the last row at rest before each row counts, s, (n,).
 
-    What friction does below `rest` is not known. It has 2 rest / a to act in, at an acceleration a, and leaves a speed
-    that the observer forgets as (1 + s) exp(-s) over time constants s. The wait is that in which as much is left as
-    SETTLED time constants leave of what acted for one or longer; one time constant at least.
+    Friction below `rest` is unknown. At an acceleration a it acts for 2 rest / a and leaves a speed error that the
+    observer forgets as (1 + s) exp(-s) over s time constants. The wait leaves as much of it as SETTLED time constants
+    leave of a force that acted for one time constant or longer; it is at least one time constant.
     """
     constant = 1.0 / (2.0 * np.pi * bandwidth)
     last = np.maximum(np.maximum.accumulate(np.where(still, np.arange(len(time)), -1)), 0)
@@ -69,7 +69,7 @@ def settling(still: Mask, time: FloatArray, velocity: FloatArray, rest: float, b
     acted = 2.0 * rest / np.maximum(np.maximum(acceleration * constant, 2.0 * rest), 1e-300)
     waits = np.linspace(1.0, SETTLED, 51)
     left = (1.0 + waits) * np.exp(-waits)
-    needed = np.interp(-left[-1] / np.maximum(acted, 1e-12), -left, waits)  # np.interp wants what increases
+    needed = np.interp(-left[-1] / np.maximum(acted, 1e-12), -left, waits)  # np.interp needs increasing abscissae
     return np.asarray(constant * needed[np.searchsorted(starts, last)])
 
 

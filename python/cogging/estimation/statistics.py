@@ -12,7 +12,7 @@ from cogging.estimation.whitening import Whitened
 
 
 def student(freedom: float, confidence: float = 0.95) -> float:
-    """The two-sided quantile of Student's t; taken at 2 degrees of freedom where there are fewer."""
+    """Two-sided quantile of Student's t, with at least 2 degrees of freedom."""
     from scipy.special import stdtrit
 
     return float(stdtrit(max(freedom, 2.0), 0.5 + 0.5 * confidence))
@@ -29,20 +29,18 @@ def moving_average(values: FloatArray, length: int) -> FloatArray:
     return np.asarray((total[last] - total[first]) / (last - first))
 
 
-LOOSE = 1e-3  # of a direction that nothing determines: a parameter that has more of it is not determined
-ALONE = 2.0  # times its variance, by which a parameter loses where one block is left out: that block alone shows it
-SINGULAR = 1e-9  # of the largest eigenvalue of scaled curvature: in directions below it nothing is determined
+LOOSE = 1e-3  # component in an undetermined direction, above which a parameter is not determined
+ALONE = 2.0  # variance ratio without a block, above which that block alone determines a parameter
+SINGULAR = 1e-9  # of the largest eigenvalue of the scaled curvature: smaller ones are zero
 
 
 def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     """Covariance (p, p) from leaving out one block of rows after the other, and its degrees of freedom (p,).
 
-    Blocks, so that what whitening leaves correlated within one counts; each is left out, for a parameter that a few
-    blocks show follows them, and is surer of itself than it should be. Nothing holds it above the covariance that
-    white residuals would have: with few blocks it scatters to either side, which the degrees of freedom allow for.
-    What one block alone shows (a limit that was reached once) does not move where another is left out: that has the
-    covariance of white residuals, widened by as much as those of the other parameters are.
-    What no row determines has an infinite variance.
+    Blocks account for correlation that whitening leaves within them. Leaving each out avoids the optimism of a
+    sandwich estimate for a parameter that few blocks determine. A parameter that one block alone determines (a limit
+    that was reached once) does not move when another is left out: it gets the covariance of white residuals, inflated
+    as those of the other parameters are. What no row determines has an infinite variance.
     """
     whole = np.asarray(sum(log.columns @ log.columns.T for log in logs))
     if not len(whole):
@@ -51,14 +49,14 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     size[size == 0.0] = 1.0
     scaled = whole / np.outer(size, size)
     white = np.diag(np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True))
-    hangs = np.zeros(len(size), dtype=bool)  # on one block
+    hangs = np.zeros(len(size), dtype=bool)  # on one block alone
     shifts = []
     for log in logs:
         columns = log.columns / size[:, None]
         for curvature, right in shares_of_blocks(columns, columns, log.residual, log.block):
             without = np.linalg.pinv(scaled - curvature, rcond=SINGULAR, hermitian=True)
             shifts.append(without @ right)
-            left = np.diag(without)  # less than with the block: no row is left that shows it
+            left = np.diag(without)  # smaller than with the block: no remaining row depends on it
             hangs |= (left > ALONE * white) | (left < 0.99 * white)
     covariance, freedom = spread_of(np.array(shifts) / size)
     covariance, freedom = widened(covariance, freedom, white / size**2, hangs, max(len(shifts) - len(size), 1))
@@ -72,7 +70,7 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
 def shares_of_blocks(
     instruments: FloatArray, columns: FloatArray, residual: FloatArray, block: IntArray
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """What each block of rows (n,) gives of Z^T columns, (p, p), and of Z^T residual, (p,).
+    """Contribution of each block of rows (n,) to Z^T columns, (p, p), and to Z^T residual, (p,).
 
     Args:
         instruments: Z^T, (p, n): the columns themselves in least squares.
@@ -89,7 +87,7 @@ def shares_of_blocks(
 def widened(
     covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: Mask, blocks: int
 ) -> tuple[FloatArray, FloatArray]:
-    """The covariance (p, p) with that of white residuals for what `hangs` on one block, and its freedom (p,).
+    """The covariance (p, p) with that of white residuals for parameters that hang on one block, and its freedom (p,).
 
     Args:
         covariance, freedom: from leaving out blocks.
@@ -109,7 +107,7 @@ def widened(
 
 
 def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Covariance (p, p) of values that move by `shifts` (blocks, p) where one block is left out, and its freedom (p,).
+    """Covariance (p, p) of values that shift by `shifts` (blocks, p) without each block, and its freedom (p,).
 
     The degrees of freedom are Satterthwaite's, of a sum of squares of unequal size.
     """

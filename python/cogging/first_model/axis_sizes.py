@@ -17,16 +17,16 @@ from cogging.mapping.cogging_spectrum import HarmonicSpectrum
 from cogging.model.model import Model
 from cogging.model.units import Units
 
-SIGMAS = 3.0  # from zero: a size that is told
-SHOWN = 0.003  # of the command's power, that a parameter must explain alone to be told
-WIDEST = 0.5  # relative: a size that is known worse than that is not told
-SAFE = 2.0  # by which a first balance is less sure than its blocks are
-LEAST = 0.2  # relative uncertainty of what is told: a first balance has a bias that its blocks do not show
-BIAS = 0.3  # of what is not explained, by which it may pass for what one parameter explains alone
-SPRINGLESS = 0.3  # the same of a mass that only the absence of a spring tells
+SIGMAS = 3.0  # from zero, at which a size is significant
+SHOWN = 0.003  # of the command's power, that a parameter must explain alone
+WIDEST = 0.5  # largest relative uncertainty of a reported size
+SAFE = 2.0  # factor on the jackknife uncertainty of a first balance
+LEAST = 0.2  # least relative uncertainty: a first balance has a bias that the jackknife does not show
+BIAS = 0.3  # of the unexplained command, that may bias one parameter
+SPRINGLESS = 0.3  # least relative uncertainty of a mass that is identifiable only without a spring
 EXPLAINED = 0.5  # of the command's power, that mass and friction must explain before its sign is doubted
-FED = 0.02  # of rms command times rms speed: a command that pushes forward feeds friction at least so much
-WIDTH = 0.01  # of the top speed: assumed width of the Coulomb law's change of sign
+FED = 0.02  # of rms command times rms speed: least mean power of a command of the right sign
+WIDTH = 0.01  # of the top speed: assumed width of the Coulomb law's sign change
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class Size:
     """One of mass, viscous and Coulomb friction.
 
     Attributes:
-        value: V/(m/s^2), V/(m/s) or V; assumed where it is not told.
-        uncertainty: relative, 1 sigma; None where it is not told.
+        value: V/(m/s^2), V/(m/s) or V; assumed where it is not identifiable.
+        uncertainty: relative, 1 sigma; None where it is not identifiable.
         told: how it was found, or why not.
     """
 
@@ -46,16 +46,16 @@ class Size:
 
 @dataclass(frozen=True)
 class Sizes:
-    """What the force balance of a log tells.
+    """Mass and friction from the force balance of a log.
 
     Attributes:
         sizes: mass, viscous and coulomb by name.
-        offset: constant force that the command works against, V.
-        explained: share of the command's power in motion that they explain; None: nothing moves.
-        reversed: whether the command pushes the other way than the position goes.
+        offset: constant force that the command balances, V.
+        explained: share of the command's power in motion that they explain; None: no motion.
+        reversed: whether command and position have opposite signs.
         speed: top speed, m/s.
-        residuals: command less what they explain, V, (m,), with the position, m, (m,), in motion: below a high cut-off,
-            where short waves stand and noise as well, and below that of the balance; none where nothing moves.
+        residuals: pairs of position, m, (m,), and unexplained command, V, (m,), in motion: below a high cut-off, for
+            short waves, and below that of the balance; empty without motion.
     """
 
     sizes: Mapping[str, Size]
@@ -68,7 +68,7 @@ class Sizes:
 
 @dataclass(frozen=True)
 class _Fit:
-    """Least squares of the command: values and sigmas of AXIS, share that each explains alone, and what is left."""
+    """Least squares of the command: values and sigmas of AXIS, share that each explains alone, and the residual."""
 
     values: FloatArray
     sigmas: FloatArray
@@ -79,11 +79,11 @@ class _Fit:
 
 
 def sizes_of(log: Log, units: Units) -> Sizes:
-    """Mass and friction of an axis from a log, without any belief about it.
+    """Estimate mass and friction of an axis from a log, without a prior model.
 
-    Least squares of the low-pass filtered command on what a unit of mass, viscous and Coulomb friction needs along the
-    measured motion and a constant; once with a force of any place beside them (cogging, springs) and once without.
-    Where the former cannot tell a size (a sine's acceleration is a spring's) the latter is taken, and said to.
+    Least squares of the low-pass filtered command on the force that a unit of mass, viscous and Coulomb friction needs
+    along the measured motion and a constant; once with a free force of position beside them (cogging, springs) and once
+    without. Where the former does not identify a size (a sine's acceleration resembles a spring), the latter is used.
 
     Args:
         log: in SI, with the command's sign as it was logged.
@@ -91,7 +91,7 @@ def sizes_of(log: Log, units: Units) -> Sizes:
     """
     balance = _balance(log)
     if balance is None:
-        told = "cannot tell: the log hardly moves"
+        told = "not identifiable: the log hardly moves"
         sizes = dict.fromkeys(AXIS, Size(0.0, None, told)) | {"mass": Size(1.0, None, told)}
         return Sizes(sizes, 0.0, None, False, 0.0, ())
     command = balance.command[balance.taken]
@@ -119,7 +119,7 @@ def sizes_of(log: Log, units: Units) -> Sizes:
 
 
 def _wide(log: Log, sign: float, plain: _Fit) -> list[tuple[FloatArray, FloatArray]]:
-    """Position and what the sizes leave of the command below the highest cut-off."""
+    """Position and unexplained command below the highest cut-off."""
     step = float(np.median(np.diff(log.time)))
     balance = _balance(log, min(CUTOFFS[0], HIGHEST * step))
     if balance is None:
@@ -129,7 +129,7 @@ def _wide(log: Log, sign: float, plain: _Fit) -> list[tuple[FloatArray, FloatArr
 
 
 def _balance(log: Log, share: float | None = None) -> AxisBalance | None:
-    """The force balance of a log under no model at all."""
+    """The force balance of a log without a model."""
     if len(log) < 100 or np.ptp(log.position) == 0.0:
         return None
     try:
@@ -140,7 +140,7 @@ def _balance(log: Log, share: float | None = None) -> AxisBalance | None:
 
 
 def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
-    """Least squares with the spread of leaving out one block after the other; a fourth column is an offset."""
+    """Least squares with jackknife errors over blocks; a fourth column is an offset."""
     size = np.sqrt(np.mean(columns**2, axis=1))
     size[size == 0.0] = 1.0
     scaled = columns / size[:, None]
@@ -154,7 +154,7 @@ def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
     ]
     covariance = spread_of(np.array(shifts))[0] if len(shifts) > 1 else np.full((len(size), len(size)), np.inf)
     inverse = np.diag(np.linalg.pinv(normal, rcond=1e-9, hermitian=True))
-    alone = weights**2 / np.maximum(inverse, 1e-300) / power  # what is lost without it, of the command's power
+    alone = weights**2 / np.maximum(inverse, 1e-300) / power  # share of the command's power that is lost without it
     sigmas = np.sqrt(np.abs(np.diag(covariance))) / size
     values = weights / size
     offset = float(values[3]) if len(values) > 3 else 0.0
@@ -162,32 +162,32 @@ def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
 
 
 def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: float, units: Units) -> Size:
-    """One size: of the fit beside a force of any place where that tells it, else of the plain one, else none."""
+    """One size: from the fit with a free force of position, else from the plain fit, else not identifiable."""
     for fit, beside in ((placed, True), (plain, False)):
         value, sigma = sign * float(fit.values[k]), SAFE * float(fit.sigmas[k])
         if value > 0.0 and sigma < WIDEST * value and fit.alone[k] > SHOWN:
             least = LEAST if beside or name != "mass" else SPRINGLESS
-            how = "beside a force of any place" if beside else "if no spring and no cogging acts"
+            how = "beside a free force of position" if beside else "assuming no spring and no cogging"
             bias = BIAS * float(np.sqrt((1.0 - fit.explained) / fit.alone[k]))
             return Size(value, max(sigma / value, least, bias), f"found by a first force balance, {how}")
     value = sign * float(plain.values[k])
     bound = abs(value) + SIGMAS * float(plain.sigmas[k])
     if not math.isfinite(bound) or name == "mass":
-        return Size(0.0, None, "cannot tell from this log")
+        return Size(0.0, None, "not identifiable from this log")
     return Size(
         max(value, 0.0),
         None,
-        f"cannot tell from this log; below {bound:.2g} {units.of(AxisParameters.FIELDS[name][0])}",
+        f"not identifiable from this log; below {bound:.2g} {units.of(AxisParameters.FIELDS[name][0])}",
     )
 
 
-ROWS = 3000  # independent enough, and enough for a spectrum
-FEWEST_PERIODS = 3  # in the travel: a longer wave may be a slope
+ROWS = 3000  # used at most
+FEWEST_PERIODS = 3  # in the travel: a longer wave may be a trend
 MOST_PERIODS = 400
-A_PERIOD = 8  # rows, at least, in the shortest period that is sought
-SHARE = 0.1  # of what is left, that the wave must explain to be worth a line
-LEAST_AMPLITUDE = 0.03  # of the rms command, that its amplitude must be
-ALIKE = 0.4  # of its amplitude, by which the wave of one half of the rows may differ from the other's
+A_PERIOD = 8  # rows in the shortest period searched
+SHARE = 0.1  # of the residual's power, that a reported wave explains
+LEAST_AMPLITUDE = 0.03  # of the rms command
+ALIKE = 0.4  # of its amplitude: largest difference between the halves of the rows
 STEPS = 201  # of the search between two lines of the spectrum
 
 
@@ -197,8 +197,8 @@ class Wave:
 
     Attributes:
         period: m.
-        sine: V; cosine: V: force = sine sin(2 pi x / period) + cosine cos(2 pi x / period), which the command meets.
-        share: of the power that mass and friction leave.
+        sine, cosine: V: the command balances sine sin(2 pi x / period) + cosine cos(2 pi x / period).
+        share: of the power of the residual of mass and friction.
     """
 
     period: float
@@ -208,12 +208,12 @@ class Wave:
 
 
 def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) -> Wave | None:
-    """The strongest wave of a force over position that both halves of the rows show alike; None where there is none.
+    """The strongest wave of a force over position that both halves of the rows agree on, or None.
 
     Args:
         position: m, (n,).
         force: V, (n,).
-        command_rms: V, of all that the command does: a wave that is small beside it is not worth a line.
+        command_rms: V, of the whole command; a wave that is small relative to it is not reported.
     """
     travel = float(np.ptp(position)) if len(position) else 0.0
     if len(position) < 200 or travel == 0.0:
@@ -232,7 +232,7 @@ def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) 
 
 
 def _stays(x: FloatArray, rest: FloatArray, wave: Wave) -> bool:
-    """Whether the first half of the rows shows the same wave as the second: what is bound to the place does."""
+    """Whether the first half of the rows has the same wave as the second, as a force of position does."""
     phase = 2.0 * np.pi * x / wave.period
     columns = np.column_stack([np.sin(phase), np.cos(phase)])
     half = len(x) // 2
@@ -241,7 +241,7 @@ def _stays(x: FloatArray, rest: FloatArray, wave: Wave) -> bool:
 
 
 def _refined(x: FloatArray, rest: FloatArray, frequency: float, width: float) -> Wave:
-    """The wave near a line of the spectrum that leaves least."""
+    """The wave near a line of the spectrum with the smallest residual."""
     best = (np.inf, frequency, np.zeros(2))
     for f in np.linspace(frequency - width, frequency + width, STEPS):
         phase = 2.0 * np.pi * f * x

@@ -1,4 +1,4 @@
-"""Find which column of a log's file is what: by its name, else by how its numbers behave."""
+"""Identify the columns of a log's file by name, else by the behaviour of their numbers."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ from cogging.shown import nearest, printable
 
 @dataclass(frozen=True)
 class ColumnGuess:
-    """One column of a log, and where it stands in the file.
+    """One identified column of a file.
 
     Attributes:
         name: in a log: time, position, command, reference, ...
         label: header in the file.
         unit: factor to the unit of the log, that unit's label, and how it is known.
         told: why it is this column.
-        sure: STATED (its name says so, or its owner), LIKELY or UNKNOWN.
-        called: what the option `--columns` calls it; the whole header where the name alone may be another's.
-        scaled: whether `--scale` must be given, also for a factor of 1.
+        sure: STATED (by its name or the user), LIKELY or UNKNOWN.
+        called: its name in the option `--columns`; the whole header if the name alone is ambiguous.
+        scaled: whether `--scale` is needed, also for a factor of 1.
     """
 
     name: str
@@ -61,12 +61,12 @@ class ColumnGuess:
 
 @dataclass(frozen=True)
 class ColumnGuesses:
-    """All columns of a log's file.
+    """The identified columns of a file.
 
     Attributes:
         used: by their names in a log.
         unused: headers of the others.
-        notes: what else is to be said.
+        notes: further remarks.
     """
 
     used: dict[str, ColumnGuess]
@@ -75,17 +75,17 @@ class ColumnGuesses:
 
     @property
     def columns(self) -> dict[str, str]:
-        """What `--columns` must say."""
+        """The names for `--columns`."""
         return {name: guess.called for name, guess in self.used.items() if guess.called != name}
 
     @property
     def scale(self) -> dict[str, float]:
-        """What `--scale` must say."""
+        """The factors for `--scale`."""
         return {name: guess.unit.factor for name, guess in self.used.items() if guess.scaled}
 
 
 def placed(name: str, header: Header, headers: Mapping[str, Header], unit: Unit, told: str, sure: str) -> ColumnGuess:
-    """A guess with what the options must say of it."""
+    """A guess with its names for the options."""
     alike = [h for h in headers.values() if h.label != header.label and name.casefold() == _bare(h).casefold()]
     plain = _bare(header)
     shared = [h for h in headers.values() if h.label != header.label and _bare(h).casefold() == plain.casefold()]
@@ -96,23 +96,23 @@ def placed(name: str, header: Header, headers: Mapping[str, Header], unit: Unit,
 
 
 def _bare(header: Header) -> str:
-    """The name by which the readers know a column: without a unit in brackets."""
+    """The name of a column without a unit in brackets."""
     return split_unit(header.label)[0].strip()
 
 
 def _stated(header: Header) -> str:
-    """The unit that the readers see: in brackets, or apart from the name."""
+    """The unit in brackets, or stated apart from the name."""
     inside = split_unit(header.label)[1]
     return inside or (header.unit if header.bare == header.label else "")
 
 
-GLANCE = slice(0, 64)  # rows in which a column is seen to be one of numbers
+GLANCE = slice(0, 64)  # rows tested for numbers
 
 Table = dict[str, FloatArray]
 
 
 def numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
-    """The columns of numbers of the length that most of them have."""
+    """The numeric columns of the most common length."""
     with contextlib.suppress(InputError):  # a text, a scalar, a hole among them
         return _columns(path, labels, rows) if labels else {}
     start = (rows.start or 0) if rows is not None else 0
@@ -146,8 +146,8 @@ def _columns(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | 
     return read_columns(path, labels, columns=same, scale=dict.fromkeys(labels, 1.0), rows=rows)
 
 
-ALIKE = 0.3  # of the position's span: rms by which a reference may leave it
-DERIVATIVE = 0.1  # of its rms, by which a reference's derivative may differ from its difference
+ALIKE = 0.3  # of the position's deviation: largest deviation of a followed reference
+DERIVATIVE = 0.1  # relative difference of a derivative column from the differentiated reference
 
 
 def references(
@@ -158,7 +158,7 @@ def references(
     scale: Mapping[str, float],
     notes: list[str],
 ) -> None:
-    """Add the reference and its derivatives, where the position follows it."""
+    """Add the reference and its derivatives if the position follows it."""
     named = [h for h in headers.values() if h.kind == "reference" and h.label in table]
     named = [headers[found["reference"][0]]] if "reference" in found else sorted(named, key=lambda h: h.rank)
     position = used["position"]
@@ -189,7 +189,7 @@ def references(
 def _unit_of_reference(
     header: Header, position: ColumnGuess, x: FloatArray, values: FloatArray, scale: Mapping[str, float]
 ) -> tuple[Unit | None, str]:
-    """The unit in which a position follows a reference; None where it follows in none."""
+    """The unit in which the position follows a reference, or None."""
     label = position.unit.label
     stated = LIKELY
     if "reference" in scale:
@@ -220,10 +220,10 @@ def _factor_of_derivative(difference: FloatArray, values: FloatArray) -> float |
     return None
 
 
-ROUGHER = 3.0  # of second differences over the span, from which a command is told from a position
-FOLLOWED = 0.99  # correlation of a position with a reference that tells its unit
-NEAR = 0.03  # of a known factor, from which that is meant
-EVEN = 0.5  # of their median, by which the steps of a time may scatter
+ROUGHER = 3.0  # ratio of roughness that distinguishes a command from a position
+FOLLOWED = 0.99  # correlation of a position with the reference that gives its unit
+NEAR = 0.03  # relative distance within which a known factor is assumed
+EVEN = 0.5  # relative scatter of the steps of a time column
 
 
 def guess_columns(
@@ -233,17 +233,17 @@ def guess_columns(
     rows: slice | None,
     units: Units | None,
 ) -> ColumnGuesses:
-    """Find the columns of a log in a file of any format, and their units.
+    """Identify the columns of a log in a file of any format, and their units.
 
     Args:
         path: of the file.
-        columns: what its owner says of them, by their names in a log.
-        scale: factors that its owner states.
-        rows: data rows to take.
-        units: that what stands beside the log states; None: nothing.
+        columns: names given by the user, by their names in a log.
+        scale: factors given by the user.
+        rows: data rows to use.
+        units: stated beside the log; None: none.
 
     Raises:
-        InputError: it cannot be read, or which column is time, position or command cannot be told.
+        InputError: it cannot be read, or time, position or command cannot be identified.
     """
     surveyed = survey_columns(path)
     headers = {label: header_of(label, apart) for label, apart in surveyed}
@@ -272,7 +272,7 @@ def guess_columns(
 
 
 def _meant(path: str | os.PathLike[str], label: str, headers: Mapping[str, Header]) -> str:
-    """The header that an owner's name means."""
+    """The header that a name given by the user refers to."""
     for header in headers.values():
         if label in (header.label, header.bare):
             return header.label
@@ -286,14 +286,14 @@ def _required(
     headers: Mapping[str, Header],
     table: Table,
 ) -> None:
-    """Add time, position and command to what is found: label, why and how sure."""
+    """Add time, position and command: label, reason and certainty."""
     for name in ("time", "position", "command"):
         if name in found:
             continue
         taken = {label for label, _, _ in found.values()}
         named = [h for h in headers.values() if h.kind == name and h.label in table and h.label not in taken]
         named = [h for h in named if np.ptp(table[h.label]) > 0.0] or named
-        if not named:  # one alone of a telling unit: `q1 [deg]`, `motor 1 [Nm]`
+        if not named:  # the only column with a suitable unit: `q1 [deg]`, `motor 1 [Nm]`
             of_unit = [
                 h for h in headers.values() if h.kind_of_unit == name and h.label in table and h.label not in taken
             ]
@@ -321,7 +321,7 @@ def _rises(values: FloatArray) -> bool:
 def _by_behaviour(
     name: str, free: Sequence[str], table: Table, found: Mapping[str, tuple[str, str, str]]
 ) -> tuple[str, str, str] | None:
-    """The column of no telling name that behaves as a time, a position or a command does."""
+    """The column without a known name that behaves like a time, a position or a command."""
     if name == "time":
         for label in free:
             steps = np.diff(table[label])
@@ -340,7 +340,7 @@ def _by_behaviour(
 
 
 def _roughness(values: FloatArray) -> float:
-    """Second differences over what a column spans."""
+    """Rms of the second differences over the span of a column."""
     return float(np.sqrt(np.mean(np.diff(values, 2) ** 2))) / float(np.ptp(values)) if len(values) > 2 else 0.0
 
 
@@ -348,8 +348,8 @@ def _untold(path: str | os.PathLike[str], name: str, headers: Mapping[str, Heade
     numbers = [repr(label) for label in headers if label in table]
     kinds = [f"{h.label!r} looks like a {h.kind}" for h in headers.values() if h.kind in ("velocity", "error")]
     said = f"; {', '.join(kinds)}" if kinds and name == "position" else ""
-    rule = f"column {name}: cannot tell which it is of {listed(numbers)}{said}"
-    return InputError(f"{path}: {rule}: say it with --columns {name}=NAME")
+    rule = f"column {name}: cannot be identified among {listed(numbers)}{said}"
+    return InputError(f"{path}: {rule}: name it with --columns {name}=NAME")
 
 
 def _guess(
@@ -384,7 +384,7 @@ def _guess(
 
 
 def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, label: str) -> Unit:
-    """The unit of a position that follows a reference whose unit is stated."""
+    """The unit of a position that follows a reference of stated unit."""
     for header in headers.values():
         if header.kind != "reference" or header.label not in table or not header.unit:
             continue

@@ -11,7 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.logs.readers.request import bracketed, split_unit
 
-#: Words of a column's name by what it holds, the surer ones first; of English and German drives and loggers.
+#: Names by quantity, the most specific first, from English and German drives and loggers.
 NAMES = {
     "reference_velocity": (
         "reference_velocity velocity_reference v_ref vref v_soll sollgeschwindigkeit "
@@ -47,7 +47,7 @@ NAMES = {
     ),
 }
 WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
-#: Factors to SI of what a position, a time or a command may be written in, and the label that the command keeps.
+#: Factors to SI of units of position, time and command, and the label of the command's unit.
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "microns": 1e-6, "nm": 1e-9}
 LENGTHS |= {
     "cm": 1e-2,
@@ -75,10 +75,10 @@ COMMANDS |= {"mN": (1e-3, "N"), "kN": (1e3, "N"), "kA": (1e3, "A"), "mNm": (1e-3
 COMMANDS |= {"volt": (1.0, "V"), "volts": (1.0, "V"), "ampere": (1.0, "A"), "amps": (1.0, "A"), "newton": (1.0, "N")}
 COMMANDS |= {"Arms": (1.0, "Arms"), "Apk": (1.0, "Apk"), "amp": (1.0, "A"), "lbf": (4.4482216, "N")}
 TORQUES = ("Nm", "mNm")
-#: A unit that stands behind a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
+#: A unit after a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
-LONGEST = 200  # characters of a name that is looked at for a unit behind it, in a time that grows as their square
-#: Last parts of a column's name that say that an axis turns: what drives it, and where it is.
+LONGEST = 200  # characters of a name that is searched for a unit, in quadratic time
+#: Parts of a name that mean a rotary axis: a torque, an angle.
 TORQUE, ANGLE = (
     re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)"),
     re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)"),
@@ -88,14 +88,14 @@ RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNO
 
 @dataclass(frozen=True)
 class Header:
-    """What the text above a column says.
+    """Quantity and unit in the header of a column.
 
     Attributes:
         label: the whole text.
         bare: the name without its unit.
-        unit: as it stands there, or "".
-        kind: what the column holds, a key of WORDS, or "".
-        rank: 0 where the name is the plainest one for that, more where it is less.
+        unit: as written, or "".
+        kind: quantity, a key of WORDS, or "".
+        rank: 0 for the most specific name, larger for others.
     """
 
     label: str
@@ -106,19 +106,19 @@ class Header:
 
     @property
     def kind_of_unit(self) -> str:
-        """What a column of no telling name holds by its unit: a position, a command, or nothing that is known."""
+        """The quantity by the unit if the name is unknown: position, command, or ""."""
         if self.kind or not self.unit:
             return ""
         return "command" if self.unit in COMMANDS else "" if self.is_angle is None else "position"
 
     @property
     def is_torque(self) -> bool:
-        """Whether it is one by its unit, or else by its name."""
+        """Whether it is a torque by its unit, or else by its name."""
         return self.unit in TORQUES or (not self.unit and TORQUE.search(_plain(self.bare)) is not None)
 
     @property
     def is_angle(self) -> bool | None:
-        """Whether it is one by its unit, or else by its name; None where neither says so."""
+        """Whether it is an angle by its unit, or else by its name; None: unknown."""
         for known, angle in ((LENGTHS, False), (ANGLES, True)):
             if self.unit in known or self.unit.lower() in known:
                 return angle
@@ -126,7 +126,7 @@ class Header:
 
 
 def header_of(label: str, apart: str = "") -> Header:
-    """What a column's name says, with a unit that the file states apart from it."""
+    """Parse a column's header, with a unit that the file states apart from it."""
     bare, unit = split_unit(label)
     unit = unit or apart.strip()
     if not unit:
@@ -141,7 +141,7 @@ def header_of(label: str, apart: str = "") -> Header:
 
 
 def _behind(label: str) -> tuple[str, str]:
-    """A name and the unit that stands behind it without brackets, or no unit."""
+    """Split a name and a unit without brackets."""
     found = BEHIND.fullmatch(label.strip()) if len(label) <= LONGEST else None
     if found is None or not _is_unit(found.group(2)):
         return label, ""
@@ -166,7 +166,7 @@ def _plain(bare: str) -> str:
 
 
 def _kind(bare: str) -> tuple[str, int]:
-    """What a name says that a column holds, and how plainly."""
+    """The quantity of a name, and its rank."""
     plain = _plain(bare)
     for kind, words in WORDS.items():
         if plain in words or plain.replace("_", "") in words:
@@ -190,18 +190,18 @@ def _kind(bare: str) -> tuple[str, int]:
 
 
 STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
-#: From seconds between rows, the unit in which that is a drive's or a logger's rate: 50 Hz to 50 kHz.
+#: Largest step between rows and the unit in which it is a usual rate: 50 Hz to 50 kHz.
 STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
-#: What axes do: travel, speed, acceleration in m or rad, m/s, m/s^2. An assumption on machines, wide enough for stages
-#: and for gantries, for joints and for spindles; and in the middle of these.
+#: Ranges of travel, speed and acceleration of axes in m or rad, m/s, m/s^2 (assumed, from stages to gantries and from
+#: joints to spindles), and typical values.
 RANGES = {
     "m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)),
     "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5)),
 }
 USUAL = {"m": (0.2, 0.3, 5.0), "rad": (3.0, 5.0, 50.0)}
 TRIED = {"m": {"m": 1.0, "mm": 1e-3, "um": 1e-6}, "rad": {"rad": 1.0, "deg": math.pi / 180.0}}
-COUNT = 1e-6  # m or rad, assumed of an encoder's count that nothing tells
-MANY = 1000  # whole numbers further apart than that are counts
+COUNT = 1e-6  # m or rad, assumed for an encoder count of unknown size
+MANY = 1000  # span from which whole numbers are counts
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ class Unit:
 
 
 def unit_of_time(header: Header, time: FloatArray) -> Unit:
-    """The unit of a time: as stated, else that in which the rows come at a usual rate."""
+    """The unit of a time: as stated, else the one that gives a usual rate."""
     factor = TIMES.get(header.unit, TIMES.get(header.unit.lower()))
     if factor is not None:
         return Unit(factor, "s", f"in {header.unit} as its header says", STATED)
@@ -236,20 +236,18 @@ def unit_of_time(header: Header, time: FloatArray) -> Unit:
 
 
 def turning(position: Header, command: Header) -> bool:
-    """Whether an axis turns: as the unit of its position says, else as the names and what drives it do."""
+    """Whether an axis is rotary, by the unit of its position, else by a torque."""
     angle = position.is_angle
     return command.is_torque if angle is None else angle
 
 
 def unit_of_command(header: Header, turns: bool) -> Unit:
-    """The unit of a command: as stated; no number tells it."""
+    """The unit of a command, as stated; numbers do not show it."""
     known = COMMANDS.get(header.unit) or COMMANDS.get(header.unit.lower())
     if known is not None:
         return Unit(known[0], known[1], f"in {header.unit} as its header says", STATED)
     label = "Nm" if turns and header.is_torque else "V"
-    return Unit(
-        1.0, label, f"its unit is not stated and no number tells it: called {label} here, edit [units]", UNKNOWN
-    )
+    return Unit(1.0, label, f"its unit is not stated: assumed to be {label}, edit [units]", UNKNOWN)
 
 
 def stated_unit(header: Header) -> Unit | None:
@@ -262,7 +260,7 @@ def stated_unit(header: Header) -> Unit | None:
 
 
 def unit_of_position(header: Header, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
-    """The unit of a position: as stated, else that in which travel, speed and acceleration are those of an axis.
+    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration.
 
     Args:
         header: of the column.
@@ -275,7 +273,7 @@ def unit_of_position(header: Header, time: FloatArray, position: FloatArray, tur
         return stated
     motion, tried = motion_of(time, position), TRIED[label]
     if header.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
-        told = f"in counts of an encoder, and how long one is is not told: 1e-06 {label} assumed, give its own"
+        told = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
         return Unit(COUNT, label, told, UNKNOWN)
     fitting = [unit for unit, factor in tried.items() if _plausible(motion, factor, label)]
     if header.label == "position" and label in fitting:

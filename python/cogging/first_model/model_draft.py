@@ -34,8 +34,8 @@ from cogging.shown import printable
 from cogging.simulation.reference import reference_from
 from cogging.values import ByValue
 
-MARGIN = 0.05  # of the travel that was seen, to either side
-CROSSOVER = 0.01  # of the sample rate: closed-loop poles, rad/s over 2 pi, of gains that are proposed for trying
+MARGIN = 0.05  # of the logged travel, on either side
+CROSSOVER = 0.01  # of the sample rate: closed-loop poles, rad/s over 2 pi, of the proposed gains
 
 
 def model_lines(
@@ -62,8 +62,8 @@ def model_lines(
     """
     lines = [
         f"## A first model of the axis that made {name}, by `cogging init`.",
-        "## found: from the log. assumed: by nobody's measurement, replace it where you know better.",
-        "## A line behind a single # is a proposal: take the # away to have it.",
+        "## found: from the log. assumed: not measured, replace it where you know better.",
+        "## A line behind a single # is a proposal: remove the # to use it.",
         "## Check each line, then fit it: cogging identify. (A fitted model is written without these comments.)",
         "",
         *_axis(units, sizes, travel, audit),
@@ -95,9 +95,9 @@ def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit)
     ]
     for name, size in sizes.sizes.items():
         if size.uncertainty is None:
-            lines.append(f"# {name} = 0.2              # not told by this log: fill in what you know")
+            lines.append(f"# {name} = 0.2              # not identifiable from this log: fill in what you know")
         else:
-            lines.append(_line(name, number(size.uncertainty, 2), "how far the first balance can be trusted"))
+            lines.append(_line(name, number(size.uncertainty, 2), "of the first force balance"))
     return lines
 
 
@@ -109,7 +109,7 @@ def _seen(units: Units, audit: Audit) -> str:
 def _encoder(units: Units, audit: Audit) -> list[str]:
     quantum = audit.encoder_quantum
     found = "found: the readings differ by multiples of it (the last digit of the file, if that is coarser)"
-    none = "no step could be told from the readings; fill in"
+    none = "no step found in the readings; fill in"
     return [_line("resolution", number(quantum), f"{units.of('m')}; {found if quantum else none}")]
 
 
@@ -144,7 +144,7 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
     pole = 2.0 * math.pi * CROSSOVER * rate
     gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
     lines += [
-        "## this log does not tell it: fill in yours. The gains below are a proposal for trying, from the mass alone:",
+        "## not identifiable from this log: fill in yours. The gains below are a first proposal, from the mass alone:",
         f"## three poles at {CROSSOVER:g} of the sample rate.",
         '# type = "pid"',
         f"# sample_rate = {rate:g}",
@@ -155,12 +155,12 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
 
 
 def rounded_rate(rate: float) -> float:
-    """A rate as a maker would set it: to three digits."""
+    """A rate rounded to three digits."""
     return float(f"{rate:.3g}")
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number as TOML reads it back, to so many digits, always a float."""
+    """Format a number as a TOML float."""
     text = f"{value:.{digits}g}"
     return text if any(mark in text for mark in ".en") else f"{text}.0"
 
@@ -175,30 +175,30 @@ def _line(key: str, value: str, comment: str) -> str:
     return f"{f'{key} = {value}':<27} # {comment}"
 
 
-ROWS_OF_REFERENCE = 20_000  # of a sampled motion that are kept
-SMOOTHED = 0.002  # of its length, over which readings make a reference
+ROWS_OF_REFERENCE = 20_000  # kept of a sampled motion
+SMOOTHED = 0.002  # of the log: window over which readings are smoothed to a reference
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelDraft(ByValue):
-    """What a log shows of the axis that made it, and a first model and reference of it.
+    """A first model and reference drafted from a log, with what was found and what is unknown.
 
     Attributes:
-        source: what the log is called.
-        log: in SI, as the options below have it read.
-        columns: which column of the file is what, and how that is known; None of a log in memory.
+        source: name of the log.
+        log: in SI, as read with the options below.
+        columns: the identified columns of the file; None for a log in memory.
         audit: of the log.
-        motion: that the reference has, or else the position.
+        motion: of the reference, or else of the position.
         seen_in: "reference" or "position".
-        sizes: mass and friction of a first force balance.
-        wave: over position that stands out of what they leave; None where none does.
-        controller: of known kind that made the command; None where none did, or no reference is there.
+        sizes: mass and friction from a first force balance.
+        wave: significant wave over position in its residual, or None.
+        controller: that made the command, or None.
         units: labels of command and position.
-        scale: factors that `--scale` must give, the command's sign included.
-        rows: data rows that were taken; None: all.
-        likely: what was guessed with good reason, and may be checked.
-        unsure: what could not be told, each with what to do.
-        model: the model that `model_text` says.
+        scale: factors for `--scale`, including the command's sign.
+        rows: data rows used; None: all.
+        likely: guesses to be checked.
+        unsure: what is unknown, each with what to do.
+        model: the drafted model.
 
     Example:
         >>> draft = cogging.draft_model(log)
@@ -223,18 +223,18 @@ class ModelDraft(ByValue):
 
     @property
     def model(self) -> Model:
-        """The model that the file will hold."""
+        """The drafted model."""
         return Model.from_dict(parse_toml(self.model_text()))
 
     @property
     def reference(self) -> Reference:
-        """The motion that the reference file will hold."""
+        """The drafted reference."""
         if self.motion.kind in ("sampled", "rest"):
             return reference_from({"type": "sampled", **self._samples()})[0]
         return reference_from({"type": self.motion.kind, **self.motion.fields, "duration": self._duration()})[0]
 
     def options(self) -> list[str]:
-        """Words of the command line that have the log read as it was read here."""
+        """Command-line options that read the log as it was read here."""
         words: list[str] = []
         if self.columns is not None and self.columns.columns:
             words += ["--columns", ",".join(f"{name}={there}" for name, there in self.columns.columns.items())]
@@ -245,7 +245,7 @@ class ModelDraft(ByValue):
         return words
 
     def next_command(self, model: str | os.PathLike[str]) -> str:
-        """The command to give next: a fit of the model, or where nothing moves an audit."""
+        """The next command: a fit of the model, or an audit if nothing moves."""
         fits = self.sizes.explained is not None and len(self.log) >= FEWEST_ROWS
         words = ["cogging", "identify" if fits else "audit", self.source, "--model", os.fspath(model)]
         words += ["--out", "fitted.toml"] * fits
@@ -272,7 +272,7 @@ class ModelDraft(ByValue):
         """The reference file: TOML with a comment on each number.
 
         Args:
-            samples: file of the samples where the motion is told by nothing less.
+            samples: file of the samples of a sampled motion.
         """
         head = f"## The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
         lines = [head, f"## {self.motion.told}", ""]
@@ -311,7 +311,7 @@ class ModelDraft(ByValue):
         return list(content)
 
     def text(self) -> str:
-        """What was found, for a reader."""
+        """The draft for the screen."""
         lines = [printable(self.source)]
         if self.columns is not None:
             lines += ["columns:", *(f"  {guess.text()}" for guess in self.columns.used.values())]
@@ -337,11 +337,11 @@ class ModelDraft(ByValue):
         if self.controller is not None:
             lines.append(f"a {self.controller.type} made the command: its gains stand in the model as comments")
         lines += ["guessed, to be checked:", *(f"  {entry}" for entry in self.likely)] * bool(self.likely)
-        lines += ["cannot tell:", *(f"  {entry}" for entry in self.unsure)] * bool(self.unsure)
+        lines += ["not identifiable:", *(f"  {entry}" for entry in self.unsure)] * bool(self.unsure)
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it."""
+        """All fields for JSON."""
         columns = {} if self.columns is None else self.columns.used
         return {
             "source": self.source,
@@ -391,18 +391,18 @@ class ModelDraft(ByValue):
 
 
 def require_new(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Refuse to replace files: what stands there may have been edited by hand.
+    """Refuse to replace files, which may have been edited by hand.
 
     Raises:
-        InputError: one is there.
+        InputError: one exists.
     """
     for path in paths:
         if os.path.lexists(path):
-            raise InputError(f"{path}: must not be there yet, a drafted file replaces none: name another, or remove it")
+            raise InputError(f"{path}: must not exist yet: a draft does not replace files; name another, or remove it")
 
 
 def _smoothed(log: Log) -> FloatArray:
-    """The readings as a reference: freed of their noise by a parabola about each row."""
+    """The readings smoothed by local parabolas."""
     from scipy.signal import savgol_filter
 
     window = 2 * max(2, round(0.5 * SMOOTHED * len(log))) + 1
@@ -416,12 +416,12 @@ def _quoted(text: str) -> str:
 
 
 FILE = Kind((Log, *PATH), "a Log or the path of a log file")
-ROWS_OF_CONTROLLER = 50_000  # in which its gains are sought
+ROWS_OF_CONTROLLER = 50_000  # used to recover the controller
 FEWEST = 10  # rows
 
 
 @takes(log=FILE)
-@np.errstate(all="ignore")  # wild numbers lead to sizes that are not told
+@np.errstate(all="ignore")  # extreme values lead to sizes that are not identifiable
 @on_one_blas_thread(scipy=True)
 def draft_model(
     log: Log | str | os.PathLike[str],
@@ -430,24 +430,24 @@ def draft_model(
     scale: Mapping[str, float] | None = None,
     rows: slice | None = None,
 ) -> ModelDraft:
-    """Look at a log as its owner has it, and draft a model and a reference of the axis that made it.
+    """Draft a model and a reference of the axis that made a log, in any of its user's formats.
 
-    Columns are known by their names in English or German, or by how their numbers behave; units by the header's words
-    or by what axes do; mass and friction by least squares of the force balance; each guess is said with its reason,
-    and so is what cannot be told. Nothing here is a fit: `identify` is, and starts from the drafted model.
+    Columns are identified by their names in English or German, or by the behaviour of their numbers; units by the
+    header or by plausible motion; mass and friction by least squares of the force balance. Each guess is reported with
+    its reason, and so is what is unknown. `identify` then fits the drafted model.
 
     Args:
         log: a Log, or a file of any format that logs have (see read_log), with columns of any names.
-        columns: names in the file that are known, by the names of a log: `{"position": "qm"}`.
-        scale: factors that are known, by the names of a log.
-        rows: the data rows to take, from 0.
+        columns: known names in the file, by the names of a log: `{"position": "qm"}`.
+        scale: known factors, by the names of a log.
+        rows: the data rows to use, from 0.
 
     Returns:
         The draft; print its `text()`, and `write` it.
 
     Raises:
-        InputError: the file cannot be read, or which column is the time, the position or the command cannot be told.
-        ValueError: a log in memory of fewer than ten rows, or one whose numbers are of no machine.
+        InputError: the file cannot be read, or its time, position or command column cannot be identified.
+        ValueError: a log in memory of fewer than ten rows, or with numbers outside the range of machines.
 
     Example:
         >>> log.write("run.csv")
@@ -483,7 +483,7 @@ def _drafted(
     if sizes.reversed:
         log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
         scale = {**scale, "command": -scale.get("command", 1.0)}
-        unsure.append("which of command and position has the wrong sign: one of them has; the command is turned here")
+        unsure.append("command or position has the wrong sign: the command is inverted here")
     found = audit(replace(log, time=stamps))
     seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
     motion = motion_of_log(log.time, seen, quantum, units)
@@ -511,14 +511,14 @@ def _drafted(
 
 
 def _beginning(log: Log) -> Log:
-    """As many rows as tell a controller's gains."""
+    """The rows used to recover the controller."""
     if len(log) <= ROWS_OF_CONTROLLER:
         return log
     return Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
 
 
 def _guessed(guesses: ColumnGuesses | None, sure: str) -> list[str]:
-    """What was guessed of the columns and their units, as sure as that."""
+    """Guesses of columns and units of this certainty."""
     if guesses is None:
         return []
     said = [f"{g.name}: {g.unit.told}" for g in guesses.used.values() if g.unit.sure == sure]

@@ -13,27 +13,27 @@ from cogging._core import PointToPoint, PointToPointParameters
 from cogging.arrays import FloatArray
 from cogging.model.units import Units
 
-REST = 0.02  # of the top speed, and slower
-STILL = 3.0  # quanta within a window: less is no motion
-WINDOW = 0.004  # of a log, over which a speed is taken, at least
-SINE = 0.05  # of its amplitude: rms that a sine may leave
+REST = 0.02  # of the top speed: slower is rest
+STILL = 3.0  # quanta within a window: less is rest
+WINDOW = 0.004  # of a log, over which a speed is estimated
+SINE = 0.05  # of its amplitude: largest rms residual of a sine
 FEWEST_PERIODS = 1.0
 SAME = 0.03  # of their length, by which moves there and back may differ
-SHAPE = 0.01  # of its length: rms that a move of limited jerk may leave
+SHAPE = 0.01  # of its length: largest rms residual of a jerk-limited move
 ROWS_OF_MOVE = 400
-NO_JERK = 0.02  # of the time of a ramp, in which jerk acts: less is no limit on it
+NO_JERK = 0.02  # of a ramp's time, in which the jerk acts: less counts as unlimited jerk
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion as it was seen.
+    """The recognised motion of a log.
 
     Attributes:
         kind: rest, sine, point_to_point or sampled.
         fields: of the reference file's type.
         told: in words.
-        left: rms that the fields leave of the motion, m.
-        moves: how many there are between rests.
+        left: rms residual of the motion with these fields, m.
+        moves: number of moves between rests.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class Motion:
 
 
 def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units: Units) -> Motion:
-    """What a motion is, from the reference of a log or else its position.
+    """Recognise a motion from the reference of a log, or else its position.
 
     Args:
         time: s, (n,), from any start.
@@ -62,11 +62,13 @@ def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units:
     if found:
         return min(found, key=lambda motion: motion.left)
     parts = f"{len(moves)} moves between rests, " if moves else "no rests, "
-    return Motion("sampled", f"{parts}not there and back in one length and course: kept as samples", moves=len(moves))
+    return Motion(
+        "sampled", f"{parts}not there and back with one length and profile: kept as samples", moves=len(moves)
+    )
 
 
 def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
-    """A sine about a center, where that is what the motion is."""
+    """Fit a sine about a center; None if it does not fit."""
     from scipy.optimize import minimize_scalar
 
     even = np.linspace(0.0, t[-1], min(len(t), 8192))
@@ -110,7 +112,7 @@ def _moves(t: FloatArray, x: FloatArray, quantum: float) -> list[tuple[int, int]
 
 
 def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], units: Units) -> Motion | None:
-    """Moves there and back of one length and one course, or one move, where that is what they are."""
+    """Fit moves there and back of one length and profile, or one move; None if they do not fit."""
     levels = _levels(x, moves)
     lengths = np.diff(levels)
     distance = float(np.median(np.abs(lengths))) * math.copysign(1.0, lengths[0])
@@ -138,7 +140,7 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
 
 
 def _levels(x: FloatArray, moves: list[tuple[int, int]]) -> list[float]:
-    """Where the axis rests before the first move, between two, and after the last."""
+    """Positions at rest before the first move, between moves, and after the last."""
     edges = [0, *(row for move in moves for row in move), len(x) - 1]
     return [float(np.median(x[a : b + 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -146,7 +148,7 @@ def _levels(x: FloatArray, moves: list[tuple[int, int]]) -> list[float]:
 def _shape(
     t: FloatArray, x: FloatArray, move: tuple[int, int], within: tuple[int, int], distance: float
 ) -> tuple[float, float, float, float] | None:
-    """Velocity, acceleration, jerk of a move, and the rms that the fastest move under these limits leaves of it, m."""
+    """Velocity, acceleration and jerk of a move, and the rms residual of the fastest move with these limits, m."""
     from scipy.optimize import least_squares
 
     margin = (move[1] - move[0]) // 8 + 2
@@ -194,7 +196,7 @@ def _dwell(
     distance: float,
     shape: tuple[float, float, float, float],
 ) -> float:
-    """The rest between two moves, s: from one's middle to the next one's, less a move; of one move to the log's end."""
+    """The rest between two moves, s: from middle to middle less the move time; for one move, to the log's end."""
     middles = [_middle(t, x, move) for move in moves]
     between = float(np.median(np.diff(middles))) if len(middles) > 1 else float(t[-1])
     return max(between - _course(distance, shape).move_time, 0.0)
@@ -207,7 +209,7 @@ def _alike(
     distance: float,
     shape: tuple[float, float, float, float],
 ) -> bool:
-    """Whether every move takes the course of the one that the shape was found of, about its own middle."""
+    """Whether every move has the fitted profile, about its own middle."""
     course, most = _course(distance, shape), shape[3] + SHAPE * distance
     for a, b in moves:
         rows = np.unique(np.linspace(a, b, ROWS_OF_MOVE).astype(int))
@@ -218,14 +220,14 @@ def _alike(
 
 
 def _course(distance: float, shape: tuple[float, float, float, float]) -> PointToPoint:
-    """A move of such a length and shape."""
+    """A move of this length and shape."""
     velocity, acceleration, jerk, _ = shape
     limits = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
     return PointToPoint(PointToPointParameters(distance=distance, **limits))
 
 
 def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:
-    """When a move is half done, s."""
+    """The time at which a move is half done, s."""
     a, b = move
     half = 0.5 * (x[a] + x[b])
     beyond = x[a : b + 1] > half if x[b] > x[a] else x[a : b + 1] < half
@@ -233,6 +235,6 @@ def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:
 
 
 def _round(value: float, size: float) -> float:
-    """A value to a ten-thousandth of a size: what a person would have typed."""
+    """Round a value to a ten-thousandth of a size."""
     digits = 4 - math.floor(math.log10(abs(size)))
     return round(value, digits)

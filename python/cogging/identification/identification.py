@@ -28,11 +28,11 @@ from cogging.shown import nearest
 from cogging.simulation.arguments import LOGS, MODEL
 
 FEWEST_ROWS = 200
-CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz, of the inverse dynamics' filter: the first at which noise does not rule
+CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz; the first at which reading noise does not dominate is used
 
 
 @takes(logs=LOGS, model=MODEL)
-@np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
+@np.errstate(all="ignore")  # extreme values are refused where they are used
 @on_one_blas_thread(scipy=True)
 def identify(
     logs: Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]],
@@ -47,24 +47,23 @@ def identify(
 ) -> Identification:
     """Fit the parameters of a model to one or several logs together. Rows that stand in several of them count once.
 
-    Two estimators: inverse dynamics with instruments from a simulated run (reported, since it weighs all motion below
-    the cut-off alike, and so bears a model that is not quite true), and the whitened output error of the closed-loop
-    replay (where the controller is known and made the log, else the whitened one-step prediction), as a check. Where
-    the model has a second mass or a state of friction, or a free parameter that the force balance does not show, the
-    output error is reported.
+    Two estimators are used. Inverse dynamics with instruments from a simulated run is reported: it weighs all motion
+    below the cut-off alike and is robust against model errors. The whitened output error of the closed-loop replay
+    (where the controller is known and made the log; else of the one-step prediction) is the check. It is reported
+    instead where the model has a second mass or a friction state, or a free parameter outside the force balance.
 
-    A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) stays at its
-    prior with an infinite interval. The others are fitted with it moving within its own size: their intervals allow
-    for it. Where the model lacks what makes more than a twentieth of the command, or leaves four times the noise, and
-    where the two estimators contradict each other, a parameter stays as given and its interval reaches as far as any
-    answer: of both estimators, with forces of place, speed, direction and time beside the model, and with what is left
-    as noise of its own memory. One that is then too wide is refused likewise. Only a value that all these exclude,
-    with its stated uncertainty, moves, to the answer beside those forces. `cogging diagnose` comes next.
+    A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) keeps its prior
+    and gets an infinite interval; the others are fitted with it free within its size, so their intervals allow for it.
+    Where unmodelled forces exceed 5 % of the command, or the residual four times the noise, or the two estimators
+    contradict each other, a parameter keeps its prior. Its interval then covers the answers of both estimators, those
+    with forces of position, speed, direction and time beside the model, and those with the residual as coloured noise;
+    if it is too wide the parameter counts as not determined. Only a prior that all these exclude, with its stated
+    uncertainty, is replaced by the answer beside those forces. `cogging diagnose` is the next step.
 
-    Time stamps that jitter, where the readings are smoother on an even clock, give way to that clock.
+    Jittering time stamps are replaced by an even clock if the readings are smoother on it.
 
-    `warnings` says what speaks against the fit: a residual of many times the noise, estimators that contradict each
-    other, a fit worse than the model as given, another answer at other cut-offs or with fewer rows.
+    `warnings` lists what speaks against the fit: a residual of many times the noise, estimators that contradict each
+    other, a fit worse than the model as given, other answers at other cut-offs or with fewer rows.
 
     Args:
         logs: one or several, or their files.
@@ -72,19 +71,18 @@ def identify(
         free: paths of the parameters to fit (`parameters_of` lists them). None: all but settings, places of nodes,
             those that are not finite, those with an uncertainty of 0, and `axis.coulomb_width` where it is 0.
         cutoff: of the inverse dynamics' filter, Hz; None: the highest of 80, 40, 20 and 10 Hz at which encoder noise
-            does not rule the residual.
+            does not dominate the residual.
         rest: rows slower than this do not count, m/s; None: 2 % of the largest speed.
         added_commands: for each log, what was added to its controller's command, V, (n,), or None.
         names: of the logs, for the text.
-        progress: True shows a bar, a function is told each stage in words.
+        progress: True shows a bar; a function receives the name of each stage.
 
     Returns:
-        The fitted model, its parameters with intervals and what the logs cannot tell; print it to read them.
+        The fitted model, its parameters with intervals, and which parameters the logs do not determine.
 
     Raises:
         InputError: a file that cannot be used, a log whose units cannot be those of the model.
-        ValueError: a free parameter that the model has not, no logs, a log that is too short or at rest, a cut-off or
-            rest that breaks its rule.
+        ValueError: an unknown free parameter, no logs, a log that is too short or at rest, an invalid cut-off or rest.
 
     Example:
         >>> prior = model.replace(axis=model.axis.replace(mass=0.1))
@@ -140,7 +138,7 @@ def _require_lengths(names: Sequence[str], logs: Sequence[Log], added: Sequence[
 
 
 def _cutoffs(cutoff: float | None, rate: float) -> list[float]:
-    """What is tried, Hz, for logs of so many rows a second."""
+    """The cut-offs to try, Hz, for logs with `rate` rows a second."""
     if cutoff is None:
         return [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
     if not 0.0 < cutoff <= 0.2 * rate:
@@ -180,7 +178,7 @@ def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:
     paths = []
     for path, parameter in known.items():
         role = role_of(model, path)
-        place = role == "shape" and path.endswith("]")  # where nodes stand is a choice
+        place = role == "shape" and path.endswith("]")  # node positions are a choice
         if path not in exact and role != "setting" and not place and np.isfinite(parameter.value):
             paths.append(path)
     return paths

@@ -32,19 +32,19 @@ class ParameterEstimate:
     """One parameter of the model, before and after.
 
     Attributes:
-        path: where it stands in the model.
+        path: in the model.
         unit: in the labels of the model.
-        prior: as the model had it.
-        value: as fitted; the prior where the logs do not determine it, or what the model lacks hides it.
-        ci95: 95 % interval; infinite where the logs do not determine it.
+        prior: value before the fit.
+        value: fitted; the prior if the logs do not determine it or unmodelled forces hide it.
+        ci95: 95 % interval; infinite if the logs do not determine it.
         determined: whether they do.
-        inverse_dynamics, output_error: what each estimator says; None where it cannot see the parameter.
-        difference: of the two, in units of its standard deviation were they independent; None likewise.
+        inverse_dynamics, output_error: value of each estimator; None if it does not depend on the parameter.
+        difference: of the two, over its standard deviation if they were independent; None likewise.
         spread: standard deviation of the values of logs fitted one by one; None where fewer than two determine it.
-        single_sigma: rms of the standard deviations that those fits themselves tell; None likewise.
-        note: in words, how well or why not.
-        elsewhere: values beyond the interval that other ways of fitting give, by the way in words: other cut-offs,
-            fewer rows, forces that the model has not.
+        single_sigma: rms of the standard deviations of those fits; None likewise.
+        note: how well it is determined, or why not.
+        elsewhere: values beyond the interval that other ways of fitting give, by the way: other cut-offs, fewer
+            rows, unmodelled forces.
     """
 
     path: str
@@ -81,7 +81,7 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class LogFit:
-    """What one log says of the fit.
+    """The fit on one log.
 
     Attributes:
         name: of the file, or the log's number.
@@ -89,11 +89,11 @@ class LogFit:
         residual_before, residual_after: rms of the force balance below the cut-off, V, of the rows in motion.
         residual_free: the same if parameters that are not determined moved too.
         floor: what quantiser and stated encoder noise alone would leave, V.
-        noise: what no force of place, speed, direction, acceleration and time explains of the balance, V; None where
-            the balance does not hold the whole model.
+        noise: rms of the balance that no force of position, speed, direction, acceleration and time explains, V; None
+            if the balance does not contain the whole model.
         command: rms of the command below the cut-off, V, of the rows in motion.
         explained: share of the command's power that the model explains, 1 - (residual_after / command)^2; below 0
-            where it makes things worse. Where the balance does not hold the whole model, the replay's.
+            if it is worse than no model. From the replay if the balance does not contain the whole model.
         replay_before: as `replay`, of the model as it was given.
         replay: relative errors of the closed-loop replay, norm of the difference over norm, of position, velocity and
             command; empty without a controller.
@@ -145,10 +145,10 @@ class Identification(ByValue):
         audits: of the logs, one a log.
         cutoff: of the inverse dynamics' filter, Hz.
         estimator: whose values are reported: "inverse_dynamics" or "output_error".
-        controller: what is to be said of a stated controller, one line a log.
-        notes: what else is to be said of the logs, such as rows that stand in several of them.
+        controller: remarks on the stated controller, one line a log.
+        notes: further remarks on the logs, such as rows that several of them share.
         explained: share of the command's power that the model explains, of all logs together.
-        warnings: what speaks against the fit, a sentence each; empty where nothing does.
+        warnings: what speaks against the fit, a sentence each.
 
     Example:
         >>> found = cogging.identify(log, model, free=["axis.mass"])
@@ -296,7 +296,7 @@ class Identification(ByValue):
 
 
 def percent(share: float) -> str:
-    """A share in words, with more digits the nearer it is to all."""
+    """Format a share as a percentage, with more digits the closer it is to 1."""
     digits = int(np.clip(-np.floor(np.log10(max(abs(1.0 - share), 1e-6))) - 1, 0, 3))
     return f"{100.0 * share:.{digits}f} %"
 

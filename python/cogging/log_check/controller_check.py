@@ -22,23 +22,23 @@ from cogging.model.units import Units
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 
-SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is moved
-ROUGH = 1e-3  # of the rms command: what differs less is not looked into
-EXPLAINS = 0.7  # of the difference: values that leave and return must explain the rest of it to be left out
+SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is shifted
+ROUGH = 1e-3  # of the rms command: smaller differences are not examined
+EXPLAINS = 0.7  # of the difference: spikes are left out if less than this remains without them
 
 
 @dataclass(frozen=True)
 class Compared:
-    """A log beside what the stated controller gives for it, one entry a sample.
+    """A log and the command of the stated controller for it, one entry a sample.
 
     Attributes:
         samples: of the log.
-        computed: V, the start of the integral in it.
-        start: V, that start, constant between gaps.
+        computed: V, with the initial integral.
+        start: V, that integral, constant between gaps.
         judged: samples that are compared.
-        doubted: rows whose command no controller gives: a single value that leaves and returns.
-        unseen: rows of the log, (n,), whose reading the controller did not see: likewise.
-        shifts: rms difference by the rows that the command is moved, V.
+        doubted: samples whose command is a spike that the controller did not give.
+        unseen: rows of the log, (n,), whose reading is a spike that the controller did not see.
+        shifts: rms difference by the shift of the command, V.
     """
 
     samples: Samples
@@ -51,7 +51,7 @@ class Compared:
 
 
 def compared(log: Log, model: Model, kind: str) -> Compared:
-    """A log beside its controller: as its rows say or, where that explains more, without what leaves and returns."""
+    """Compare a log with its controller, without spikes where these explain the difference."""
     reference = _reference(log, kind)
     found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * root_mean_square(log.command):
@@ -85,7 +85,7 @@ def _compared_with(
     computed = np.clip(computed + start, -limit, limit) if limit > 0.0 else computed + start
     doubted = doubted_commands(samples.command, computed, judged)
     shifts = _by_shift(samples, computed, judged, doubted)
-    if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # it is the timing that is wrong
+    if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # the timing is wrong instead
         doubted = np.zeros(len(computed), dtype=bool)
         shifts = _by_shift(samples, computed, judged, doubted)
     judged = judged & ~doubted
@@ -93,12 +93,12 @@ def _compared_with(
 
 
 def _by_shift(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask) -> dict[int, float]:
-    """Rms difference by the rows that the command is moved, V, without commands that are doubted."""
+    """Rms difference by the shift of the command, V, without doubted commands."""
     return {shift: root_mean_square(_shifted(samples, computed, judged, doubted, shift)) for shift in SHIFTS}
 
 
 def doubted_commands(command: FloatArray, computed: FloatArray, rows: Mask) -> Mask:
-    """Commands that leave and return at once where those that are computed do not; none where they are many."""
+    """Spikes of the command that the computed command does not have; none if they are many."""
     if not rows.any():
         return rows
     left = command - computed
@@ -110,7 +110,7 @@ def doubted_commands(command: FloatArray, computed: FloatArray, rows: Mask) -> M
 
 
 def _lags(kind: str, controller: Any) -> tuple[int, ...]:
-    """How many samples ago the readings were taken that make a command, as far as it forgets them."""
+    """Lags, in samples, of the readings that a command depends on."""
     if kind != "speed":
         return (0, 1)
     whole = int(controller.delay * controller.sample_rate + 1e-9)
@@ -130,7 +130,7 @@ def _reference(log: Log, kind: str) -> FloatArray:
 def _recompute(
     samples: Samples, applied: FloatArray, judged: Mask, model: Model, kind: str
 ) -> tuple[FloatArray, bool, bool]:
-    """The command as stated, whether an unknown start of its integral may be added, and whether it meets its limit."""
+    """The stated controller's command, whether its integral may start elsewhere, and whether it reaches its limit."""
     controller: Any = model.controller
     limit = controller.command_limit
     limited = limit > 0.0 and np.abs(samples.command).max() >= limit * (1 - 1e-6)
@@ -143,14 +143,14 @@ def _recompute(
     own = _bounded(replay_controller(fresh, **arguments))
     if kind in ("pid", "cascade"):
         return own, integral and bool(samples.segment[-1]), True
-    # What a controller with memory was told to have been applied is its own command or, after a disturbance of the
-    # command or a start in mid-motion, what the log holds.
+    # A controller with memory was updated with its own command or, after a disturbance of the command or a start in
+    # mid-motion, with the logged one.
     told = _bounded(replay_controller(fresh, **arguments, applied=applied))
     return min(own, told, key=lambda command: root_mean_square((samples.command - command)[judged])), False, limited
 
 
 def _bounded(command: FloatArray) -> FloatArray:
-    """The command of a controller that may have run away: as far off as can be squared is far enough."""
+    """The command of a controller that may have diverged, clipped so that it can be squared."""
     return np.clip(np.nan_to_num(command, nan=LARGEST), -LARGEST, LARGEST)
 
 
@@ -175,10 +175,10 @@ def root_mean_square(values: FloatArray) -> float:
 def linear_regressors(
     kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
 ) -> dict[str, FloatArray]:
-    """What the gains of a `pid` or `cascade` multiply, (n,) each, by the gain's name (contract, [controller]).
+    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name.
 
-    Each is what the controller itself commands with this gain at 1 and the others at 0, without a limit. A `cascade`
-    has kv and `kp kv`, in which it is linear.
+    Each is the command of the controller with this gain at 1 and the others at 0, without a limit. A `cascade` has kv
+    and `kp kv`, in which it is linear.
     """
     make = CONTROLLERS[kind][1]
     gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
@@ -189,7 +189,7 @@ def linear_regressors(
 
     columns = {name: command(**{name: 1.0}) for name in gains if (kind, name) != ("cascade", "kp")}
     if kind == "cascade":
-        # So small a kv that its own term vanishes beside that of the error; of powers of two the product is exactly 1.
+        # kv is so small that its own term vanishes; the product of these powers of two is exactly 1.
         columns = {"kp kv": command(kp=2.0**60, kv=2.0**-60), **columns}
     return columns
 
@@ -206,8 +206,8 @@ def fit_samples(
 ) -> tuple[dict[str, float], float, Mask]:
     """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
 
-    With an `integral` the rows after each gap have a constant of their own. Commands that leave and return at once do
-    not count where the fit does not.
+    With an `integral` the rows after each gap have their own constant. Spikes of the command that the fit does not
+    have are left out.
     """
     target = samples.command
     if integral and samples.segment[-1]:
@@ -255,30 +255,30 @@ def _stated_gains(controller: Any, names: tuple[str, ...]) -> dict[str, float]:
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
 RATE_TOLERANCE = 0.02  # of the stated sample rate
 FEWEST_ROWS = 20
-ENOUGH = 0.25  # of the rows: so many before the first gap tell whether a controller that learns made the log
+ENOUGH = 0.25  # of the rows, before the first gap, needed to check an adaptive controller
 AT_REST = 1e-3  # of the top speed: slower is rest
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ControllerCheck(ByValue):
-    """A logged command beside the one that the stated controller gives for the logged references and readings.
+    """Comparison of a logged command with the stated controller's for the logged references and readings.
 
     Attributes:
         type: of the controller, as in model files.
-        reproduces: whether the difference stays within 5 % of the rms command; None where it cannot be told.
+        reproduces: whether the difference is within 5 % of the rms command; None: unknown.
         command_rms: V, of the logged command about zero.
-        difference_rms: V, logged minus recomputed; an unknown start of the integral is taken out.
+        difference_rms: V, logged minus recomputed, without an unknown initial integral.
         relative: difference_rms / command_rms.
         start: V, the integral term with which the log begins, 0 without an integral.
-        best_shift: rows by which the logged command lags what fits best, -2 to 2; 0 unless it gains 5 %.
-        best_shift_rms: V, the difference then.
+        best_shift: shift in rows, -2 to 2, at which the logged command fits best; 0 unless it gains 5 %.
+        best_shift_rms: V, the difference at that shift.
         ratio: factor between the logged and the recomputed command, by least squares.
         stated: gains of the model; empty for a controller that is not linear in them.
         fitted: the same gains by least squares on the log.
-        fitted_rms: V, what they leave.
-        notes: why something could not be told, or what the figures suggest.
-        unseen_readings: rows whose reading leaves and returns at once, and which the controller did not see.
-        doubted_commands: rows whose command does so, and which the controller did not give.
+        fitted_rms: V, the residual with them.
+        notes: why something is unknown, or what the figures suggest.
+        unseen_readings: rows with a spike of the reading that the controller did not see.
+        doubted_commands: rows with a spike of the command that the controller did not give.
         units: labels of the model's units.
     """
 
@@ -320,16 +320,15 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     logged references and readings (replay_controller). The first row, whose differences reach before the log, is
     left out, and so are rows at the stated command limit when gains are fitted.
 
-    Samples without a row are put on the line between their neighbours where they are few on end, and rows whose command
-    hangs on them are not compared; after a longer gap the integral is another constant. Single readings that the
-    controller did not see, and commands that it did not give, are left out: where that alone explains them.
+    A few missing samples are interpolated, and rows whose command depends on them are not compared; after a longer gap
+    the integral is another constant. Spikes of readings and commands are left out if they alone explain the difference.
 
     Args:
         log: with a reference.
-        model: that states the controller.
+        model: with the controller.
 
     Returns:
-        How far the two commands agree; None where the model states no controller.
+        How far the two commands agree; None if the model states no controller.
 
     Example:
         >>> other = model.replace(controller=model.controller.replace(kp=9000.0))
@@ -346,7 +345,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     if found.judged.sum() < FEWEST_ROWS:
         text = (
             f"{int(found.judged.sum())} rows between gaps are too few to check the controller, "
-            f"which takes {FEWEST_ROWS}"
+            f"which needs {FEWEST_ROWS}"
         )
         return ControllerCheck(kind, None, command_rms, notes=(text,), units=model.units)
     if found.doubted.any():
@@ -355,7 +354,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
 
 
 def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> ControllerCheck:
-    """The verdict on a command that could be compared with the stated controller's."""
+    """The result of a comparison."""
     relative, best = found.shifts[0] / command_rms, _best_shift(found.shifts, command_rms)
     logged, computed = found.samples.command[found.judged], found.computed[found.judged]
     power = float(np.sum(computed**2))
@@ -398,15 +397,15 @@ def _best_shift(shifts: Mapping[int, float], command_rms: float) -> int:
 
 
 def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, str]:
-    """Whether a controller that learns reproduces a log whose whole it does not, and why it may not."""
+    """Whether an adaptive controller reproduces the part of a log with known estimates, and the reason if not."""
     samples = found.samples
     velocity = np.abs(samples.motion["reference_velocity"])
     if float(velocity[:3].max()) > AT_REST * float(velocity.max()):
-        return None, "the log starts in mid-motion: what the controller had learned by then is not known"
+        return None, "the log starts in mid-motion: the controller's estimates at its start are unknown"
     before = found.judged & (samples.segment == 0)
     if samples.segment[-1] == 0:
-        return False, "the controller's estimates are taken to start as stated"
-    told = "what the controller had learned after a gap is not known"
+        return False, "the controller's estimates are assumed to start as stated"
+    told = "the controller's estimates after a gap are unknown"
     if before.sum() < max(FEWEST_ROWS, ENOUGH * found.judged.sum()):
         return None, told
     left = root_mean_square(samples.command[before] - found.computed[before]) / command_rms
@@ -422,7 +421,7 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
     if log.reference is None and not _speed_alone(log, model.controller_type):
         return "the log has no reference: the controller cannot be recomputed"
     if len(log) < FEWEST_ROWS:
-        return f"{len(log)} rows are too few to check the controller, which takes {FEWEST_ROWS}"
+        return f"{len(log)} rows are too few to check the controller, which needs {FEWEST_ROWS}"
     if command_rms == 0.0:
         return "the command is zero throughout: there is nothing to recompute"
     assert model.controller is not None
@@ -432,7 +431,9 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
     step = float(own.mean()) if own.size and np.ptp(steps) > RATE_TOLERANCE * step else step
     rate, stated = 1.0 / step, model.controller.sample_rate
     if abs(rate / stated - 1.0) > RATE_TOLERANCE:
-        return f"the log has {rate:g} rows a second, the controller {stated:g} samples: the command cannot be told"
+        return (
+            f"the log has {rate:g} rows a second, the controller {stated:g} samples: the command cannot be recomputed"
+        )
     return ""
 
 
@@ -443,18 +444,19 @@ def _suggestions(
     if ratio and abs(ratio - 1.0) > MISMATCH:
         left = root_mean_square(logged - ratio * computed)
         if left <= MISMATCH * root_mean_square(logged):
-            notes.append(f"the command is {ratio:.4g} times the controller's: is its unit another (scale command)?")
+            notes.append(
+                f"the command is {ratio:.4g} times the controller's: is the command in another unit (--scale command)?"
+            )
     if relative > MISMATCH and shift:
-        notes.append(f"the command fits better when moved by {shift} rows: is it logged with another timing?")
+        notes.append(f"the command fits better when moved by {shift} rows: is it logged at another time?")
     return notes
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
-    """The log with a row for each sample that lacks one between two rows, and what is to be said of that.
+    """The log with rows for missing samples between two rows, and a remark on them.
 
-    Where the model's controller made the log, and gaps are of a few samples: the readings lie on the cubic through
-    their neighbours, and the commands are those that the controller gives for them. A command that is held over the gap
-    instead would be a blow that nobody gave, and be taken for what an effect does.
+    If the model's controller made the log and gaps are of a few samples, readings are interpolated by cubics and
+    commands computed by the controller. Holding the command over the gap would look like an effect.
     """
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:

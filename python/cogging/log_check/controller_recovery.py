@@ -22,15 +22,15 @@ from cogging.simulation.arguments import LOG
 
 Columns = dict[str, FloatArray]
 
-ACCEPTED = 0.005  # of the rms command: more is left by a controller of another kind
+ACCEPTED = 0.005  # of the rms command: largest residual of the right controller type
 FEWEST_ROWS = 200
-SEARCHED = 5000  # rows, evenly taken, on which the width is searched
-WIDTHS = 25  # of the friction compensation that are tried
-NEGLIGIBLE = 1e-3  # of the rms command: what a gain of no use contributes at most
+SEARCHED = 5000  # evenly spaced rows used to search the width
+WIDTHS = 25  # of the friction compensation tried
+NEGLIGIBLE = 1e-3  # of the rms command: contribution below which a gain is set to zero
 
 
 class RecoveredController(NamedTuple):
-    """Type and parameters of a controller that reproduces a log's command, and the rms of what it leaves, V.
+    """Type and parameters of a controller that reproduces a log's command, and the rms residual, V.
 
     `units` are the labels of the log's units.
     """
@@ -50,11 +50,11 @@ class RecoveredController(NamedTuple):
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.
 
-    Least squares of the command on what the gains multiply (linear_regressors): error, its sum and backward difference
+    Least squares of the command on the regressors of the gains: error, its sum and backward difference
     (`pid`), or error and the reading's backward difference (`cascade`), with the reference's derivatives and S(v) of a
-    width that is searched for. Accepted when it leaves at most 0.5 % of the rms command and no gain is negative; gains
-    that contribute less than 0.1 % are set to zero. The simpler of two that fit alike is taken. What the log lacks, or
-    has as single values that leave and return, is gone over as check_controller does.
+    width that is searched for. Accepted if the residual is at most 0.5 % of the rms command and no gain is negative;
+    gains that contribute less than 0.1 % are set to zero. The simpler of two equal fits is returned. Missing rows and
+    spikes are handled as in check_controller.
 
     Args:
         log: with a reference, of at least 200 rows.
@@ -75,7 +75,7 @@ def recover_controller(log: Log) -> RecoveredController | None:
 
 
 def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredController | None:
-    """The controller of a log, some of whose readings it did not see."""
+    """The controller of a log, without some of its readings."""
     step = float(np.median(np.diff(log.time)))
     rate = _round_rate(1.0 / step)
     samples = Samples.of(log, reference, 1.0 / step, unseen)
@@ -108,7 +108,7 @@ def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredContro
 def _fit(
     kind: str, base: PidParameters | CascadeParameters, samples: Samples, rows: Mask, command_rms: float
 ) -> tuple[dict[str, float], float] | None:
-    """Gains by name, the width of S(v) among them, and the rms that they leave; None where one is negative."""
+    """Gains by name, with the width of S(v), and the rms residual; None if one is negative."""
     fixed = linear_regressors(kind, base, samples.motion, samples.position)
     _, _, believed = fit_samples(samples, fixed, rows, "ki" in fixed)
     if believed.sum() < rows.sum():
@@ -135,7 +135,7 @@ def _fit_rows(
 
 
 class _GainFit:
-    """Least squares of a log's command on what the gains multiply, for any width of S(v)."""
+    """Least squares of a log's command on the regressors of the gains, for any width of S(v)."""
 
     def __init__(self, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask) -> None:
         self._samples, self._rows = samples, rows
@@ -148,7 +148,7 @@ class _GainFit:
         return (self._samples.without_means(column, self._rows) if self._apart else column)[self._rows]
 
     def solve(self, names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
-        """Gains of these names, or of all, the rms that they leave, and their columns, in every so many-th row."""
+        """Gains of these names (None: all), the rms residual, and their columns, on every `every`-th row."""
         columns = {name: column[::every] for name, column in self._columns.items() if names is None or name in names}
         if "coulomb" in columns and self._apart:
             columns["coulomb"] = self._of_rows(smooth_sign(self._velocity, width))[::every]
@@ -159,7 +159,7 @@ class _GainFit:
         return (*fit_columns(columns, self._command[::every]), columns)
 
     def best_width(self) -> float:
-        """The width of S(v), m/s, that leaves least of the command; 0 is that of sgn(v)."""
+        """The width of S(v), m/s, with the smallest residual; 0 for sgn(v)."""
         every = 1 + self._command.size // SEARCHED
         top = float(np.abs(self._velocity_of_rows).max())
         widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
@@ -170,7 +170,7 @@ class _GainFit:
 
 
 def _useful_gains(fit: _GainFit, width: float, command_rms: float) -> tuple[dict[str, float], float] | None:
-    """Gains without those that contribute nothing or are negative, and the rms that they leave; None without any."""
+    """Gains without negligible and negative ones, and the rms residual; None if none is left."""
     names: set[str] | None = None
     for _ in range(6):
         gains, rms, columns = fit.solve(names, width)
@@ -200,12 +200,12 @@ def _narrowed(cost: Callable[[float], float], width: float) -> float:
 
 
 def _round_rate(rate: float) -> float:
-    """A rate to the six digits that a time column is good for."""
+    """A rate to six digits, the precision of a time column."""
     return float(f"{rate:.6g}")
 
 
 def _limit(command: FloatArray) -> tuple[float, Mask]:
-    """The limit at which a command was cut, V (0 = none), and the rows that were not and are not the first."""
+    """The limit of a command, V (0 = none), and the rows below it but for the first."""
     top = float(np.abs(command).max())
     at_top = np.abs(command) >= top * (1.0 - 1e-9)
     runs = at_top[:-2] & at_top[1:-1] & at_top[2:]

@@ -7,16 +7,16 @@ import numpy.typing as npt
 
 from cogging.arrays import FloatArray
 
-READINGS = 200_000  # readings from which the quantum is told
-OFF_GRID = 0.1  # of the quantum: further off is no multiple
+READINGS = 200_000  # used at most
+OFF_GRID = 0.1  # of the quantum: tolerance of a multiple
 PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
 
 
 def encoder_quantum(position: npt.ArrayLike) -> float:
-    """The step of an encoder (m) of which its readings (n,) differ by multiples; 0 if there is none.
+    """The step (m) of which readings (n,) are multiples; 0 if there is none.
 
-    A greatest common divisor that forgives: 99 of 100 differences of neighbouring levels must lie within 0.1 of a
-    multiple. It is the unit in which readings were written where that is coarser than the encoder.
+    An approximate greatest common divisor: 99 % of the differences of neighbouring levels must lie within 0.1 steps of
+    a multiple. It is the resolution of the file if that is coarser than the encoder.
     """
     readings = np.asarray(position, dtype=np.float64)[:READINGS]
     levels = np.unique(readings)
@@ -45,7 +45,7 @@ def encoder_quantum(position: npt.ArrayLike) -> float:
 
 
 def _common_factor(multiples: FloatArray) -> int:
-    """The number that divides nearly all multiples: what was found is then a fraction of the quantum."""
+    """The largest number that divides nearly all multiples."""
     factor = 1
     for prime in PRIMES:
         while np.mean(np.mod(multiples, prime) == 0.0) > 0.99:
@@ -55,7 +55,7 @@ def _common_factor(multiples: FloatArray) -> int:
 
 
 def _refined(distance: FloatArray, quantum: float) -> float:
-    """The quantum by least squares over ever longer distances, so that the count of multiples stays sure."""
+    """The quantum by least squares over increasing distances, so that the count of multiples stays certain."""
     longest = float(distance.max())
     reach = 10.0 * quantum
     while True:
@@ -69,11 +69,11 @@ def _refined(distance: FloatArray, quantum: float) -> float:
         reach *= 3.0
 
 
-SPIKE = 5.0  # times what happens around it: an implausible reading
+SPIKE = 5.0  # times the changes around it: an outlier
 
 
 def find_outliers(position: FloatArray) -> npt.NDArray[np.int64]:
-    """Rows of single readings that leave and return by far more than anything around them."""
+    """Rows of single readings that deviate far more than the changes around them."""
     if position.size < 5:
         return np.empty(0, dtype=np.int64)
     steps = np.diff(position)
@@ -81,7 +81,7 @@ def find_outliers(position: FloatArray) -> npt.NDArray[np.int64]:
     around = np.maximum(np.abs(steps[:-3]), np.abs(steps[3:]))
     around = np.maximum(around, np.abs(there + back))
     moved = np.abs(steps[steps != 0.0])
-    floor = float(np.median(moved)) if moved.size else 0.0  # a flicker of the last digit at rest is no outlier
+    floor = float(np.median(moved)) if moved.size else 0.0  # toggling of the last digit at rest is no outlier
     height = np.minimum(np.abs(there), np.abs(back))
     found = (np.sign(there) * np.sign(back) < 0.0) & (height > SPIKE * np.maximum(around, floor))
     return np.flatnonzero(found).astype(np.int64) + 2

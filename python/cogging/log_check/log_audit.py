@@ -24,10 +24,10 @@ from cogging.values import ByValue
 
 JITTER = 0.01  # of the median step
 GAP = 1.5  # median steps
-SHOWN = 10  # places that are kept of gaps and outliers
-SMOOTHING = 0.02  # s, over which a speed is taken
+SHOWN = 10  # gaps and outliers listed
+SMOOTHING = 0.02  # s, over which speeds are estimated
 REST = 1e-3  # of the top speed
-PLATEAU = 3  # rows in a row at the extreme command that make a saturation
+PLATEAU = 3  # consecutive rows at the extreme command that count as saturation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,7 +35,7 @@ class Audit(ByValue):
     """Facts about a log.
 
     Attributes:
-        rows: how many.
+        rows: number of rows.
         duration: s, from the first row to the last.
         rate: Hz, of the median step.
         jitter_share: share of the steps that are off the median by more than 1 %.
@@ -43,8 +43,8 @@ class Audit(ByValue):
         gaps: number of steps above 1.5 medians.
         gap_longest: s; 0 without gaps.
         gap_times: s, when the first ten of them begin.
-        repeated_times: rows whose time does not rise: always 0, since a Log refuses them.
-        encoder_quantum: m, of which nearly all readings differ by multiples; 0 if there is none.
+        repeated_times: rows whose time does not increase: always 0, since a Log refuses them.
+        encoder_quantum: m, step of the readings; 0 if there is none.
         travel: m, lowest and highest reading without outliers.
         speed: m/s, lowest and highest, smoothed over 20 ms.
         acceleration: m/s^2, likewise.
@@ -52,12 +52,12 @@ class Audit(ByValue):
         command: V, lowest and highest.
         command_rms: V.
         saturation_share: share of the rows on a plateau of three or more rows at the lowest or highest command.
-        outliers: number of single readings that leave and return by more than 5 times what happens around them.
+        outliers: number of single readings that deviate by more than 5 times the changes around them.
         outlier_rows: the first ten of them, from 0.
-        read_with: what was found of the log's file that bears on its numbers: decimal commas.
-        controller: the stated controller beside the log; None where the model states none or no model is given.
+        read_with: properties of the log's file that affect its numbers: decimal commas.
+        controller: comparison with the stated controller; None without a model or a stated controller.
         units: labels of the units, of the model or, without one, of the log.
-        begins_at: s, the time of the first row; where it is negative the text says that time counts from that row.
+        begins_at: s, time of the first row.
 
     Example:
         >>> print(cogging.audit(log))
@@ -95,14 +95,14 @@ class Audit(ByValue):
         return f"{told}, {self.controller!r}"
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it; `units` where the model has labels of its own."""
+        """All fields for JSON; `units` if the model has its own labels."""
         told = dataclasses.asdict(self)
         for part in (told, told["controller"] or {}):
             part.pop("units", None)
         return told if self.units == Units() else told | {"units": self.units.to_dict()}
 
     def text(self) -> str:
-        """A few lines for a reader."""
+        """The facts in a few lines."""
         of = self.units.of
         low, high = self.travel
         lines = [
@@ -118,7 +118,7 @@ class Audit(ByValue):
             f"{100 * self.saturation_share:.3g} % saturated",
         ]
         if self.begins_at < 0.0:
-            lines.append(f"time begins at {self.begins_at:.6g} s: what acts over time counts from the first row")
+            lines.append(f"time begins at {self.begins_at:.6g} s: times of effects count from the first row")
         lines += [f"read with {', '.join(self.read_with)}"] * bool(self.read_with)
         return "\n".join(lines + _controller_lines(self.controller, self.units.command))
 
@@ -145,14 +145,14 @@ def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
 @takes(log=LOG, model=MODEL_OR_NONE)
 @on_one_blas_thread(scipy=False)
 def audit(log: Log, model: Model | None = None) -> Audit:
-    """Look at a log, and at the controller that a model states (see check_controller).
+    """Summarise a log, and compare it with the controller that a model states (see check_controller).
 
-    Speeds are slopes of position over time across 20 ms, accelerations slopes of those, so that neither the encoder's
-    quantum nor jitter is differentiated row by row; gaps are left out.
+    Speeds are slopes of position over 20 ms and accelerations slopes of those, so that quantisation and jitter are not
+    amplified; gaps are omitted.
 
     Args:
         log: at least two rows.
-        model: whose controller is compared with the log; None: nothing is compared.
+        model: its controller is compared with the log; None: no comparison.
 
     Returns:
         The facts; print it to read them.
@@ -245,29 +245,29 @@ def _range(values: FloatArray) -> tuple[float, float]:
 
 SATURATED = 0.02  # of the rows, at the limit of the command
 AT_REST = 0.5  # of the rows
-MISSING = 0.005  # of the time, in gaps ...
-PLACES = 5  # ... of which there are so many: fewer are pauses, not lost samples
-JITTER_SHARE, JITTER_RMS = 0.05, 0.02  # of the steps that are uneven, and their rms, of the step
-SLOW = 0.1  # s from row to row: what friction and cogging do lies between such rows
-QUANTUM = 1.5  # by which the step of the readings may be larger than the stated one
+MISSING = 0.005  # share of the time in gaps ...
+PLACES = 5  # ... if there are at least so many: fewer are pauses, not lost samples
+JITTER_SHARE, JITTER_RMS = 0.05, 0.02  # share of uneven steps, and their rms relative to the step
+SLOW = 0.1  # s from row to row: friction and cogging act between such rows
+QUANTUM = 1.5  # largest ratio of the step of the readings to the stated resolution
 
 
 def hints(found: Audit, model: Model) -> list[str]:
-    """Sentences on saturation, rest, lost samples, slow or uneven rows and a coarse encoder; none where none matters.
+    """Remarks on saturation, rest, lost samples, slow or uneven rows and a coarse encoder, where they matter.
 
     Args:
         found: audit of the log.
-        model: whose encoder is compared, and whose units count.
+        model: gives the encoder's resolution and the units.
 
     Returns:
-        What to bear in mind, each with its figure.
+        A sentence each, with its figure.
     """
     said, of = [], model.units.of
     if found.saturation_share > SATURATED:
         top = max(abs(value) for value in found.command)
         said.append(
             f"the command stands at its limit ({top:.4g} {of('V')}) in {100 * found.saturation_share:.2g} % of the "
-            "rows: what the controller asked for beyond it is not known"
+            "rows: the controller's demand beyond it is unknown"
         )
     if found.share_at_rest > AT_REST:
         said.append(
@@ -278,18 +278,18 @@ def hints(found: Audit, model: Model) -> list[str]:
     if missing > MISSING:
         said.append(
             f"rows are missing in {found.gaps} places, {100 * missing:.2g} % of the time, at most "
-            f"{found.gap_longest:.3g} s on end: what happened there is not known"
+            f"{found.gap_longest:.3g} s in a row: the motion in between is unknown"
         )
     step = 1.0 / found.rate
     if step > SLOW:
         said.append(
-            f"rows are {step:.3g} s apart, and what friction and cogging do lies between them: give --scale time=0.001 "
+            f"rows are {step:.3g} s apart, and friction and cogging act between them: give --scale time=0.001 "
             "if the time is in ms"
         )
     if found.jitter_share > JITTER_SHARE and found.jitter_rms > JITTER_RMS * step:
         said.append(
             f"rows are uneven by {found.jitter_rms:.2g} s rms ({100 * found.jitter_rms / step:.2g} % of a step): "
-            "delays and lags below that cannot be told"
+            "shorter delays and lags are not identifiable"
         )
     stated = model.encoder.resolution
     if stated > 0.0 and found.encoder_quantum > QUANTUM * stated:
@@ -300,7 +300,7 @@ def hints(found: Audit, model: Model) -> list[str]:
 
 
 def _missing(found: Audit) -> float:
-    """Share of the time in which there are no rows; 0 where that is a few pauses."""
+    """Share of the time without rows; 0 for a few pauses."""
     if found.duration <= 0.0 or found.gaps < PLACES:
         return 0.0
     return max(0.0, 1.0 - (found.rows - 1) / found.rate / found.duration)
@@ -312,14 +312,14 @@ TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 @takes(log=LOG, model=MODEL_ALONE)
 def check_against_model(log: Log, model: Model, name: str = "log") -> None:
-    """Refuse a log whose units cannot be those of the model: asked about, not guessed.
+    """Refuse a log whose units cannot be those of the model.
 
-    The readings must fit into the model's travel, span about what the reference spans, and their rows must not be a
-    thousand times further apart or closer than the controller's samples.
+    The readings must fit into the model's travel and span about as much as the reference, and the time step must not
+    differ from the controller's by a factor of a thousand.
 
     Args:
         log: the log.
-        model: its travel and sample rate are looked at.
+        model: gives travel and sample rate.
         name: of the log's file, for the error.
 
     Raises:
@@ -346,7 +346,7 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
 
 
 def position_units(units: Units) -> dict[float, str]:
-    """In what a position may be written other than the unit of a model, by the factor to that, the likelier first."""
+    """Other units of a position, by the factor to the model's unit, the likelier first."""
     small = {1e-3: units.of("mm"), 1e-6: units.of("um")}
     return ANGLES | small if units.position == "rad" else small | {1e-2: "cm", 0.0254: "inches"}
 
