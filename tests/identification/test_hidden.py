@@ -61,7 +61,7 @@ def test_the_prior_stands_and_the_next_command_is_diagnose(tmp_path, monkeypatch
     said, fitted = capsys.readouterr().out, cogging.Model.read("fitted.toml")
     assert fitted.axis.mass == first.axis.mass
     assert fitted.intervals["axis.mass"][0] < machine.axis.mass < fitted.intervals["axis.mass"][1]
-    assert "too much of the command to tell axis.mass" in said
+    assert "unmodelled forces are too strong to fit axis.mass" in said
     assert "contradict each other" not in said
     assert "worse than the model as given" not in said
     assert said.splitlines()[-1].startswith("next: cogging diagnose run.csv --model model.toml")
