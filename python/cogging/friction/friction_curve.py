@@ -33,18 +33,18 @@ PARAMETER_UNITS = {
     "stribeck_friction.velocity": "m/s",
     "stribeck_friction.exponent": "1",
 }
-EXPONENTS = (0.5, 4.0)  # between which it is looked for
+EXPONENTS = (0.5, 4.0)  # range searched
 STARTS = 24  # of the search, speeds on a logarithmic scale
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionParameter(ByValue):
-    """A fitted value with its interval, in its unit; the bounds are infinite where the points do not tell.
+    """A fitted value with its interval; the bounds are infinite if the points do not determine it.
 
     Attributes:
         value: as fitted.
         low, high: ends of the interval.
-        unit: in the labels that were asked for.
+        unit: in the requested labels.
     """
 
     value: float
@@ -204,7 +204,7 @@ def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.sum((inverse * errors) ** 2, axis=1)) / size, dtype=np.float64)
 
 
-SPARE = 2  # points more than parameters, at least, for a model to be tried
+SPARE = 2  # points beyond the number of parameters that a model needs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -258,7 +258,7 @@ class FrictionModel(ByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionCurve(ByValue):
-    """What fit_friction_curve found.
+    """The result of fit_friction_curve.
 
     Attributes:
         models: the laws that the points suffice for, simplest first.
@@ -267,7 +267,7 @@ class FrictionCurve(ByValue):
         velocity, force: the points: means of the rows of one speed and direction; m/s, V, (n,).
         speed: number of the speed that a point belongs to, (n,); points of one number are left out together.
         confidence: of the intervals.
-        notes: what the reader has to know about this fit.
+        notes: remarks on the fit.
         units: labels of force and position.
     """
 
@@ -365,16 +365,16 @@ def fit_friction_curve(
     confidence: float = 0.95,
     units: Units | None = None,
 ) -> FrictionCurve:
-    """Fit friction laws to forces at steady speeds, and say which one predicts speeds that it has not seen.
+    """Fit friction laws to forces at steady speeds, and select the one that predicts unseen speeds best.
 
     force = (Fc + dC/2 s + static_excess exp(-|v/vs|^exponent)) s + (B + dB/2 s) v, s = sgn(v). The ladder: Coulomb +
     viscous; with Fc and B that differ with direction; with the Stribeck term; with both. The force is the mean command
-    at a steady speed, so nothing accelerates; cogging averages out over whole periods, which is the caller's to see to.
+    at a steady speed, without acceleration; average over whole periods to remove cogging.
 
     Rows of one speed and direction are averaged to a point, since samples of one run are not independent. Least squares
     on the points; the two shape parameters of the Stribeck term by variable projection: the linear ones are solved for
-    at each trial, from many starts, refined by Gauss-Newton steps. vs is looked for between the lowest and half of the
-    highest speed, since a broader fall is not told from viscous friction, the exponent between 0.5 and 4;
+    at each trial, from many starts, refined by Gauss-Newton steps. vs is searched between the lowest and half of the
+    highest speed, since a broader decay resembles viscous friction, the exponent between 0.5 and 4;
     static_excess is at least 0. Intervals are robust to noise that differs between speeds (HC3 covariance, MacKinnon
     and White 1985, Student's t). Each speed, both directions together, is left out of the fit in turn and predicted. A
     model needs at least two points more than parameters, also with the fullest speed left out.
@@ -388,10 +388,10 @@ def fit_friction_curve(
         exponent: of the Stribeck term; fitted when None.
         same_speed: |v| this close (relative to the lowest of them) are one speed.
         confidence: of the intervals.
-        units: labels of force and position that the result is told in.
+        units: labels of force and position for the result.
 
     Returns:
-        The laws that the points suffice for, and which of them is best; print it to read them.
+        The laws that the points suffice for, and the best of them.
 
     Raises:
         ValueError: names the field, the rule and the value.
@@ -420,7 +420,7 @@ def fit_friction_curve(
         models.append(FrictionModel(law.name, parameters, left, float(e), float(spread), gain))
     chosen = _simplest(tried, squares, counts, int(np.argmin(rms)))
     if "coulomb_asymmetry.difference" in models[chosen].parameters:
-        notes.append("at steady speeds coulomb_asymmetry is not told from a constant force of -difference/2")
+        notes.append("at steady speeds coulomb_asymmetry is indistinguishable from a constant force of -difference/2")
     return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes), units or Units())
 
 

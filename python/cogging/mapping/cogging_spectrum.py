@@ -13,7 +13,7 @@ from cogging.arrays import FloatArray
 from cogging.memory import POINT
 
 FOLDS = 8
-LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regular where there is no noise
+LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regular without noise
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class SplineFit:
         basis: S_r(x), p coefficients; None = the nuisance columns alone, p = 0.
         coefficients: (p + q,), V: A_r as CoggingModel stores it, then those of the nuisance columns.
         residual: V, (n,).
-        variance: V^2, of the residual, with the degrees of freedom that the fit took.
-        determined: (p + q,), the part of each coefficient that the points decide and not the prior, 0 to 1.
+        variance: V^2, of the residual, per degree of freedom.
+        determined: (p + q,), share of each coefficient determined by the points and not the prior, 0 to 1.
         prior: weight of the prior, (p + q, p + q), added to the normal matrix.
     """
 
@@ -57,8 +57,8 @@ def fit_splines(
     """Fit the coefficients of the cogging model and of the nuisance columns.
 
     The prior: neighbouring control points of a harmonic differ by 0 +- the standard deviation of the force, all
-    harmonics alike. Its weight is therefore the residual's variance over that of the force: little, where the points
-    decide.
+    harmonics alike. Its weight is therefore the residual's variance over that of the force, small where the points
+    determine the coefficients.
 
     Args:
         basis: S_r(x); None for the nuisance columns alone.
@@ -183,17 +183,17 @@ def _difference_penalty(basis: SplineHarmonics | None, size: int) -> FloatArray:
 
 Lines = npt.NDArray[np.bool_]
 
-WINDOW = 61  # lines of the spectrum whose median makes the noise level
-FEWEST = 8  # lines; of fewer no median is taken
-FEWEST_FOR_SLOPE = 40  # lines; of fewer the noise is taken to be white: a few harmonics would look like a slope
-FLOOR = 1e-6  # of the rms force: smaller noise is the arithmetic's, not the sensor's
+WINDOW = 61  # lines of the running median that gives the noise level
+FEWEST = 8  # lines needed for a median
+FEWEST_FOR_SLOPE = 40  # lines needed for a slope of the noise; with fewer it is assumed white
+FLOOR = 1e-6  # of the rms force: smaller noise is rounding
 SIDEBAND = 0.25  # of the distance of two harmonics: a line this near to a harmonic is its modulation
-ROUNDS = 100  # of the search; each takes one component away
+ROUNDS = 100  # of the search; each removes one component
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line that stands out of the noise.
+    """A significant line.
 
     Attributes:
         frequency: 1/m, that of the harmonic where it belongs to one.
@@ -224,8 +224,8 @@ class HarmonicSpectrum:
         frequency: 1/m, (highest + 1, lines of a harmonic); row h belongs to harmonic h, row 0 to what is slower.
         present: as `frequency`, whether f > 0.
         near: as `frequency`, whether a line counts as its harmonic's own.
-        few: whether the lines are too few to tell slow noise from quick; it is then taken to be white.
-        modulated: whether the travel is long enough (four pitches) to tell modulations from other harmonics.
+        few: whether the lines are too few for a slope of the noise, which is then assumed white.
+        modulated: whether the travel is long enough (four pitches) to separate modulations from other harmonics.
     """
 
     def __init__(self, position: FloatArray, pitch: float, highest: int) -> None:
@@ -259,7 +259,7 @@ class HarmonicSpectrum:
         """The power of every line, V^2, in the shape of `frequency` or of some of its rows; 0 where f <= 0."""
         sums = (self._rows[:, harmonics] * force[:, None]).T @ self._columns
         c, s, cc, ss, cs = sums.real, sums.imag, self._cc[harmonics], self._ss[harmonics], self._cs[harmonics]
-        # Where all points stand at zeros of a sine, or nearly, only its cosine is seen.
+        # Where all points are near zeros of a sine only its cosine is determined.
         determinant = np.maximum(cc * ss - cs**2, 1e-9 * len(self.position) ** 2)
         return np.where(self.present[harmonics], 0.5 * (c * c * ss - 2.0 * c * s * cs + s * s * cc) / determinant, 0.0)
 
@@ -268,21 +268,20 @@ class HarmonicSpectrum:
         return np.sqrt(4.0 * power / len(self.position))
 
     def around(self, frequency: float, modulated: bool) -> Lines:
-        """The lines that a component at a frequency (1/m) takes up, in the shape of `frequency`."""
+        """The lines that a component at a frequency (1/m) occupies, in the shape of `frequency`."""
         reach = 0.5 / self.pitch if modulated else 1e-6 / self.pitch
         return np.abs(self.frequency - frequency) <= reach
 
     def level(self, power: FloatArray, taken: Lines, mean_square: float) -> tuple[FloatArray, float]:
         """The noise level (V^2, in the shape of `frequency`) and its degrees of freedom.
 
-        The running median of the lines that no component has taken, divided by ln 2: power that is noise is
-        exponentially distributed, and a median does not see the few lines that stand out. A power law in f is taken out
-        first where it is significant, because friction is noisier over long distances. Of too few lines the mean square
-        of the force is used in place of a median.
+        The running median of the lines without a component, divided by ln 2: noise power is exponentially distributed,
+        and the median ignores the few significant lines. A power law in f is removed first if it is significant, since
+        friction is noisier over long distances. With too few lines the mean square of the force is used instead.
 
         Args:
             power: V^2, of a residual (see `power`).
-            taken: lines that are no longer noise, in the shape of `frequency`.
+            taken: lines that are not noise, in the shape of `frequency`.
             mean_square: V^2, of that residual.
         """
         free = np.flatnonzero((self.present & ~taken).ravel())
@@ -312,16 +311,16 @@ class HarmonicSpectrum:
     def find(
         self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
     ) -> list[Line]:
-        """The lines that stand out of the noise, in the order in which they were found; each harmonic once.
+        """The significant lines in the order found; each harmonic once.
 
-        The strongest line is taken away with all of its modulation, and the rest is searched again: so a strong
-        harmonic does not hide a weak one nor lend it its own leakage.
+        The strongest line is removed with its modulation and the rest searched again, so that a strong harmonic
+        neither hides a weak one nor leaks into it.
 
         Args:
             force: V, (n,).
             nuisance: columns of offset, friction and trend, (n, q), which are fitted with every component.
             false_alarm: the probability at which a scan of noise alone yields any line.
-            taken: lines that are no noise from the start (see `taken_by`).
+            taken: lines excluded from the start (see `taken_by`).
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
@@ -347,7 +346,7 @@ class HarmonicSpectrum:
         return float(0.5 * degrees * np.expm1(2.0 / degrees * np.log(self.present.sum() / false_alarm)))
 
     def taken_by(self, harmonics: Iterable[int], modulated: bool) -> Lines:
-        """The lines that harmonics take up, in the shape of `frequency`."""
+        """The lines that harmonics occupy, in the shape of `frequency`."""
         taken = ~self.present
         for harmonic in harmonics:
             taken |= self.around(harmonic / self.pitch, modulated)

@@ -164,7 +164,7 @@ class DirectionContent:
         return cls(tuple(entries), float(np.sqrt(np.mean(content**2))), lag)
 
     def notes(self, coulomb: float | None, units: Units) -> list[str]:
-        """What the reader has to know of it."""
+        """Remarks on it."""
         if not self.amplitudes:
             return []
         v = units.command
@@ -287,14 +287,14 @@ class FittedMap:
 
     @property
     def coulomb(self) -> tuple[float, float] | tuple[None, None]:
-        """V, and its standard error; None where it is not told from the offset."""
+        """V, and its standard error; None if it is not separable from the offset."""
         if not self.scan.both_ways:
             return None, None
         place = self.coefficients + 1
         return float(self.fit.coefficients[place]), float(self.noise.standard_errors[place])
 
     def notes(self, false_alarm: float) -> list[str]:
-        """What the reader has to know about this fit."""
+        """Remarks on the fit."""
         notes, of = [], self.scan.units.of
         if self.trend != (0.0, 0.0):
             trend, error = self.trend
@@ -375,7 +375,7 @@ def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> F
 
 
 def _unmodelled(lines: list[Line], terms: list[int], pitch: float, units: Units) -> list[str]:
-    """Say what stands out and is not in the model: changes of its harmonics, the three strongest of other lines."""
+    """Remarks on significant lines outside the model: modulated harmonics, the three strongest other lines."""
     notes = []
     for line in sorted((line for line in lines if line.harmonic not in terms), key=lambda line: -line.amplitude)[:3]:
         which = (
@@ -390,7 +390,7 @@ def _unmodelled(lines: list[Line], terms: list[int], pitch: float, units: Units)
 
 
 def _unexcited(fit: SplineFit) -> tuple[int, ...]:
-    """Control points of which the scan decides less than half, the mean over their coefficients."""
+    """Control points whose coefficients the scan determines by less than half on average."""
     if fit.basis is None:
         return ()
     points = fit.basis.spline.control_points
@@ -404,7 +404,7 @@ SLIVER = 0.05  # of a pitch: a shorter rest of the travel gets no span of its ow
 
 @dataclass(frozen=True)
 class MapRequest:
-    """What fit_map was asked for; a wrong value is refused."""
+    """The options of fit_map, checked."""
 
     pitch: float
     harmonics: Sequence[int] | None
@@ -437,7 +437,7 @@ class MapRequest:
 
     @property
     def highest(self) -> int:
-        """The last harmonic that is looked for."""
+        """The last harmonic searched."""
         return max(self.highest_harmonic, *(self.harmonics or (1,)))
 
     def first_knot(self, scan: Scan) -> float:
@@ -450,7 +450,7 @@ class MapRequest:
         return max(1, int(spans)) + order - 1 if order else 1
 
     def check_against(self, scan: Scan) -> None:
-        """Refuse what the scan does not tell.
+        """Refuse options that the scan does not support.
 
         Raises:
             ValueError: names the field, the rule and the value.
@@ -522,15 +522,15 @@ def fit_map(
     prior: neighbouring control points differ by 0 +- the standard deviation of the scan's force. So a control point
     that the scan does not reach continues its neighbour; it is listed in `unexcited`.
 
-    Friction is told from the offset where the scan goes there and back over one pitch or more. g(x), periodic too, is
-    what else changes its sign with the direction: friction that ripples, hysteresis. It is looked for in what the map
-    leaves, told in `direction_amplitudes` and is no part of the map.
+    Friction is separated from the offset if the scan goes there and back over one pitch or more. g(x), also periodic,
+    is what else changes its sign with the direction: friction ripple, hysteresis. It is searched in the residual,
+    reported in `direction_amplitudes` and not part of the map.
 
     Harmonics are found in the least-squares spectrum (HarmonicSpectrum.find). Periodic and orders 1 to 4 are compared
     by 8-fold cross-validation on blocks of an eighth of a pitch (of at most a 64th of the travel), both directions
-    together; the one of fewest coefficients within one standard error of the best is taken. Noise correlated over more
-    than a block is not told from a modulation. Standard errors take the noise at a harmonic's own frequency from the
-    residual's spectrum, and no less than the residual's mean square.
+    together; the one with the fewest coefficients within one standard error of the best is chosen. Noise correlated
+    over more than a block resembles a modulation. Standard errors use the residual's spectrum at a harmonic's own
+    frequency, and at least the residual's mean square.
 
     Args:
         position: m, (n,), in the order of measurement, irregular and repeated at will.
@@ -540,12 +540,12 @@ def fit_map(
         harmonics: those of the model; found when None.
         order: of the B-splines, 1 to 16, or 0 = periodic; chosen when None.
         origin: m, the first knot; the lowest position when None.
-        highest_harmonic: the last one that is looked for, if the points tell it from others (2.5 in a period).
+        highest_harmonic: the last one searched, if the points resolve it (2.5 in a period).
         false_alarm: the probability at which a scan of noise alone yields any harmonic.
-        units: labels of force and position that the result is told in.
+        units: labels of force and position for the result.
 
     Returns:
-        The cogging model with its standard errors and how it was chosen; print it to read them.
+        The cogging model with its standard errors and how it was chosen.
 
     Raises:
         ValueError: names the field, the rule and the value: fewer than 10 points, NaN, lengths that differ, a travel
