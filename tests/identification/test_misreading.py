@@ -131,7 +131,7 @@ def test_what_is_said_of_one_log_of_several(right):
     assert (found.column, found.misreading, found.factor) == ("command", "sign", -1.0)
     assert found.option == "--scale b.csv:command=-1"
     assert found.explained < 0.1 < 0.9 < found.explained_otherwise <= 1.0
-    assert "b.csv: command has the other sign" in found.text
+    assert "b.csv: command has the opposite sign" in found.text
     assert found.option in found.text
     both = misreading([wrong, wrong], moving_axis.machine())
     assert both.logs == ("log 1", "log 2")
@@ -182,7 +182,7 @@ def test_the_verdict_comes_before_any_name(right, tmp_path, monkeypatch, capsys)
 def test_identify_warns(right):
     model = moving_axis.machine().replace(controller=None, controller_type=None)
     found = cogging.identify(replace(right, command=-right.command), model, free=["axis.mass"])
-    assert any("command has the other sign" in note for note in found.notes)
+    assert any("command has the opposite sign" in note for note in found.notes)
     assert not any("sign" in note for note in cogging.identify(right, model, free=["axis.mass"]).notes)
 
 

@@ -541,7 +541,7 @@ class BalanceCase:
         if slope == 0.0 or 1.0 / OTHER_SIZE < slope < OTHER_SIZE:
             return []
         if slope < 0.0:
-            kind, said, factor = "sign", "has the other sign than", -1.0
+            kind, said, factor = "sign", "has the opposite sign of", -1.0
         else:
             kind, said, factor = "scale", "is in another unit than", float(f"{slope:.3g}")
         position = Reading("position", kind, f"{said} the reference", {"position": 1.0 / factor})
@@ -558,8 +558,8 @@ class BalanceCase:
         if self.balance.work > 0.0 or self.any_size.ratio < SIGN.unexplained:
             return [], np.inf
         others = dict.fromkeys(REFERENCES if _follows(self.log) > 0.0 else (), -1.0)
-        command = Reading("command", "sign", "has the other sign: it pushes back", {"command": -1.0})
-        position = Reading("position", "sign", "has the other sign", {"position": -1.0, **others})
+        command = Reading("command", "sign", "has the opposite sign: it pushes back", {"command": -1.0})
+        position = Reading("position", "sign", "has the opposite sign", {"position": -1.0, **others})
         return self.best([command, position], self.any_size, SIGN)
 
     def scales(self) -> Winners:
