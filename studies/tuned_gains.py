@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import Plant, Reference, performance
-from cogging.design.tuning.tune import tune
-from cogging.design.tuning.tuning import Tuning
+from cogging.design.tuning import Tuning, tune
 from cogging.model.model import Model
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.xu2001 import setup as xu2001

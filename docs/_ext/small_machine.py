@@ -9,8 +9,8 @@ import numpy as np
 
 import cogging
 from cogging.arrays import FloatArray
-from cogging.design.experiment.limits import MotionLimits
-from cogging.design.experiment.motion import SURVEY, Element, planned
+from cogging.design.experiment_motion import SURVEY, Element, planned
+from cogging.design.motion_limits import MotionLimits
 from cogging.effects.effect import Effect
 from cogging.estimation.innovations import Innovations
 from cogging.model.model import Model

@@ -28,37 +28,37 @@ from cogging._core import (
     project,
     replay_controller,
 )
-from cogging.log_check.audit import Audit, audit
-from cogging.log_check.unit_check import check_against_model
+from cogging.log_check.log_audit import Audit, audit
+from cogging.log_check.log_audit import check_against_model
 from cogging.design.bounds import Bounds
-from cogging.log_check.controller import ControllerCheck, check_controller
-from cogging.log_check.recovery import RecoveredController, recover_controller
+from cogging.log_check.controller_check import ControllerCheck, check_controller
+from cogging.log_check.controller_recovery import RecoveredController, recover_controller
 from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
-from cogging.design.experiment.plan import ExperimentPlan
-from cogging.design.experiment.limits import MotionLimits
-from cogging.design.experiment.plan import plan_experiment
+from cogging.design.experiment_plan import ExperimentPlan
+from cogging.design.motion_limits import MotionLimits
+from cogging.design.experiment_plan import plan_experiment
 from cogging.diagnosis.locate import locate_gap
 from cogging.cpp_library import get_cmake_dir, get_include
-from cogging.design.predicted_error import ErrorPrediction
+from cogging.design.error_prediction import ErrorPrediction
 from cogging.design.error_prediction import predict_error
 from cogging.files import InputError
-from cogging.first_model.draft import draft_model
+from cogging.first_model.model_draft import draft_model
 from cogging.first_model.model_draft import ModelDraft
-from cogging.friction.curve import FrictionCurve, FrictionModel, fit_friction_curve
-from cogging.friction.law import FrictionParameter
+from cogging.friction.friction_curve import FrictionCurve, FrictionModel, fit_friction_curve
+from cogging.friction.friction_curve import FrictionParameter
 from cogging.design.pid import pid_gains, pid_poles
-from cogging.identification.result import Identification
-from cogging.identification.identify import identify
+from cogging.identification.identification_result import Identification
+from cogging.identification.identification import identify
 from cogging.logs.log import Log, read_log
-from cogging.mapping.fit import fit_map
-from cogging.mapping.result import MapFit
+from cogging.mapping.fit_map import fit_map
+from cogging.mapping.map_fit import MapFit
 from cogging.model.controller import Controller, ReferencePoint
 from cogging.model.model import Model
 from cogging.model.units import Units
-from cogging.design.tuning.tune import tune
-from cogging.design.tuning.tuning import Tuning
+from cogging.design.tuning import tune
+from cogging.design.tuning import Tuning
 from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers.reproduction import compare, reproduce
 from cogging.model.parameters import parameters_of

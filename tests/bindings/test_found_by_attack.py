@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cogging
+from cogging.estimation.force_balance import ForceBalance
 from cogging.estimation.innovations import Innovations
-from cogging.identification.inverse_dynamics import InverseDynamics
 from tests.attack.binding_values import Pool
 from tests.attack.bindings import run_case
 from tests.fixtures import command_files
@@ -238,13 +238,13 @@ def test_a_time_below_zero_counts_from_its_first_row():
     made = cogging.simulate(model, command_files.REFERENCE, seed=1)
     log = cogging.Log.of(made.columns())
     later = cogging.Log.of({**log.columns(), "time": log.time - 5.0})
-    told = "time begins at -5 s: what acts over time counts from the first row"
+    told = "time begins at -5 s: times of effects count from the first row"
     assert told in cogging.audit(later).text()
     assert "time begins" not in cogging.audit(log).text()
     pushed = model.replace(effects=[cogging.effects.DisturbanceStep(force=0.2, start=0.1, stop=0.2)])
     for residual in (
         lambda one, of: Innovations(one, of).predictor.predict(of.plant()).position,
-        lambda one, of: InverseDynamics(one, cutoff=40.0).of([of])[0],
+        lambda one, of: ForceBalance(one, cutoff=40.0).of([of])[0],
     ):
         first, shifted, without = residual(log, pushed), residual(later, pushed), residual(log, model)
         size = np.abs(first - without).max()

@@ -20,10 +20,10 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="terminals of PO
 
 #: What makes each command wait where it computes, so that it takes long on any machine: a function that it calls.
 WAITS = {
-    "audit": "cogging.log_check.audit.audit",
+    "audit": "cogging.log_check.log_audit.audit",
     "diagnose": "cogging.diagnosis.diagnose.diagnose",
-    "experiment": "cogging.design.experiment.plan.plan_experiment",
-    "map": "cogging.mapping.fit.fit_map",
+    "experiment": "cogging.design.experiment_plan.plan_experiment",
+    "map": "cogging.mapping.fit_map.fit_map",
     "predict": "cogging.design.error_prediction.predict_error",
     "simulate": "cogging.cli.simulate.simulate",
 }

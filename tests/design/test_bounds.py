@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.design.cogging_periods import periods_of, pitch_and_harmonics
+from cogging.design.bounds import periods_of, pitch_and_harmonics
 from cogging.model.intervals import Intervals
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.xu2001 import setup as xu2001_setup

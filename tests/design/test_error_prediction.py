@@ -9,8 +9,7 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.design import controller_choice, error_prediction
-from cogging.design.drawn_machines import covariance_root, draw, drawn_machines
-from cogging.design.error_prediction import predict_error
+from cogging.design.error_prediction import covariance_root, draw, drawn_machines, predict_error
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.parameters import with_values
 
@@ -316,7 +315,7 @@ def test_refuses(case, monkeypatch):
     arguments, message = REFUSED[case]
     arguments = dict(arguments)
     if arguments.get("model") == "barely":  # every draw of the friction is negative
-        monkeypatch.setattr("cogging.design.drawn_machines.draw", lambda value, interval, normal: -1.0)
+        monkeypatch.setattr("cogging.design.error_prediction.draw", lambda value, interval, normal: -1.0)
         arguments["model"] = machine()
     call = {"model": machine(), "reference": REFERENCE, "samples": 2, **arguments}
     with pytest.raises(ValueError, match=f"^{message}"):

@@ -7,10 +7,8 @@ import pytest
 from scipy.stats import norm
 
 import cogging
-from cogging.design.experiment.goals import detect, explained, fit, frequency, separate
-from cogging.design.experiment.look import Look, Machine, shapes
-from cogging.design.experiment.motion import SURVEY
-from cogging.design.experiment.plan import found_in
+from cogging.design.experiment_motion import SURVEY, Look, Machine, shapes
+from cogging.design.experiment_plan import detect, explained, fit, found_in, frequency, separate
 from cogging.diagnosis.balance.decision import THRESHOLD, score_of
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance
@@ -178,7 +176,7 @@ def test_what_cannot_be_seen_has_no_limit(survey):
     )
     assert [one.expected is None for one in told] == [True, False]
     assert told[0].text() == "encoder_scale_error: cannot be seen in this motion"
-    assert told[1].text().endswith("V would be seen; today 0.5 V")
+    assert told[1].text().endswith("V would be detected; today 0.5 V")
 
 
 def test_an_interval_is_as_wide_as_estimates_scatter(survey):
@@ -293,7 +291,7 @@ def test_a_goal_is_chosen_from_the_result():
 
 
 def test_limits_that_no_motion_keeps_to_are_refused():
-    with pytest.raises(ValueError, match="limits: no motion of this machine keeps to them"):
+    with pytest.raises(ValueError, match="limits: no motion of this machine keeps them"):
         cogging.plan_experiment(SMALL, cogging.MotionLimits(0.5, 5.0, 2.0, command=0.1), goal="fit")
 
 

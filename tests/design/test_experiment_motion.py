@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.design.experiment.limits import taken_of
-from cogging.design.experiment.look import Machine
-from cogging.design.experiment.motion import KINDS, SURVEY, drawn, is_known, planned
+from cogging.design.experiment_motion import KINDS, SURVEY, Machine, drawn, is_known, planned
+from cogging.design.motion_limits import taken_of
 from cogging.files import FieldError, InputError
 
 GOOD = {"travel": [0.0, 0.4], "velocity": 0.5, "acceleration": 5.0, "jerk": 400.0, "duration": 5.0, "command": 3.0}

@@ -17,12 +17,10 @@ import scipy.signal
 import cogging
 from cogging import effects
 from cogging.cli.main import main
-from cogging.design.tuning import trials as tuning_trials
-from cogging.design.tuning.gains import USUAL, tuned_of_model
-from cogging.design.tuning.linear_loop import modulus_margin
-from cogging.design.tuning.machines import Machine, machines_of, variations_of
-from cogging.design.tuning.margins import Loops, push_of
-from cogging.design.tuning.reached import INDEXES, Judge, upper_quantile
+from cogging.design import tuning as tuning_module
+from cogging.design.linear_plant import modulus_margin
+from cogging.design.loop_margins import Loops, Machine, machines_of, push_of, variations_of
+from cogging.design.tuning import INDEXES, USUAL, Judge, tuned_of_model, upper_quantile
 from cogging.files import parse_toml
 from cogging.outputs import to_toml
 from cogging.papers.lu2008.setup import AXES
@@ -421,7 +419,7 @@ def test_present_gains_that_fail_are_left_for_ones_that_do_not():
     assert math.isinf(found.present.drawn.error_rms)
     assert found.present.drawn.delay_margin == 0.0
     assert found.tuned.held_out.failed == 0
-    assert "the present gains break a limit: all runs come to their end" in found.notes
+    assert "the present gains break a limit: all runs complete" in found.notes
     json.dumps(found.to_dict()["notes"])
     found.plot()
 
@@ -448,7 +446,7 @@ def test_a_tuning_goes_on_where_it_was_ended(tmp_path, monkeypatch):
     limits = {"delay_margin": 1e-3}
     out, rng, told = tmp_path / "tuned.toml", random.Random(2), []
     options = {"limits": limits, "trials": 20, "seed": 3, **FEW}
-    monkeypatch.setattr(tuning_trials, "WRITTEN_EVERY", 0.0)
+    monkeypatch.setattr(tuning_module, "WRITTEN_EVERY", 0.0)
     made, plain = [], Judge.run
     monkeypatch.setattr(Judge, "run", lambda judge, gains: made.append(dict(gains)) or plain(judge, gains))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cogging.estimation.jackknife import jackknife, spread_of
+from cogging.estimation.statistics import jackknife, spread_of
 from cogging.estimation.whitening import Whitened
 
 ROWS, BLOCKS = 600, 30

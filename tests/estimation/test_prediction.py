@@ -13,7 +13,7 @@ import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor, autoregression, whiten
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.rows_in_motion import settling
+from cogging.estimation.residuals import settling
 
 BANDWIDTH = 25.0
 

@@ -8,7 +8,7 @@ import pytest
 import cogging
 import control
 from cogging import effects
-from cogging.design.tuning.linear_loop import modulus_margin
+from cogging.design.linear_plant import modulus_margin
 
 KINDS = ("pid", "cascade", "speed", "arc", "dcarc")
 

@@ -184,10 +184,14 @@ def test_columns_without_telling_names_are_known_by_how_they_behave(tmp_path):
 @pytest.mark.parametrize(
     ("labels", "columns", "rule"),
     [
-        (["t", "ch1", "ch2"], [TIME, np.sin(TIME), np.cos(TIME)], "column position: cannot tell which .* 'ch1', 'ch2'"),
+        (
+            ["t", "ch1", "ch2"],
+            [TIME, np.sin(TIME), np.cos(TIME)],
+            "column position: cannot be identified among .* 'ch1', 'ch2'",
+        ),
         (["t", "speed", "Iq"], [TIME, RANDOM, RANDOM], "column position: .*'speed' looks like a velocity"),
-        (["x", "Iq"], [RANDOM, RANDOM], "column time: cannot tell"),
-        (["t", "x"], [TIME, RANDOM], "column command: cannot tell"),
+        (["x", "Iq"], [RANDOM, RANDOM], "column time: cannot be identified"),
+        (["t", "x"], [TIME, RANDOM], "column command: cannot be identified"),
     ],
 )
 def test_what_cannot_be_told_is_asked_in_one_line(labels, columns, rule, tmp_path, monkeypatch, capsys):
@@ -207,7 +211,7 @@ def test_a_log_without_a_header_or_columns_of_numbers(tmp_path):
     with pytest.raises(InputError, match="line 1: must be a header row with the names of the columns"):
         cogging.draft_model(tmp_path / "a.csv")
     (tmp_path / "b.csv").write_text("a,b\nx,y\nu,v\n")
-    with pytest.raises(InputError, match="column time: cannot tell which it is of none"):
+    with pytest.raises(InputError, match="column time: cannot be identified among none"):
         cogging.draft_model(tmp_path / "b.csv")
 
 
@@ -347,7 +351,7 @@ def test_no_file_is_replaced_and_none_left_half(tmp_path, monkeypatch, capsys):
         assert main(["init", "a.csv"]) == 2
         said = capsys.readouterr().err
         assert said.count("\n") == 1
-        assert f"{taken}: must not be there yet" in said
+        assert f"{taken}: must not exist yet" in said
         assert (tmp_path / taken).read_text() == "mine"
         (tmp_path / taken).unlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv"]

@@ -65,5 +65,5 @@ def test_odrive():
 def test_tro2021_has_no_position():
     """Its time has a unit, `ms`, and no name; beside it stand a speed and a torque."""
     path = tro2021.files(FOLDER)["start_stop/200"]
-    with pytest.raises(InputError, match="column time: cannot tell which it is of 'Velocity actual value"):
+    with pytest.raises(InputError, match="column time: cannot be identified among 'Velocity actual value"):
         cogging.draft_model(path)

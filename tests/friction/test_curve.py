@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 import cogging
 from cogging import fit_friction_curve
 from cogging.datasets import tro2021
-from cogging.friction.law import Law
+from cogging.friction.friction_curve import Law
 from tests.fixtures.measured import FOLDER
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)

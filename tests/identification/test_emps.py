@@ -5,7 +5,7 @@ import pytest
 
 from cogging.cli.main import main
 from cogging.datasets import emps
-from cogging.identification.identify import identify
+from cogging.identification.identification import identify
 from cogging.identification.logged_run import LoggedRun
 from cogging.model.model import Model
 from tests.fixtures.emps import prior, read

@@ -5,7 +5,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.identification.trust import is_refuted, widened_interval
+from cogging.identification.parameter_fit import is_refuted, widened_interval
 from tests.fixtures.strokes import HIDDEN, as_believed, drawn
 
 CASES = [(seed, hidden) for seed in (0, 1) for hidden in HIDDEN if hidden != "nothing"]
@@ -61,7 +61,7 @@ def test_the_prior_stands_and_the_next_command_is_diagnose(tmp_path, monkeypatch
     said, fitted = capsys.readouterr().out, cogging.Model.read("fitted.toml")
     assert fitted.axis.mass == first.axis.mass
     assert fitted.intervals["axis.mass"][0] < machine.axis.mass < fitted.intervals["axis.mass"][1]
-    assert "too much of the command to tell axis.mass" in said
+    assert "unmodelled forces are too strong to fit axis.mass" in said
     assert "contradict each other" not in said
     assert "worse than the model as given" not in said
     assert said.splitlines()[-1].startswith("next: cogging diagnose run.csv --model model.toml")

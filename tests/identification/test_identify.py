@@ -18,7 +18,7 @@ from cogging import (
     _core,
 )
 from cogging.cli.main import main
-from cogging.identification.identify import identify
+from cogging.identification.identification import identify
 from tests.fixtures.identify_coverage import moves
 
 RATE = 1000.0

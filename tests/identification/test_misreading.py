@@ -13,11 +13,10 @@ import pytest
 import cogging
 from cogging import Log
 from cogging.cli.main import main
+from cogging.estimation.axis_balance import AXIS, AxisBalance, explained_share, stated_bounds
 from cogging.files import InputError
-from cogging.identification.misreading.balance import AXIS, Balance
-from cogging.identification.misreading.explained import explained_share, stated_bounds
-from cogging.identification.misreading.misreading import misreading
-from cogging.log_check.unit_check import check_against_model
+from cogging.identification.misreading import misreading
+from cogging.log_check.log_audit import check_against_model
 from tests.fixtures import emps, moving_axis, slow_rotary, unlike_machines
 from tests.fixtures.unlike_machines import MISREADINGS, MISSING
 
@@ -54,7 +53,7 @@ def test_nor_is_one_that_cogging_drives_back_and_forth(seed):
     amplitudes, poles = np.repeat([0.3, 1.0], 4), np.tile([3.45, 5.0, 9.0, 20.0], 2)
     for log in slow_rotary.logs(seed, amplitudes, poles):
         assert misreading([log], slow_rotary.model()) is None
-        assert Balance.of(replace(log, command=-log.command), slow_rotary.model()).work < 0.0
+        assert AxisBalance.of(replace(log, command=-log.command), slow_rotary.model()).work < 0.0
 
 
 @pytest.mark.study
@@ -132,7 +131,7 @@ def test_what_is_said_of_one_log_of_several(right):
     assert (found.column, found.misreading, found.factor) == ("command", "sign", -1.0)
     assert found.option == "--scale b.csv:command=-1"
     assert found.explained < 0.1 < 0.9 < found.explained_otherwise <= 1.0
-    assert "b.csv: command has the other sign" in found.text
+    assert "b.csv: command has the opposite sign" in found.text
     assert found.option in found.text
     both = misreading([wrong, wrong], moving_axis.machine())
     assert both.logs == ("log 1", "log 2")
@@ -183,7 +182,7 @@ def test_the_verdict_comes_before_any_name(right, tmp_path, monkeypatch, capsys)
 def test_identify_warns(right):
     model = moving_axis.machine().replace(controller=None, controller_type=None)
     found = cogging.identify(replace(right, command=-right.command), model, free=["axis.mass"])
-    assert any("command has the other sign" in note for note in found.notes)
+    assert any("command has the opposite sign" in note for note in found.notes)
     assert not any("sign" in note for note in cogging.identify(right, model, free=["axis.mass"]).notes)
 
 
@@ -216,7 +215,7 @@ def test_no_small_mass_raises_the_share(right):
 
 def test_the_fit_is_that_of_a_dense_least_squares(right):
     """Of the places by hat functions written out, and of the rest by numpy."""
-    balance = Balance.of(right, moving_axis.machine())
+    balance = AxisBalance.of(right, moving_axis.machine())
     fit = balance.fit(dict.fromkeys((*AXIS, "drag"), (-1e9, 1e9)))
     node, share, matrix = balance._nodes
     hats = np.zeros((matrix.shape[1], len(node)))

@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 
 from cogging import Log
-from cogging.identification.identify import identify
-from cogging.identification.other_answers import OtherAnswer, thinned
-from cogging.identification.result import LogFit, ParameterEstimate, percent
-from cogging.identification.trust import TrustLimits, moved_beyond, warnings_of
+from cogging.identification.identification import identify
+from cogging.identification.identification_result import (
+    LogFit,
+    ParameterEstimate,
+    percent,
+    warnings_of,
+)
+from cogging.identification.parameter_fit import moved_beyond, thinned
 from tests.fixtures.identify_coverage import Case, draw, draw_hidden, draw_thinned, outcome_of
 
 # What is said when --------------------------------------------------------------------------------------------------
-
-LIMITS = TrustLimits()
 
 
 def log_fit(**changes):
@@ -35,7 +37,7 @@ def estimate(**changes):
 
 
 def said(logs=(), parameters=(), held=()):
-    return warnings_of([log_fit(), *logs], [estimate(), *parameters], held, LIMITS, "V")
+    return warnings_of([log_fit(), *logs], [estimate(), *parameters], held, "V")
 
 
 def test_nothing_is_said_of_a_good_fit():
@@ -76,14 +78,14 @@ def test_a_fit_that_is_worse_than_what_was_given():
 
 
 def test_other_answers_are_told_beside_the_own():
-    others = [OtherAnswer("below 40 Hz", {"axis.mass": 2.3}, {"axis.mass": 0.1})]
+    others = {"below 40 Hz": {"axis.mass": (2.3, 0.05, 0.1)}}
     assert moved_beyond("axis.mass", 2.0, 0.15, others, 1.5) == {"below 40 Hz": 2.3}
     assert moved_beyond("axis.mass", 2.0, 0.25, others, 1.5) == {}  # within its own interval
-    vague = [OtherAnswer("below 40 Hz", {"axis.mass": 2.3}, {"axis.mass": 0.3})]
+    vague = {"below 40 Hz": {"axis.mass": (2.3, 0.15, 0.3)}}
     assert moved_beyond("axis.mass", 2.0, 0.1, vague, 1.5) == {}  # within the other's
     assert moved_beyond("axis.viscous", 2.0, 0.1, others, 1.5) == {}
     (warning,) = said((), [estimate(elsewhere={"below 40 Hz": 2.3})])
-    assert warning == "below 40 Hz, axis.mass is 2.3 in place of 2 V/(m/s^2)"
+    assert warning == "below 40 Hz, axis.mass is 2.3 instead of 2 V/(m/s^2)"
 
 
 @pytest.mark.parametrize("rows", [8, 9])

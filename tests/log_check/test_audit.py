@@ -7,9 +7,8 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.log_check.controller_gains import linear_regressors
-from cogging.log_check.encoder_quantum import encoder_quantum
-from cogging.log_check.outliers import find_outliers
+from cogging.log_check.controller_check import linear_regressors
+from cogging.log_check.encoder_readings import encoder_quantum, find_outliers
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.measured import FOLDER
 
@@ -188,7 +187,7 @@ def test_a_stated_controller_that_did_not():
     check = cogging.check_controller(amperes, make())
     assert check.reproduces is False
     assert check.ratio == pytest.approx(0.5)
-    assert any("is its unit another" in note for note in check.notes)
+    assert any("is it in another unit" in note for note in check.notes)
 
 
 def test_what_cannot_be_told():

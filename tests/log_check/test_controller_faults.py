@@ -11,7 +11,7 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.identification.identify import identify
+from cogging.identification.identification import identify
 from cogging.logs.spikes import spikes
 from cogging.papers import comparison
 from cogging.papers.lu2008 import setup as lu2008

@@ -8,8 +8,8 @@ import pytest
 import cogging
 from cogging import Log
 from cogging.diagnosis.preparation import prepared
-from cogging.identification.identify import identify
-from cogging.log_check.hints import hints
+from cogging.identification.identification import identify
+from cogging.log_check.log_audit import hints
 from tests.fixtures import moving_axis
 
 

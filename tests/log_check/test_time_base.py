@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import cogging
-from cogging.log_check.time_base import on_its_clock
+from cogging.log_check.controller_samples import on_its_clock
 from tests.fixtures.strokes import as_believed, drawn
 
 STEP = 1e-3  # s

@@ -10,7 +10,7 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.identification.identify import identify
+from cogging.identification.identification import identify
 
 ROWS = 400
 TIME = np.arange(ROWS) * 1e-3

@@ -10,9 +10,9 @@ import pytest
 
 import cogging
 from cogging import Log
+from cogging.estimation.force_balance import ForceBalance
 from cogging.estimation.innovations import Innovations
-from cogging.identification.identify import identify
-from cogging.identification.inverse_dynamics import InverseDynamics
+from cogging.identification.identification import identify
 from cogging.logs.pauses import CUT, SPARSE, SPARSEST, running_time, without_pauses
 from tests.fixtures.moving_axis import machine, record
 from tests.fixtures.paused_logs import DAY, YEAR, paused
@@ -29,7 +29,7 @@ def test_pauses_cost_nothing_and_move_no_fit(log):
 import dataclasses, json, resource, sys
 resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
 import cogging
-from cogging.identification.identify import identify
+from cogging.identification.identification import identify
 from tests.fixtures.moving_axis import machine, record
 from tests.fixtures.paused_logs import CASES, paused
 told, log = {}, record(machine(), 3)
@@ -88,7 +88,7 @@ def test_even_rows_are_bounded_by_rows_whatever_the_time():
         log = Log(time, np.sin(np.arange(rows)), np.cos(np.arange(rows)))
         said = ""
         try:
-            dynamics = InverseDynamics(log, cutoff=0.1 / float(np.median(np.diff(time))))
+            dynamics = ForceBalance(log, cutoff=0.1 / float(np.median(np.diff(time))))
         except ValueError as error:
             said = str(error)
         if said:
@@ -116,7 +116,7 @@ def test_a_log_without_pauses_is_not_touched(log):
     assert running_time(log.time) is log.time
     short = paused(log, {4000: 5.0})
     assert running_time(short.time) is short.time, "a pause that is no longer than the rest costs little"
-    assert not InverseDynamics(short, cutoff=20.0).pauses
+    assert not ForceBalance(short, cutoff=20.0).pauses
 
 
 def test_pauses_are_counted_and_told(log):

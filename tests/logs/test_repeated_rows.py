@@ -9,7 +9,7 @@ import pytest
 import cogging
 from cogging import Log
 from cogging.cli.main import main
-from cogging.identification.identify import identify
+from cogging.identification.identification import identify
 from cogging.logs.repeated_rows import STRETCH, counted_once, repeated, rows_of
 from tests.fixtures.moving_axis import machine, motion, record
 

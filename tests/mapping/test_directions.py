@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from cogging.datasets import laas
-from cogging.mapping.fit import fit_map
+from cogging.mapping.fit_map import fit_map
 from tests.fixtures.measured import FOLDER
 
 DRAWN = range(20)

@@ -13,11 +13,10 @@ from scipy.signal import lfilter
 
 import cogging
 from cogging.files import read_toml
-from cogging.mapping.fit import _simplest, fit_map
-from cogging.mapping.result import CrossValidation, MapFit
+from cogging.mapping.cogging_spectrum import FOLDS, HarmonicSpectrum, cross_validate, fit_splines, normal_equations
+from cogging.mapping.fit_map import _simplest, fit_map
+from cogging.mapping.map_fit import CrossValidation, MapFit
 from cogging.mapping.scan import read_scan
-from cogging.mapping.spectrum import HarmonicSpectrum
-from cogging.mapping.spline_fit import FOLDS, cross_validate, fit_splines, normal_equations
 from tests.fixtures.measured import FOLDER
 
 PITCH = 0.05
@@ -746,7 +745,7 @@ def test_pure_and_leaves_its_arguments_alone():
 
 def test_matplotlib_comes_with_the_plot_and_pyplot_never():
     program = (
-        "import sys, numpy as np; from cogging.mapping.fit import fit_map; x = np.arange(200) * 1e-3;"
+        "import sys, numpy as np; from cogging.mapping.fit_map import fit_map; x = np.arange(200) * 1e-3;"
         "fit = fit_map(x, np.sin(2 * np.pi * x / 0.05), pitch=0.05); assert 'matplotlib' not in sys.modules;"
         "fit.plot(); assert 'matplotlib.pyplot' not in sys.modules; assert 'scipy' not in sys.modules"
     )

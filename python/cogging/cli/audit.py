@@ -38,8 +38,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Audit each log, write and print what it is like."""
-    from cogging.log_check.audit import audit
-    from cogging.log_check.unit_check import check_against_model
+    from cogging.log_check.log_audit import audit, check_against_model
     from cogging.model.model import Model
 
     inputs = [*with_sidecars(arguments.logs), *([arguments.model] if arguments.model else [])]

@@ -57,8 +57,8 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the motion, write its files, print what is to be expected."""
-    from cogging.design.experiment.limits import MotionLimits
-    from cogging.design.experiment.plan import NoMotion, beside, plan_experiment, read_result
+    from cogging.design.experiment_plan import NoMotion, beside, plan_experiment, read_result
+    from cogging.design.motion_limits import MotionLimits
     from cogging.file_schema import LIMITS
     from cogging.model.model import Model
 

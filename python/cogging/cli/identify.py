@@ -40,7 +40,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Fit the model, write what was asked for, print the fit."""
-    from cogging.identification.identify import identify
+    from cogging.identification.identification import identify
     from cogging.model.model import Model
 
     outputs = {"--json": json_file(arguments), "--out": arguments.out}

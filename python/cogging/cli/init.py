@@ -47,8 +47,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Draft model and reference, write and print what was found, and the command to give next."""
-    from cogging.first_model.draft import draft_model
-    from cogging.first_model.model_draft import require_new
+    from cogging.first_model.model_draft import draft_model, require_new
 
     outputs = {"--out": arguments.out, "--reference": arguments.reference, "--json": json_file(arguments)}
     check_outputs(outputs, with_sidecars([arguments.log]))

@@ -51,7 +51,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Fit the map, write it with its figure, print what it explains."""
-    from cogging.mapping.fit import fit_map
+    from cogging.mapping.fit_map import fit_map
 
     figure = Path(arguments.out).with_suffix(".png") if Path(arguments.out or "").name else None
     outputs = {"--out": arguments.out, "its figure": figure, "--json": json_file(arguments)}

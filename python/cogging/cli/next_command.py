@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from cogging.outputs import AnyPath
 
 if TYPE_CHECKING:
-    from cogging.identification.result import Identification
+    from cogging.identification.identification_result import Identification
     from cogging.model.model import Model
 
 #: Files of the user's that a next command may need, and what each is.

@@ -52,8 +52,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
-    from cogging.design.tuning.trials import optuna
-    from cogging.design.tuning.tune_file import files_of_tune, read_tune, run_tune
+    from cogging.design.tuning import files_of_tune, optuna, read_tune, run_tune
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_tune(arguments.tune)

@@ -1,4 +1,4 @@
-"""From a fitted model to controllers: the bounds of an axis, and what each controller of the library needs of them."""
+"""From a fitted model to controllers: the bounds of an axis and the parameters each controller needs."""
 
 from __future__ import annotations
 
@@ -20,14 +20,160 @@ from cogging._core import (
     desired_compensation_condition,
     friction_slope_max,
 )
+from cogging.arrays import FloatArray
 from cogging.calls import told_constructor
-from cogging.design.cogging_periods import periods_of, pitch_and_harmonics
-from cogging.design.disturbance_range import disturbance_range
 from cogging.design.observer import ObserverDesign, ObserverProblem
 from cogging.design.pid import pid_gains
-from cogging.model.intervals import SIGMAS_95, Interval, Intervals
+from cogging.effects.effect import Effect, laws_of
+from cogging.model.intervals import SIGMAS_95, Interval, Intervals, valid_end
 from cogging.model.model import Model
+from cogging.model.parameters import effect_paths, parameters_of, with_values
 from cogging.values import ByValue, brief
+
+PERIODS_IN_PITCH = 64  # largest ratio of the common pitch to the longest period
+
+
+def periods_of(basis: SplineHarmonics) -> list[float]:
+    """The spatial periods of a cogging model, m, whether given as such or as harmonics of a pitch."""
+    return [2.0 * math.pi / wavenumber for wavenumber in basis.wavenumbers]
+
+
+def pitch_and_harmonics(basis: SplineHarmonics) -> tuple[float, list[int]]:
+    """The pitch (m) and harmonics of a cogging model: of periods, a pitch of which all are whole fractions.
+
+    Raises:
+        ValueError: there is no such pitch; with several control points it must be the distance of the knots.
+    """
+    if basis.harmonics:
+        return basis.pitch, list(basis.harmonics)
+    periods = np.array(basis.periods)
+    if basis.spline.control_points > 1:
+        pitches = [basis.spline.pitch]
+    else:
+        pitches = [times * float(periods.max()) for times in range(1, PERIODS_IN_PITCH + 1)]
+    for pitch in pitches:
+        ratio = pitch / periods
+        if (np.round(ratio) >= 1).all() and np.abs(ratio - np.round(ratio)).max() < 1e-6:
+            return pitch, [int(n) for n in np.round(ratio)]
+    raise ValueError(
+        "cogging.periods: must be whole fractions of one pitch (with several control points: of the distance of the "
+        f"knots) for arc and dcarc, got {periods.tolist()}"
+    )
+
+
+GRID = 201  # points along position, velocity and time
+HORIZON = 10.0  # s, for effects that depend on time; longer if a field of theirs is
+TRAVEL = 1.0  # m on either side, for an axis without ends
+
+
+def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -> tuple[Interval, float, list[str]]:
+    """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
+
+    Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
+    and time. To the range at the model's values come, for each field with an interval, the largest changes of force
+    down and up from the value to the ends of it: exact for one amplitude, on the safe side for several. Force
+    noise adds 1.96 rms. The guess is the force in mid-travel at rest at t = 0.
+
+    Args:
+        model: whose effects and noise.
+        intervals: of its parameters.
+        velocity_max: m/s.
+
+    Raises:
+        ValueError: velocity_max is not above 0, a field's interval is infinite without a default.
+    """
+    if not (np.isfinite(velocity_max) and velocity_max > 0):
+        raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
+    low, high, guess, left_out = 0.0, 0.0, 0.0, []
+    for place, (prefix, effect) in enumerate(effect_paths(model.effects)):
+        if not _pushes(effect):
+            left_out.append(f"{prefix}: acts on command or reading or has a state, not within the disturbance")
+            continue
+        points = _points(model, effect, velocity_max)
+        forces = _forces(_filled(model, effect), points)
+        low, high = low + forces.min(), high + forces.max()
+        guess += float(forces[0])
+        for path in (p for p in parameters_of(model) if p.startswith(f"{prefix}.")):
+            interval = intervals.of(path)
+            if interval is not None:
+                changes = [0.0, *(c for end in interval for c in _changes(model, place, path, end, points, forces))]
+                low, high = low + min(changes), high + max(changes)
+    noise = SIGMAS_95 * model.noise.force
+    return (float(low - noise), float(high + noise)), guess, left_out
+
+
+def _pushes(effect: Effect) -> bool:
+    return "force" in effect.HOOKS or "friction_level" in effect.HOOKS
+
+
+def _filled(model: Model, effect: Effect) -> Effect:
+    """The effect with the fields that stand for those of the axis filled in."""
+    return effect.resolved(model.axis, model.cogging)
+
+
+def _changes(
+    model: Model, place: int, path: str, end: float, points: FloatArray, forces: FloatArray
+) -> tuple[float, float]:
+    """The smallest and largest change of force that the end of a field's interval makes, V."""
+
+    def allowed(value: float) -> bool:
+        try:
+            with_values(model, {path: value})
+        except ValueError:
+            return False
+        return True
+
+    value = valid_end(parameters_of(model)[path].value, end, allowed)
+    effect = with_values(model, {path: value}).effects[place]
+    change = _forces(_filled(model, effect), points) - forces
+    return float(change.min()), float(change.max())
+
+
+def _forces(effect: Effect, points: FloatArray) -> FloatArray:
+    """Force at (position, velocity, time) rows, V; of a friction level the largest force on either side."""
+    laws = laws_of(effect)
+    if "force" in effect.HOOKS:
+        return np.array([laws.force_at(position=x, velocity=v, time=t) for x, v, t in points])
+    levels = [laws.friction_level_at(position=x, velocity=v, time=t) for x, v, t in points]
+    moving = np.sign(points[:, 1])
+    largest: FloatArray = -moving * np.array(levels, dtype=float)
+    return largest
+
+
+def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
+    """Positions, velocities and times at which an effect is evaluated, (n, 3); the first is mid-travel at rest at 0.
+
+    A product grid over those coordinates that the effect depends on, as found by moving one at a time.
+    """
+    ends = zip(model.axis.travel, (-TRAVEL, TRAVEL), strict=True)
+    start, stop = (end if np.isfinite(end) else stand_in for end, stand_in in ends)
+    position = [np.linspace(start, stop, GRID)]
+    speeds = np.geomspace(1e-5, 1.0, GRID // 2) * velocity_max
+    time = [np.linspace(0.0, HORIZON, GRID)]
+    for name, (unit, _) in effect.FIELDS.items():
+        field = getattr(effect, name)
+        for size in field if isinstance(field, list) else [field]:
+            if not isinstance(size, float) or not np.isfinite(size) or size <= 0.0:
+                continue
+            if unit == "m":  # a period: its crests lie between the points of a coarse grid
+                position.append(np.clip(start + np.linspace(0.0, size, 65), start, stop))
+            elif unit == "s":  # a switch: either side of it
+                time.append(size * np.array([1.0 - 1e-9, 1.0, 1.0 + 1e-9]))
+            elif unit == "Hz":
+                time.append(np.linspace(0.0, 1.0 / size, 65))
+    axes = [np.concatenate(position), np.concatenate([-speeds, [0.0], speeds]), np.concatenate(time)]
+    rest = np.array([0.5 * (start + stop), 0.0, 0.0])
+    probe, used = _filled(model, effect), []
+    for column, values in enumerate(axes):
+        line = np.tile(np.array([rest[0], 0.37 * velocity_max, 0.0]), (len(values), 1))
+        line[:, column] = values
+        used.append(bool(np.ptp(_forces(probe, line)) > 0.0))
+    # Two or three coordinates at once: fewer points of each.
+    step = {0: 1, 1: 1, 2: 4, 3: 16}[sum(used)]
+    chosen = [values[::step] if u else rest[i : i + 1] for i, (values, u) in enumerate(zip(axes, used, strict=True))]
+    grid = np.stack([mesh.ravel() for mesh in np.meshgrid(*chosen, indexing="ij")], axis=1)
+    return np.vstack([rest, grid])
+
 
 BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
 SAMPLES_A_RADIAN = 25.0  # its sample rate over its k_1
@@ -40,7 +186,7 @@ NO_DISTURBANCE = (
 @told_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounds(ByValue):
-    """Between which numbers an axis lies, and the controllers designed for all of it.
+    """The bounds of an uncertain axis, and the controllers designed for them.
 
     The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
     estimates and the feedforward. In what follows w is `bandwidth` (1/s); None: the smaller of 200 1/s, the k_1 of the
@@ -55,8 +201,8 @@ class Bounds(ByValue):
         disturbance: d_n, V: summed force of effects and noise (see disturbance_range).
         cogging: V, from the smallest to the largest end of the intervals of all amplitudes; None without a cogging.
         disturbance_estimate: V, at rest in mid-travel.
-        fallbacks: which parameters' intervals did not come from `[bounds]` of the model, in words.
-        notes: what is not within the disturbance, and where it is a guess.
+        fallbacks: parameters whose intervals do not come from `[bounds]` of the model.
+        notes: what the disturbance does not include, and where it is assumed.
 
     Example:
         >>> bounds = cogging.Bounds.of(model)
@@ -83,7 +229,7 @@ class Bounds(ByValue):
 
     @classmethod
     def of(cls, model: Model, *, default: Mapping[str, Interval] | None = None, velocity_max: float = 1.0) -> Bounds:
-        """Between which numbers the axis of a model lies: what its controllers are designed from.
+        """Bounds of a model's axis, from which its controllers are designed.
 
         Args:
             model: with intervals in `[bounds]`, as `identify` writes them, or stated uncertainties.
@@ -197,7 +343,7 @@ class Bounds(ByValue):
     def observer_problem(
         self, velocity_min: float, velocity_max: float, *, bandwidth: float | None = None, **overrides: Any
     ) -> ObserverProblem:
-        """What the observer of Malaize and Levine 2009 is designed for (`design_observer`, extra `design`).
+        """The design problem of the observer of Malaize and Levine 2009 (`design_observer`, extra `design`).
 
         The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w, at least 2.4 times the fastest
         harmonic 2 pi velocity_max / P_n, which no smaller disk could hold: the ratios of the comparison of the papers

@@ -1,29 +1,382 @@
-"""The tracking error that each controller would reach on a reference, with an interval, before the machine moves."""
+"""Predict the tracking error of each controller on a reference, with an interval."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from cogging._core import Reference
-from cogging.arrays import FloatArray
+from cogging import plot
+from cogging._core import Arc, Cascade, Dcarc, ObserverBased, OutputFeedbackArc, Pid, Reference
+from cogging.arrays import FloatArray, real_array
 from cogging.blas_threads import on_one_blas_thread
-from cogging.calls import takes
-from cogging.design.controller_choice import chosen_controllers
-from cogging.design.drawn_machines import DrawnMachine, drawn_samples
-from cogging.design.predicted_error import INDEXES, ControllerPrediction, ErrorPrediction, PredictedIndex
-from cogging.model.controller import AnyController
-from cogging.model.intervals import Interval, Intervals
+from cogging.calls import did_you_mean, takes
+from cogging.design.bounds import Bounds
+from cogging.design.observer import design_observer
+from cogging.memory import require_machines
+from cogging.model.controller import AnyController, ListedController
+from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model, is_number
+from cogging.model.parameters import with_values
+from cogging.model.units import Units
+from cogging.shown import nearest
 from cogging.simulation.arguments import MODEL, REFERENCE
+from cogging.simulation.frames import to_pandas
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs
 from cogging.simulation.reference import read_reference, reference_from
+from cogging.tables import frame_of
+from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DRAWS_MAX = 1000  # of one machine, until its values are valid
+
+
+class DrawnMachine(NamedTuple):
+    """A machine, the seed of its noise, and the parameters that were drawn, by path."""
+
+    model: Model
+    seed: int
+    values: dict[str, float]
+
+
+def drawn_machines(
+    intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
+) -> list[tuple[Model, int]]:
+    """Draw machines from the intervals of a model, each with the seed of its noise (see drawn_samples)."""
+    return [(drawn.model, drawn.seed) for drawn in drawn_samples(intervals, samples, seed, covariance)]
+
+
+def drawn_samples(
+    intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
+) -> list[DrawnMachine]:
+    """Draw machines from the intervals of a model.
+
+    Each parameter is normal around the model's value, jointly where a covariance is given; a machine with a value that
+    breaks its field's rule is drawn again. Machine i does not depend on the number of machines.
+
+    Args:
+        intervals: of the model; a parameter without one is held.
+        samples: number of machines.
+        seed: of the draws.
+        covariance: paths (p) and covariance (p, p), in place of their intervals.
+
+    Raises:
+        ValueError: an infinite interval, an invalid covariance, or intervals with hardly a valid machine.
+    """
+    model = intervals.model
+    joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
+    alone = {path: intervals.of(path) for path in intervals.paths if path not in joint}
+    spread = {path: interval for path, interval in alone.items() if interval is not None and interval[0] < interval[1]}
+    require_machines("samples", samples, len(joint) + len(spread))
+    machines = []
+    for place in range(samples):
+        numbers = np.random.default_rng([seed, place])
+        noise_seed = int(numbers.integers(2**63))
+        for _ in range(DRAWS_MAX):
+            normals = numbers.standard_normal(len(joint) + len(spread))
+            values = dict(zip(joint, root @ normals[: len(joint)], strict=True))
+            values = {path: intervals.value(path) + float(change) for path, change in values.items()}
+            for (path, interval), normal in zip(spread.items(), normals[len(joint) :], strict=True):
+                values[path] = draw(intervals.value(path), interval, float(normal))
+            try:
+                machines.append(DrawnMachine(with_values(model, values), noise_seed, values))
+                break
+            except ValueError as error:
+                reason = error
+        else:
+            raise ValueError(f"bounds: {DRAWS_MAX} draws gave no valid machine; the last: {reason}")
+    return machines
+
+
+def draw(value: float, interval: Interval, normal: float) -> float:
+    """A value by its standard normal number: median `value`, 95 % in the interval, a normal shape on either side."""
+    side = interval[1] - value if normal > 0 else value - interval[0]
+    return value + normal * side / SIGMAS_95
+
+
+def covariance_root(
+    covariance: tuple[Sequence[str], npt.ArrayLike], paths: tuple[str, ...]
+) -> tuple[list[str], FloatArray]:
+    """The paths and a matrix R with R R^T the covariance.
+
+    Raises:
+        ValueError: a path that the model has not or twice, a matrix that is not finite, (p, p), symmetric and without
+            negative eigenvalues.
+    """
+    names, matrix = list(covariance[0]), real_array("covariance", covariance[1])
+    for name in names:
+        if name not in paths:
+            raise ValueError(f"covariance: {name!r} must be a parameter of the model")
+    if len(set(names)) != len(names):
+        raise ValueError("covariance: each path must be given once")
+    if matrix.shape != (len(names), len(names)) or not np.isfinite(matrix).all():
+        raise ValueError(f"covariance: must be finite, ({len(names)}, {len(names)}), got {matrix.shape}")
+    # Variances of different units stand side by side: judged as correlations.
+    scale = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
+    correlation = matrix / np.outer(scale, scale)
+    if np.abs(correlation - correlation.T).max(initial=0.0) > 1e-6:
+        raise ValueError("covariance: must be symmetric")
+    values, vectors = np.linalg.eigh((correlation + correlation.T) / 2)
+    if values.min(initial=0.0) < -1e-6 * len(names):
+        raise ValueError(f"covariance: must have no negative eigenvalue, got {values.min():.3g} of the correlation")
+    root: FloatArray = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+    return names, root
+
+
+#: The controllers that are designed from the bounds of a model.
+DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")
+#: Name of the model's own controller in a prediction.
+OWN = "own"
+VELOCITY_RATIO = 0.25  # smallest over largest reference speed at which an observer cancels (cogging.papers.comparison)
+
+
+def chosen_controllers(
+    model: Model,
+    motion: Reference,
+    duration: float,
+    controllers: Mapping[str, AnyController] | Sequence[str] | None,
+    bandwidth: float | None,
+    default: Mapping[str, Interval] | None,
+) -> tuple[dict[str, AnyController], list[str]]:
+    """The controllers to run on a motion, and why others are left out.
+
+    Raises:
+        ValueError: the names are no list of different known ones, one that was named cannot be had, none is left.
+    """
+    if isinstance(controllers, Mapping):
+        if not controllers:
+            raise ValueError("controllers: must be at least one, got none")
+        return dict(controllers), []
+    if controllers is not None and not isinstance(controllers, Iterable):
+        raise TypeError(f"controllers: must be names, or controllers by name, got {type(controllers).__name__}")
+    wanted = _wanted(controllers)
+    velocity = float(np.abs(motion.sample(np.linspace(0.0, duration, 4001))[1]).max())
+    chosen: dict[str, AnyController] = {}
+    notes: list[str] = []
+    bounds: Bounds | None = None
+    for name in wanted:
+        try:
+            if name == OWN:
+                chosen[name] = model.make_controller()
+                continue
+            if bounds is None:
+                bounds = Bounds.of(model, default=default, velocity_max=velocity or 1.0)
+                notes += bounds.notes
+            chosen[name] = _designed(name, bounds, velocity, bandwidth)
+        except (ValueError, ImportError) as error:
+            if controllers is not None:
+                raise ValueError(f"{name}: {error}") from None
+            if bounds is None and name != OWN:
+                notes.append(f"controllers from the bounds left out: {error}")
+                break
+            notes.append(f"{name} left out: {error}")
+    if not chosen:
+        raise ValueError("; ".join(notes))
+    return chosen, notes
+
+
+def _wanted(controllers: Sequence[str] | None) -> list[str]:
+    """The requested names, checked; all by default."""
+    wanted = list(controllers) if controllers is not None else [OWN, *DESIGNED]
+    if isinstance(controllers, str) or not wanted or len(set(wanted)) != len(wanted):
+        raise ValueError(f"controllers: must be a list of different names, got {controllers!r}")
+    for name in wanted:
+        if name not in (OWN, *DESIGNED):
+            known = (OWN, *DESIGNED)
+            rule = f"each must be one of {', '.join(known)}"
+            raise ValueError(f"controllers: {rule}, got {name!r}{nearest(str(name), known)}")
+    return wanted
+
+
+def _designed(name: str, bounds: Bounds, velocity: float, bandwidth: float | None) -> ListedController:
+    if name == "pid":
+        return Pid(bounds.pid(bandwidth=bandwidth))
+    if name == "cascade":
+        return Cascade(bounds.cascade(bandwidth=bandwidth))
+    if name == "arc":
+        return Arc(bounds.adaptive_robust(bandwidth=bandwidth))
+    if name == "dcarc":
+        return Dcarc(bounds.adaptive_robust(bandwidth=bandwidth))
+    if name == "output_feedback_arc":
+        return OutputFeedbackArc(bounds.output_feedback(bandwidth=bandwidth))
+    problem = bounds.observer_problem(VELOCITY_RATIO * velocity, velocity, bandwidth=bandwidth)
+    return ObserverBased(bounds.observer_based(problem, design_observer(problem)))
+
+
+#: Indexes of a prediction: over the window, and the largest of the whole run.
+INDEXES = ("rms", "max", "max_whole")
+
+
+@dataclass(frozen=True)
+class PredictedIndex:
+    """One index of the error over the drawn machines.
+
+    Attributes:
+        median: m; infinite where more than half the runs diverged.
+        interval: m, between which the index of one more machine lies (see ErrorPrediction.coverage).
+        values: m, (samples,), one a machine, in the order drawn; infinite where the run diverged.
+    """
+
+    median: float
+    interval: Interval
+    values: FloatArray = field(repr=False)
+
+
+@dataclass(frozen=True)
+class ControllerPrediction:
+    """The predicted error of a controller.
+
+    Attributes:
+        name: of the controller.
+        rms, max: of encoder reading minus reference, m, over the window.
+        max_whole: largest over the whole run, m.
+        diverged: share of the machines on which the run diverged.
+    """
+
+    name: str
+    rms: PredictedIndex
+    max: PredictedIndex
+    max_whole: PredictedIndex
+    diverged: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ErrorPrediction(ByValue):
+    """The predicted tracking error of each controller.
+
+    Attributes:
+        controllers: one entry a controller.
+        window: of `rms` and `max`, s: the last period of a periodic motion of two or more, else the whole run.
+        samples, seed: of the drawn machines.
+        coverage: chance that the index of one more machine drawn likewise lies in its interval: 0.95, or
+            (samples - 1) / (samples + 1) where fewer than 39 samples cannot tell so far out.
+        notes: which parameters had no interval, which controllers were left out and why.
+        machines: what was drawn, by path, and `seed` of the noise: arrays (samples,) in the order drawn, as the
+            `values` of each index.
+        units: labels of the model's units.
+
+    Example:
+        >>> prediction = cogging.predict_error(model, move, ["own"], samples=4)
+        >>> prediction["own"].diverged
+        0.0
+    """
+
+    controllers: tuple[ControllerPrediction, ...]
+    window: Interval
+    samples: int
+    seed: int
+    coverage: float
+    notes: tuple[str, ...] = ()
+    machines: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
+    units: Units = field(default_factory=Units)
+
+    def _brief(self) -> str:
+        told = [f"{one.name} {1e6 * one.rms.median:.3g} {self.units.of('um')} rms" for one in self.controllers]
+        return f"{', '.join(told)}; {self.samples} machines"
+
+    def __getitem__(self, name: str) -> ControllerPrediction:
+        """The prediction of a controller.
+
+        Raises:
+            KeyError: no such controller.
+        """
+        for controller in self.controllers:
+            if controller.name == name:
+                return controller
+        known = [controller.name for controller in self.controllers]
+        raise KeyError(f"{name}: is no controller of it; {did_you_mean(name, known)}")
+
+    def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the error that each controller would reach (cogging.plot.prediction).
+
+        Args:
+            index: `rms`, `max` or `max_whole`.
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.prediction(self, index, units=units, ax=ax).figure.figure
+
+    def table(self) -> dict[str, Any]:
+        """One row a controller and machine: its names and places, what was drawn, and the indexes (m).
+
+        Returns:
+            Arrays by name: `controller`, `machine`, the paths, `seed`, `rms`, `max`, `max_whole`.
+        """
+        count = len(self.controllers)
+        drawn = {path: np.tile(values, count) for path, values in self.machines.items()}
+        found = {name: np.concatenate([getattr(one, name).values for one in self.controllers]) for name in INDEXES}
+        names = np.repeat(np.array([one.name for one in self.controllers], dtype=object), self.samples)
+        return {"controller": names, "machine": np.tile(np.arange(self.samples), count), **drawn, **found}
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas DataFrame.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return to_pandas(self.table())
+
+    def to_frame(self) -> Any:
+        """The table as a pandas DataFrame, with the units of the indexes in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        return frame_of(self.table(), dict.fromkeys(INDEXES, self.units.of("m")))
+
+    def text(self) -> str:
+        """The table for the screen, um."""
+        width = max(10, *(len(controller.name) for controller in self.controllers))
+        titles, unit = ("rms", "max", "max of the whole run"), self.units.of("um")
+        lines = [
+            f"Predicted tracking error, {unit}: median and {100 * self.coverage:.0f} % interval over {self.samples} "
+            f"machines; rms and max from {self.window[0]:g} to {self.window[1]:g} s",
+            f"    {'controller':<{width}}" + "".join(f"{title:>30}" for title in titles) + f"{'diverged':>10}",
+        ]
+        for controller in self.controllers:
+            cells = [_cell(getattr(controller, index)) for index in INDEXES]
+            lines.append(f"    {controller.name:<{width}}" + "".join(cells) + f"{controller.diverged:>10.0%}")
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `cogging predict --json` writes; null stands for infinite, of runs that diverged."""
+        controllers = []
+        for controller in self.controllers:
+            entry: dict[str, Any] = {"controller": controller.name, "diverged": controller.diverged}
+            for name in INDEXES:
+                index: PredictedIndex = getattr(controller, name)
+                numbers = [_finite(value) for value in (index.median, *index.interval)]
+                entry[name] = {"unit": self.units.of("m"), "median": numbers[0], "interval": numbers[1:]}
+            controllers.append(entry)
+        return {
+            "controllers": controllers,
+            "window": list(self.window),
+            "samples": self.samples,
+            "seed": self.seed,
+            "coverage": self.coverage,
+            "notes": list(self.notes),
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _cell(index: PredictedIndex) -> str:
+    low, high = (f"{1e6 * end:.3g}" for end in index.interval)
+    return f"{f'{1e6 * index.median:.3g} [{low}, {high}]':>30}"
+
 
 COVERAGE = 0.95
 ROWS_MOST = 8e6  # of two columns that are held at a time: 128 MB
@@ -52,14 +405,14 @@ def predict_error(
     controllers run on the same machines. A pure function: the same arguments give the same numbers, whatever the
     threads; more samples keep those of fewer.
 
-    What the model lacks is not predicted: an effect that the machine has and the model has not.
+    Effects that the machine has and the model lacks are not predicted.
 
     Args:
         model: a Model, or the path of a model file.
         reference: a motion, the fields of a reference file, or the path of one.
-        controllers: by name, those of the core or of one's own (see Controller); or which of `own` (the model's) and
-            pid, cascade, arc, dcarc, output_feedback_arc, observer_based, designed from the bounds; None: all of these
-            that can be.
+        controllers: by name, of the core or user-defined (see Controller); or names among `own` (the model's) and pid,
+            cascade, arc, dcarc, output_feedback_arc, observer_based, designed from the bounds; None: all that can be
+            designed.
         samples: machines to draw, at least 2; 39 or more for intervals of 95 %.
         seed: of machines and noise.
         duration: s; 0 = that of the reference file, or the motion's own end.
@@ -69,7 +422,7 @@ def predict_error(
         covariance: paths (p) and covariance (p, p) of parameters that are drawn jointly.
 
     Returns:
-        Median and interval of rms and largest error by controller; print it to read them.
+        Median and interval of rms and largest error by controller.
 
     Raises:
         ValueError: an argument breaks its rule, an interval is infinite without a default, a named controller cannot
@@ -111,7 +464,7 @@ def _errors(
 ) -> FloatArray:
     """The indexes of each controller on each machine, (controllers, machines, 3), m; infinite where a run diverged."""
     plants = [machine.model.plant() for machine in machines]
-    # What the whole run has beyond the window is read off columns, so few runs at a time as their rows allow.
+    # The error outside the window is computed from columns, with as many runs at a time as memory allows.
     whole = window[0] <= 0.0
     jobs = [(controller, place) for controller in controllers for place in range(len(plants))]
     rows = window[1] * max(map(_rate, controllers)) + 1.0
@@ -131,7 +484,7 @@ def _errors(
                 window=(window[0], np.inf, 2.0),
                 columns=() if whole else ("position", "reference"),
             )
-        except ValueError as error:  # what is refused is so on every machine
+        except ValueError as error:  # refused on every machine alike
             raise ValueError(re.sub(r"^run \d+: ", "", str(error))) from None
         largest, rms = (kept.values[:, OF_A_RUN.index(name)] for name in ("error_max", "error_rms"))
         if not whole:
@@ -144,13 +497,13 @@ def _errors(
 
 
 def _rate(controller: AnyController) -> float:
-    """Its sample rate, Hz; what is no controller, the run itself refuses."""
+    """Its sample rate, Hz, or 0; the run itself refuses an invalid controller."""
     rate = getattr(controller, "sample_rate", 0.0)
     return float(rate) if is_number(rate) else 0.0
 
 
 def _drawn(machines: Sequence[DrawnMachine]) -> dict[str, Any]:
-    """What was drawn of the machines, by path, and the seeds of their noise."""
+    """The drawn parameters by path, and the seeds of the noise."""
     drawn: dict[str, Any] = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
     return {**drawn, "seed": np.array([one.seed for one in machines])}
 
@@ -184,9 +537,9 @@ def _index(values: FloatArray) -> PredictedIndex:
 
 
 def _quantile(values: FloatArray, share: float) -> float:
-    """The value below which one more of the same kind lies with this chance, i.e. order statistic share (n + 1).
+    """The value below which a further one lies with probability `share`, i.e. order statistic share (n + 1).
 
-    That of the sample itself (numpy's default) is too narrow: 40 values would hold 90 % where 95 % are asked.
+    The quantile of the sample itself (numpy's default) is too narrow: with 40 values 90 % instead of 95 %.
     """
     ordered = np.sort(values)
     place = min(max(share * (len(ordered) + 1) - 1.0, 0.0), len(ordered) - 1.0)

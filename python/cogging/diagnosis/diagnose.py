@@ -29,7 +29,7 @@ from cogging.diagnosis.separating import separating
 from cogging.diagnosis.yardstick import REPLAYED, Discrepancy, Yardstick, growth, replayable
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
-from cogging.identification.misreading.misreading import misreading
+from cogging.identification.misreading import misreading
 from cogging.memory import require_rows
 from cogging.model.model import Model
 from cogging.model.units import Units

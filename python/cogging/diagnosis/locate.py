@@ -19,7 +19,7 @@ from cogging.diagnosis.location import TOLD, Location, Wave
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape
 from cogging.diagnosis.preparation import Logs, read_logs
 from cogging.diagnosis.yardstick import Discrepancy, Yardstick
-from cogging.log_check.unit_check import check_against_model
+from cogging.log_check.log_audit import check_against_model
 from cogging.model.model import Model
 from cogging.simulation.arguments import LOGS, MODEL
 

@@ -8,11 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cogging.log_check.audit import audit
-from cogging.log_check.controller import check_controller
-from cogging.log_check.hints import hints
-from cogging.log_check.missing_rows import with_missing_rows
-from cogging.log_check.unit_check import check_against_model
+from cogging.log_check.controller_check import check_controller, with_missing_rows
+from cogging.log_check.log_audit import audit, check_against_model, hints
 from cogging.logs.log import Log, read_log
 from cogging.logs.pauses import without_pauses
 from cogging.logs.repeated_rows import counted_once, repeated, repeated_text

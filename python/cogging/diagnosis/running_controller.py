@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cogging.log_check.controller import ControllerCheck, check_controller
-from cogging.log_check.recovery import recover_controller
+from cogging.log_check.controller_check import ControllerCheck, check_controller
+from cogging.log_check.controller_recovery import recover_controller
 from cogging.logs.log import Log
 from cogging.model.model import Model
 

@@ -1,4 +1,4 @@
-"""Fits by Gauss and Newton on whitened residuals, with errors that allow for what whitening leaves correlated."""
+"""Gauss-Newton fits on whitened residuals, with jackknife errors that allow for remaining correlation."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.residuals import Residuals
-from cogging.estimation.statistics import student
+from cogging.estimation.statistics import SINGULAR, jackknife, student
 from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.difference_steps import central
 from cogging.model.model import Model
@@ -21,7 +20,7 @@ from cogging.model.parameters import Parameter, Scales, parameters_of, with_valu
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a fit found.
+    """The result of a fit.
 
     Attributes:
         paths: the free parameters.
@@ -31,7 +30,7 @@ class Estimate:
         model: with the values.
         residuals: V, one array (n,) a log.
         whitened: at the values.
-        iterations: that were needed.
+        iterations: used.
     """
 
     paths: tuple[str, ...]
@@ -64,10 +63,10 @@ def columns_of(
 ) -> tuple[list[FloatArray], list[FloatArray]]:
     """Residuals (n,) and their derivatives (p, n), one of each a log.
 
-    Derivatives by what the log's own `columns` offers, else by central differences of whole runs.
+    Derivatives by `Innovations.columns`, else by central differences of whole runs.
 
     Raises:
-        ValueError: a parameter that no step may move.
+        ValueError: a parameter that cannot be varied.
     """
     if all(isinstance(log, Innovations) for log in logs):
         pairs = [log.columns(model, parameters, scales) for log in logs if isinstance(log, Innovations)]
@@ -93,14 +92,14 @@ def fit(
     floors: Mapping[str, float] | None = None,
     ceilings: Mapping[str, float] | None = None,
 ) -> Estimate:
-    """Least squares of the whitened residuals of all logs together, by Gauss and Newton with step halving.
+    """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
-    The whitening filters are estimated anew in each iteration, one a log; each log weighs by its own whitened rms.
+    The whitening filter of each log is re-estimated in each iteration; logs are weighted by their whitened rms.
 
     Args:
         model: where to start.
         paths: of the free parameters.
-        logs: what it is held against.
+        logs: to fit.
         iterations: at most.
         tolerance: of the last step, in 1-sigma.
         floors, ceilings: values below and above which a parameter does not go, by path.
@@ -128,7 +127,7 @@ def fit(
         model, length = _move(model, parameters, step, logs, residuals, filters, *limits)
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
-            iterations = done  # one more look, at the values themselves
+            iterations = done  # one more evaluation, at the final values
     return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
 
 
@@ -168,7 +167,7 @@ def _move(
         total = 0.0
         for log, residual, a in zip(logs, values, filters, strict=True):
             white = np.asarray(whiten(residual[None, :], list(a)))[0, log.mask > 0]
-            with np.errstate(over="ignore", invalid="ignore"):  # a step too far: an infinite cost refuses it
+            with np.errstate(over="ignore", invalid="ignore"):  # a step too long has infinite cost
                 total += len(white) * float(np.log(np.mean(white**2)))
         return total
 

@@ -1,4 +1,4 @@
-"""Residuals by one-step prediction: command and position alone."""
+"""Residuals of one-step prediction, from command and position alone."""
 
 from __future__ import annotations
 
@@ -9,38 +9,37 @@ import numpy as np
 from cogging._core import Plant, PlantAlong, Prediction, Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
-from cogging.estimation.residuals import quiet_plant, steps_needed
-from cogging.estimation.rows_in_motion import SETTLED, START, settling, since
+from cogging.estimation.residuals import SETTLED, START, quiet_plant, settling, since, steps_needed
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.difference_steps import central, one_sided
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, effect_at
 
-WIDE = 0.03  # of a parameter: the step of a difference quotient through contacts
+WIDE = 0.03  # relative step of a difference quotient through contacts
 
-#: What acts on the axis through a force or the gain of the command alone, without a memory.
+#: Hooks that act through a force or the command gain alone, without memory.
 LINEAR_HOOKS = {"force", "friction_level", "command_gain"}
 
 
 class Innovations:
     """Residuals by one-step prediction: command and position alone, no controller, no reference.
 
-    The plant is driven by the recorded command and held to the reading by an observer of fixed gain; what it did not
-    foresee is turned into the constant force that would leave the same innovation, M (2 pi bandwidth)^2 innovation.
+    The plant is driven by the recorded command and corrected by an observer of fixed gain; the innovation is expressed
+    as the constant force that would cause it, M (2 pi bandwidth)^2 innovation.
 
-    Rows count when the axis moves faster than `rest`, does so since six time constants of the observer, and the
-    record is continuous: at rest, friction takes any force up to its level and shows nothing.
+    Rows count if the axis has moved faster than `rest` for six time constants of the observer and the record has no
+    gap: at rest, friction balances any force up to its level.
 
     Args:
         log: with at least time, position and command.
-        model: gives mass and friction width for the scaling; what is judged is given to `of`.
+        model: gives mass and friction width for the scaling.
         bandwidth: of the observer, Hz.
         rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
         quick_starts: rows count sooner after a start that is quicker than the observer (see settling).
     """
 
-    _joined: tuple[Prediction, Plant, PlantAlong] | None = None  # that effects were added to last
+    _joined: tuple[Prediction, Plant, PlantAlong] | None = None  # cache of rows_of_effects
 
     def __init__(
         self,
@@ -57,7 +56,7 @@ class Innovations:
         self.gap = max(5.0 * sample_time, 0.1 / bandwidth)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
-            log.time - log.time[0],  # what acts over time counts from the first row
+            log.time - log.time[0],  # time counts from the first row
             log.position,
             log.command,
             bandwidth=bandwidth,
@@ -84,7 +83,7 @@ class Innovations:
         )
 
     def _moves(self) -> Mask:
-        """Rows that count: the axis has moved, and the record been without a gap, for long enough."""
+        """Rows after long enough motion without a gap."""
         time, velocity = self.log.time, self.velocity
         turned = np.concatenate([[False], velocity[1:] * velocity[:-1] < 0.0])  # between two rows
         still = (np.abs(velocity) < self.rest) | turned
@@ -93,9 +92,9 @@ class Innovations:
         return np.asarray(~(since(still, time) < waits) & ~(since(broken, time) < max(START, self.settle)))
 
     def prediction(self, model: Model) -> Prediction:
-        """The prediction of a model along this log; of the model given first, and of the last, it is kept.
+        """The prediction of a model along this log; cached for the first model and the last.
 
-        A fit asks of the same model again and again: whether a step is to be taken, then with its derivatives.
+        A fit needs the same model twice: to accept a step, then for the derivatives.
 
         Raises:
             DivergedError: it diverged.
@@ -120,8 +119,8 @@ class Innovations:
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and derivatives (p, n) by the parameters.
 
-        Parameters of forces are differentiated along the prediction and passed through the observer's loop; those with
-        a memory, of the amplifier or of the encoder by central differences of whole predictions.
+        Force parameters are differentiated along the prediction and propagated through the observer; parameters with
+        memory, of the amplifier or of the encoder by central differences of whole predictions.
 
         Raises:
             ValueError: a parameter that no step may move.
@@ -149,7 +148,7 @@ class Innovations:
     def rows_of_plants(
         self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
     ) -> FloatArray:
-        """What the residuals gain, to first order, from a plant to others that differ in forces alone, (p, n).
+        """First-order change of the residuals from a plant to others that differ in forces alone, (p, n).
 
         Args:
             along: prediction of `plant` on this log.
@@ -168,7 +167,7 @@ class Innovations:
     def rows_of_effects(
         self, along: Prediction, plant: Plant, effects: Sequence[Effect], units: Sequence[float]
     ) -> FloatArray:
-        """What the residuals gain, to first order, when each effect joins a plant, V per unit of it, (p, n).
+        """First-order change of the residuals when each effect is added to a plant, V per unit of it, (p, n).
 
         Only the effect's own law is evaluated, so this is much quicker than `rows_of_plants`.
 
@@ -189,13 +188,13 @@ class Innovations:
         return rows
 
     def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
-        """What small forces (V, one an interval, (p, n)) add to the residuals of a prediction, V, (p, n)."""
+        """Change of the residuals by small forces (V, one an interval, (p, n)), V, (p, n)."""
         rows = np.asarray(self.predictor.propagate(along, mass, forces))
         rows *= self.scale
         return rows
 
     def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
-        """What small errors of the reading (m, one a row, (p, n)) add to the residuals of a prediction, V, (p, n)."""
+        """Change of the residuals by small reading errors (m, one a row, (p, n)), V, (p, n)."""
         rows = np.asarray(self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
         rows *= self.scale
         return rows
@@ -215,7 +214,7 @@ def is_force(model: Model, path: str) -> bool:
 
 
 def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
-    """The step of a difference quotient; wide for what has states: contacts make the residual jump in the small."""
+    """The step of a difference quotient; wide for effects with states, whose contacts make the residual jump."""
     step = scales.step(parameter)
     if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
         return max(step, WIDE * abs(parameter.value))
@@ -223,9 +222,9 @@ def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
 
 
 def is_reading(model: Model, path: str) -> bool:
-    """Whether a parameter is that of a wave in the encoder's reading: an error that is small and comes and goes.
+    """Whether a parameter belongs to a periodic encoder error, which is small.
 
-    One that grows along the travel (a scale) is nearly what mass and friction do, and is predicted exactly instead.
+    An error that grows along the travel (a scale) resembles mass and friction and is predicted exactly instead.
     """
     if not path.startswith("effects."):
         return False
@@ -234,7 +233,7 @@ def is_reading(model: Model, path: str) -> bool:
 
 
 def reading_difference(model: Model, other: Model, position: FloatArray) -> FloatArray:
-    """By how much the encoder of one model reads more than that of another with the same effects, m, (n,)."""
+    """Reading of one model's encoder minus that of another with the same effects, m, (n,)."""
     difference = np.zeros(len(position))
     for mine, its in zip(model.effects, other.effects, strict=True):
         if "reading" in mine.HOOKS:

@@ -1,4 +1,4 @@
-"""Residuals by replaying the closed loop from the reference alone."""
+"""Residuals of the closed-loop replay from the reference alone."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import Scales
 from cogging.simulation.reductions import kept_of_runs
 
-INVERSIONS = 20  # of what an encoder errs by, which changes little from place to place
+INVERSIONS = 20  # fixed-point iterations on the encoder error, whose slope is small
 
 
 class Replay:
@@ -48,14 +48,14 @@ class Replay:
         self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
         self.duration = float(time[-1])
         self._model = model
-        # Slower than its friction is wide an axis rests, whatever a prediction says.
+        # Below the width of the friction law the axis counts as at rest.
         start = initial_velocity(log)
         rests = abs(start) <= model.axis.coulomb_width or abs(start) <= self._seen.rest
         self.initial_velocity = 0.0 if rests else start
 
     @cached_property
     def _seen(self) -> Innovations:
-        """The log as the model predicts it: asked by fits alone."""
+        """The one-step prediction, used by fits alone."""
         return Innovations(self.log, self._model)
 
     @property
@@ -65,7 +65,7 @@ class Replay:
 
     @property
     def scales(self) -> Scales:
-        """Sizes of the log."""
+        """Typical sizes of the log's quantities."""
         return self._seen.scales
 
     @property
@@ -74,9 +74,9 @@ class Replay:
         return self._seen.velocity
 
     def as_run(self, model: Model) -> Model:
-        """A model as it is run in the place of the one that was asked for."""
+        """The model as it is run: without noise, and free to leave the travel."""
         model = quiet(model)
-        # A run may leave the travel, but what an effect takes from the travel stays.
+        # A run may leave the travel, but effects keep the parameters they take from it.
         effects = tuple(effect.resolved(model.axis, model.cogging) for effect in model.effects)
         return model.replace(axis=model.axis.replace(travel=[-np.inf, np.inf]), effects=effects)
 
@@ -110,7 +110,7 @@ class Replay:
         return np.asarray(self.log.command - commands)
 
     def _commands(self, models: Sequence[Model]) -> list[FloatArray]:
-        """The commands of each, V, with the bits of `run`: side by side where nothing of the models sticks."""
+        """The commands of each model, V, equal to those of `run` bit by bit."""
         as_run = [self.as_run(model) for model in models]
         kept = kept_of_runs(
             [model.plant() for model in as_run],
@@ -135,7 +135,7 @@ def _steps(model: Model) -> int:
 
 
 def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:
-    """Where an axis stands whose encoder, with the effects that act on it, reads this (m)."""
+    """The position (m) at which an encoder with these effects gives a reading (m)."""
     erring = [laws_of(effect) for effect in effects if "reading" in effect.HOOKS]
     place = reading
     for _ in range(INVERSIONS if erring else 0):

@@ -1,14 +1,18 @@
-"""What estimates are judged by: a quantile, a moving mean."""
+"""Quantiles, moving means and the block jackknife."""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, IntArray, Mask
+from cogging.estimation.whitening import Whitened
 
 
 def student(freedom: float, confidence: float = 0.95) -> float:
-    """The two-sided quantile of Student's t; taken at 2 degrees of freedom where there are fewer."""
+    """Two-sided quantile of Student's t, with at least 2 degrees of freedom."""
     from scipy.special import stdtrit
 
     return float(stdtrit(max(freedom, 2.0), 0.5 + 0.5 * confidence))
@@ -23,3 +27,93 @@ def moving_average(values: FloatArray, length: int) -> FloatArray:
     rows = np.arange(len(values))
     first, last = np.maximum(rows - half, 0), np.minimum(rows + half + 1, len(values))
     return np.asarray((total[last] - total[first]) / (last - first))
+
+
+LOOSE = 1e-3  # component in an undetermined direction, above which a parameter is not determined
+ALONE = 2.0  # variance ratio without a block, above which that block alone determines a parameter
+SINGULAR = 1e-9  # of the largest eigenvalue of the scaled curvature: smaller ones are zero
+
+
+def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
+    """Covariance (p, p) from leaving out one block of rows after the other, and its degrees of freedom (p,).
+
+    Blocks account for correlation that whitening leaves within them. Leaving each out avoids the optimism of a
+    sandwich estimate for a parameter that few blocks determine. A parameter that one block alone determines (a limit
+    that was reached once) does not move when another is left out: it gets the covariance of white residuals, inflated
+    as those of the other parameters are. What no row determines has an infinite variance.
+    """
+    whole = np.asarray(sum(log.columns @ log.columns.T for log in logs))
+    if not len(whole):
+        return whole, np.empty(0)
+    size = np.sqrt(np.diag(whole))
+    size[size == 0.0] = 1.0
+    scaled = whole / np.outer(size, size)
+    white = np.diag(np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True))
+    hangs = np.zeros(len(size), dtype=bool)  # on one block alone
+    shifts = []
+    for log in logs:
+        columns = log.columns / size[:, None]
+        for curvature, right in shares_of_blocks(columns, columns, log.residual, log.block):
+            without = np.linalg.pinv(scaled - curvature, rcond=SINGULAR, hermitian=True)
+            shifts.append(without @ right)
+            left = np.diag(without)  # smaller than with the block: no remaining row depends on it
+            hangs |= (left > ALONE * white) | (left < 0.99 * white)
+    covariance, freedom = spread_of(np.array(shifts) / size)
+    covariance, freedom = widened(covariance, freedom, white / size**2, hangs, max(len(shifts) - len(size), 1))
+    values, vectors = np.linalg.eigh(scaled)
+    open_to = np.abs(vectors[:, values < SINGULAR * max(values[-1], 1e-300)]).max(axis=1, initial=0.0)
+    loose = np.flatnonzero(open_to > LOOSE)
+    covariance[loose, loose] = np.inf
+    return covariance, freedom
+
+
+def shares_of_blocks(
+    instruments: FloatArray, columns: FloatArray, residual: FloatArray, block: IntArray
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Contribution of each block of rows (n,) to Z^T columns, (p, p), and to Z^T residual, (p,).
+
+    Args:
+        instruments: Z^T, (p, n): the columns themselves in least squares.
+        columns: d residual / d parameter, (p, n).
+        residual: (n,).
+        block: number of the block of each row, (n,); the rows of a block follow each other.
+    """
+    edges = [*np.flatnonzero(np.diff(block, prepend=block[0] - 1)), len(block)]
+    for first, last in itertools.pairwise(edges):
+        part = instruments[:, first:last]
+        yield part @ columns[:, first:last].T, part @ residual[first:last]
+
+
+def widened(
+    covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: Mask, blocks: int
+) -> tuple[FloatArray, FloatArray]:
+    """The covariance (p, p) with that of white residuals for parameters that hang on one block, and its freedom (p,).
+
+    Args:
+        covariance, freedom: from leaving out blocks.
+        white: variances of white residuals, (p,).
+        hangs: which parameters do, (p,).
+        blocks: less the number of parameters: the freedom of those variances.
+    """
+    own = np.diag(covariance)
+    usual = own[~hangs & (white > 0.0)] / white[~hangs & (white > 0.0)]
+    floor = white * max(1.0, float(np.median(usual)) if len(usual) else 1.0)
+    alone = np.flatnonzero(hangs)
+    covariance, freedom = covariance.copy(), freedom.copy()
+    covariance[alone, :] = covariance[:, alone] = 0.0
+    covariance[alone, alone] = floor[alone]
+    freedom[alone] = blocks
+    return covariance, freedom
+
+
+def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Covariance (p, p) of values that shift by `shifts` (blocks, p) without each block, and its freedom (p,).
+
+    The degrees of freedom are Satterthwaite's, of a sum of squares of unequal size.
+    """
+    table = shifts - shifts.mean(axis=0)
+    blocks, p = table.shape
+    sizes = np.abs(table).max(axis=0)
+    parts = (table / np.where(sizes > 0.0, sizes, 1.0)) ** 2
+    freedom = 3.0 * parts.sum(axis=0) ** 2 / np.maximum((parts**2).sum(axis=0), 1e-300)
+    return np.asarray(table.T @ table * (blocks - 1) / blocks), np.clip(freedom, 1.0, max(blocks - p, 1))

@@ -1,4 +1,4 @@
-"""Residuals made white: an autoregressive filter, and the columns of a fit through it."""
+"""Whiten residuals and the columns of a fit by an autoregressive filter."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cogging._core import autoregression, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.residuals import Residuals
 
-BLOCK = 0.2  # s, length of the blocks over which scores are summed: above it, nothing is taken to be correlated
+BLOCK = 0.2  # s, length of the jackknife blocks: rows further apart are taken to be uncorrelated
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray
-from cogging.design.linear_plant import HeldPlant, held, linear_plant
-from cogging.design.tuning.linear_loop import LOWEST, UNIT_CIRCLE, Polynomials, linear_controller
+from cogging.design.linear_plant import (
+    LOWEST,
+    UNIT_CIRCLE,
+    HeldPlant,
+    Polynomials,
+    held,
+    linear_controller,
+    linear_plant,
+)
 from cogging.export.margins import LoopMargins, margins_of
 from cogging.model.model import Model
 from cogging.shown import quoted

@@ -1,4 +1,4 @@
-"""What the header of a column says: what it holds, and in which unit."""
+"""What the header and the numbers of a column say about its quantity and unit."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import math
 import re
 from dataclasses import dataclass
 
+import numpy as np
+
+from cogging.arrays import FloatArray
 from cogging.logs.readers.request import bracketed, split_unit
 
-#: Words of a column's name by what it holds, the surer ones first; of English and German drives and loggers.
+#: Names by quantity, the most specific first, from English and German drives and loggers.
 NAMES = {
     "reference_velocity": (
         "reference_velocity velocity_reference v_ref vref v_soll sollgeschwindigkeit "
@@ -44,7 +47,7 @@ NAMES = {
     ),
 }
 WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
-#: Factors to SI of what a position, a time or a command may be written in, and the label that the command keeps.
+#: Factors to SI of units of position, time and command, and the label of the command's unit.
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "microns": 1e-6, "nm": 1e-9}
 LENGTHS |= {
     "cm": 1e-2,
@@ -72,10 +75,10 @@ COMMANDS |= {"mN": (1e-3, "N"), "kN": (1e3, "N"), "kA": (1e3, "A"), "mNm": (1e-3
 COMMANDS |= {"volt": (1.0, "V"), "volts": (1.0, "V"), "ampere": (1.0, "A"), "amps": (1.0, "A"), "newton": (1.0, "N")}
 COMMANDS |= {"Arms": (1.0, "Arms"), "Apk": (1.0, "Apk"), "amp": (1.0, "A"), "lbf": (4.4482216, "N")}
 TORQUES = ("Nm", "mNm")
-#: A unit that stands behind a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
+#: A unit after a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
-LONGEST = 200  # characters of a name that is looked at for a unit behind it, in a time that grows as their square
-#: Last parts of a column's name that say that an axis turns: what drives it, and where it is.
+LONGEST = 200  # characters of a name that is searched for a unit, in quadratic time
+#: Parts of a name that mean a rotary axis: a torque, an angle.
 TORQUE, ANGLE = (
     re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)"),
     re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)"),
@@ -85,14 +88,14 @@ RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNO
 
 @dataclass(frozen=True)
 class Header:
-    """What the text above a column says.
+    """Quantity and unit in the header of a column.
 
     Attributes:
         label: the whole text.
         bare: the name without its unit.
-        unit: as it stands there, or "".
-        kind: what the column holds, a key of WORDS, or "".
-        rank: 0 where the name is the plainest one for that, more where it is less.
+        unit: as written, or "".
+        kind: quantity, a key of WORDS, or "".
+        rank: 0 for the most specific name, larger for others.
     """
 
     label: str
@@ -103,19 +106,19 @@ class Header:
 
     @property
     def kind_of_unit(self) -> str:
-        """What a column of no telling name holds by its unit: a position, a command, or nothing that is known."""
+        """The quantity by the unit if the name is unknown: position, command, or ""."""
         if self.kind or not self.unit:
             return ""
         return "command" if self.unit in COMMANDS else "" if self.is_angle is None else "position"
 
     @property
     def is_torque(self) -> bool:
-        """Whether it is one by its unit, or else by its name."""
+        """Whether it is a torque by its unit, or else by its name."""
         return self.unit in TORQUES or (not self.unit and TORQUE.search(_plain(self.bare)) is not None)
 
     @property
     def is_angle(self) -> bool | None:
-        """Whether it is one by its unit, or else by its name; None where neither says so."""
+        """Whether it is an angle by its unit, or else by its name; None: unknown."""
         for known, angle in ((LENGTHS, False), (ANGLES, True)):
             if self.unit in known or self.unit.lower() in known:
                 return angle
@@ -123,7 +126,7 @@ class Header:
 
 
 def header_of(label: str, apart: str = "") -> Header:
-    """What a column's name says, with a unit that the file states apart from it."""
+    """Parse a column's header, with a unit that the file states apart from it."""
     bare, unit = split_unit(label)
     unit = unit or apart.strip()
     if not unit:
@@ -138,7 +141,7 @@ def header_of(label: str, apart: str = "") -> Header:
 
 
 def _behind(label: str) -> tuple[str, str]:
-    """A name and the unit that stands behind it without brackets, or no unit."""
+    """Split a name and a unit without brackets."""
     found = BEHIND.fullmatch(label.strip()) if len(label) <= LONGEST else None
     if found is None or not _is_unit(found.group(2)):
         return label, ""
@@ -163,7 +166,7 @@ def _plain(bare: str) -> str:
 
 
 def _kind(bare: str) -> tuple[str, int]:
-    """What a name says that a column holds, and how plainly."""
+    """The quantity of a name, and its rank."""
     plain = _plain(bare)
     for kind, words in WORDS.items():
         if plain in words or plain.replace("_", "") in words:
@@ -184,3 +187,130 @@ def _kind(bare: str) -> tuple[str, int]:
         short = [(kind, words.index(first)) for kind, words in WORDS.items() if first in words]
         return (short[0][0], 60 + short[0][1]) if short and len(parts) > 1 else ("", 0)
     return best[0], 100 - best[1]
+
+
+STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
+#: Largest step between rows and the unit in which it is a usual rate: 50 Hz to 50 kHz.
+STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
+#: Ranges of travel, speed and acceleration of axes in m or rad, m/s, m/s^2 (assumed, from stages to gantries and from
+#: joints to spindles), and typical values.
+RANGES = {
+    "m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)),
+    "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5)),
+}
+USUAL = {"m": (0.2, 0.3, 5.0), "rad": (3.0, 5.0, 50.0)}
+TRIED = {"m": {"m": 1.0, "mm": 1e-3, "um": 1e-6}, "rad": {"rad": 1.0, "deg": math.pi / 180.0}}
+COUNT = 1e-6  # m or rad, assumed for an encoder count of unknown size
+MANY = 1000  # span from which whole numbers are counts
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit of a column.
+
+    Attributes:
+        factor: to the unit of the log.
+        label: of the log's unit: s, m, rad, V, A, N, Nm, ...
+        told: why, in words.
+        sure: STATED (in the header), LIKELY or UNKNOWN.
+    """
+
+    factor: float
+    label: str
+    told: str
+    sure: str
+
+
+def unit_of_time(header: Header, time: FloatArray) -> Unit:
+    """The unit of a time: as stated, else the one that gives a usual rate."""
+    factor = TIMES.get(header.unit, TIMES.get(header.unit.lower()))
+    if factor is not None:
+        return Unit(factor, "s", f"in {header.unit} as its header says", STATED)
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    factor, unit = next((factor, unit) for most, factor, unit in STEPS if step < most)
+    rate = 1.0 / (step * factor) if step > 0.0 else math.inf
+    said = f"in {unit}: its rows are {step:.4g} apart, {rate:.4g} Hz if so"
+    if step == 1.0:
+        return Unit(factor, "s", f"{said}; it may be the number of the row, then give 1 / rate", UNKNOWN)
+    return Unit(factor, "s", said, LIKELY)
+
+
+def turning(position: Header, command: Header) -> bool:
+    """Whether an axis is rotary, by the unit of its position, else by a torque."""
+    angle = position.is_angle
+    return command.is_torque if angle is None else angle
+
+
+def unit_of_command(header: Header, turns: bool) -> Unit:
+    """The unit of a command, as stated; numbers do not show it."""
+    known = COMMANDS.get(header.unit) or COMMANDS.get(header.unit.lower())
+    if known is not None:
+        return Unit(known[0], known[1], f"in {header.unit} as its header says", STATED)
+    label = "Nm" if turns and header.is_torque else "V"
+    return Unit(1.0, label, f"its unit is not stated: assumed to be {label}, edit [units]", UNKNOWN)
+
+
+def stated_unit(header: Header) -> Unit | None:
+    """The unit of a position that its header states."""
+    for known, label in ((LENGTHS, "m"), (ANGLES, "rad")):
+        factor = known.get(header.unit, known.get(header.unit.lower()))
+        if factor is not None:
+            return Unit(factor, label, f"in {header.unit} as its header says", STATED)
+    return None
+
+
+def unit_of_position(header: Header, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
+    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration.
+
+    Args:
+        header: of the column.
+        time: s, (n,).
+        position: as written, (n,).
+        turns: whether it is an angle.
+    """
+    stated, label = stated_unit(header), "rad" if turns else "m"
+    if stated is not None:
+        return stated
+    motion, tried = motion_of(time, position), TRIED[label]
+    if header.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
+        told = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
+        return Unit(COUNT, label, told, UNKNOWN)
+    fitting = [unit for unit, factor in tried.items() if _plausible(motion, factor, label)]
+    if header.label == "position" and label in fitting:
+        beside = " beside a torque or as an angle" * turns
+        return Unit(1.0, label, f"in {label}, as a log of this name has it{beside}; give a factor if it is not", LIKELY)
+    unit = min(fitting or tried, key=lambda unit: _strangeness(motion, tried[unit], label))
+    factor = tried[unit]
+    travel, speed = factor * motion[0], factor * motion[1]
+    said = f"in {unit}: it then spans {travel:.3g} {label} at up to {speed:.3g} {label}/s"
+    if not fitting:
+        none = f"its span of {motion[0]:.4g} fits an axis in none of {', '.join(tried)}"
+        return Unit(1.0, label, f"taken as {label}: {none}", UNKNOWN)
+    if len(fitting) > 1:
+        others = " or ".join(other for other in fitting if other != unit)
+        angle = "" if turns else ", and rad where it turns"
+        return Unit(factor, label, f"taken {said}; {others} would do as well{angle}", UNKNOWN)
+    return Unit(factor, label, said if turns else f"{said}; if it turns, its unit may be rad or degrees", LIKELY)
+
+
+def motion_of(time: FloatArray, position: FloatArray) -> tuple[float, float, float]:
+    """Travel, top speed and acceleration of a position in its own unit, roughly."""
+    if len(time) < 8:
+        return float(np.ptp(position)), 0.0, 0.0
+    span = max(1, len(time) // 500)
+    t, x = time[::span], position[::span]
+    speed = np.diff(x) / np.diff(t)
+    middle = 0.5 * (t[1:] + t[:-1])
+    acceleration = np.diff(speed) / np.diff(middle) if len(speed) > 2 else np.zeros(1)
+    sizes = [float(np.quantile(np.abs(values), 0.98)) for values in (speed, acceleration)]
+    return float(np.ptp(position)), sizes[0], sizes[1]
+
+
+def _plausible(motion: tuple[float, float, float], factor: float, label: str) -> bool:
+    ranges = zip(motion, RANGES[label], strict=True)
+    return all(low <= factor * value <= high for value, (low, high) in ranges)
+
+
+def _strangeness(motion: tuple[float, float, float], factor: float, label: str) -> float:
+    pairs = zip(motion, USUAL[label], strict=True)
+    return sum(math.log(max(factor * value, 1e-300) / usual) ** 2 for value, usual in pairs)

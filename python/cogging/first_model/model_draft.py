@@ -1,4 +1,4 @@
-"""A first model and a first reference, with what was found and what could not be told."""
+"""Draft a first model and a first reference from a log, with comments on every number."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import json
 import math
 import os
 import shlex
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,48 +15,190 @@ import numpy as np
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
+from cogging.blas_threads import on_one_blas_thread
+from cogging.calls import PATH, Kind, takes
 from cogging.files import InputError, parse_toml
-from cogging.first_model.column_guess import ColumnGuesses
-from cogging.first_model.model_text import MARGIN, model_lines, number
-from cogging.first_model.moves import Motion
-from cogging.first_model.pitch import Wave
-from cogging.first_model.sizes import Sizes
-from cogging.first_model.units import STATED
-from cogging.identification.identify import FEWEST_ROWS
-from cogging.log_check.audit import Audit
-from cogging.log_check.recovery import RecoveredController
-from cogging.logs.log import Log
+from cogging.first_model.axis_sizes import WIDTH, Sizes, Wave, sizes_of, strongest_wave
+from cogging.first_model.column_guess import ColumnGuesses, guess_columns
+from cogging.first_model.headers import LIKELY, STATED, UNKNOWN
+from cogging.first_model.motion_kind import Motion, motion_of_log
+from cogging.identification.identification import FEWEST_ROWS
+from cogging.log_check.controller_recovery import RecoveredController, recover_controller
+from cogging.log_check.controller_samples import on_its_clock
+from cogging.log_check.log_audit import Audit, audit, hints
+from cogging.logs.log import Log, read_log, require_sizes, units_beside
 from cogging.model.model import Model
-from cogging.model.units import Units
+from cogging.model.units import UNIT_KEYS, Units
 from cogging.outputs import write_files
 from cogging.shown import printable
 from cogging.simulation.reference import reference_from
 from cogging.values import ByValue
 
-ROWS_OF_REFERENCE = 20_000  # of a sampled motion that are kept
-SMOOTHED = 0.002  # of its length, over which readings make a reference
+MARGIN = 0.05  # of the logged travel, on either side
+CROSSOVER = 0.01  # of the sample rate: closed-loop poles, rad/s over 2 pi, of the proposed gains
+
+
+def model_lines(
+    name: str,
+    units: Units,
+    told_units: Sequence[str],
+    sizes: Sizes,
+    travel: tuple[float, float],
+    audit: Audit,
+    controller: RecoveredController | None,
+    wave: Wave | None,
+) -> list[str]:
+    """The lines of the file.
+
+    Args:
+        name: of the log.
+        units: labels of command and position.
+        told_units: how they are known, command first.
+        sizes: mass and friction.
+        travel: m, of the axis.
+        audit: of the log.
+        controller: that reproduces the log's command, if one does.
+        wave: that stands out over position, if one does.
+    """
+    lines = [
+        f"## A first model of the axis that made {name}, by `cogging init`.",
+        "## found: from the log. assumed: not measured, replace it where you know better.",
+        "## A line behind a single # is a proposal: remove the # to use it.",
+        "## Check each line, then fit it: cogging identify. (A fitted model is written without these comments.)",
+        "",
+        *_axis(units, sizes, travel, audit),
+        "",
+        "[encoder]",
+        *_encoder(units, audit),
+        "",
+        "[units]                     # labels only: no number is converted by them",
+        _line("command", json.dumps(units.command), told_units[0]),
+        _line("position", json.dumps(units.position), told_units[1]),
+    ]
+    if units.command == "%":
+        lines.append("## % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
+    return [*lines, "", *_cogging(units, wave, travel), "", *_controller(units, sizes, audit, controller)]
+
+
+def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit) -> list[str]:
+    law = "mass x'' = command - viscous x' - coulomb S(x') - cogging(x)"
+    lines = [f"[axis]                      # {law}"]
+    for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
+        size = sizes.sizes[name]
+        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {size.told}"))
+    width = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3
+    lines += [
+        _line("coulomb_width", number(width), f"{units.of('m/s')}; assumed: {100 * WIDTH:g} % of the top speed"),
+        _line("travel", f"[{number(travel[0], 6)}, {number(travel[1], 6)}]", f"{units.of('m')}; {_seen(units, audit)}"),
+        "",
+        "[axis.uncertainty]          # relative, 1 sigma; 0 = exact; left out = unknown within a factor of three",
+    ]
+    for name, size in sizes.sizes.items():
+        if size.uncertainty is None:
+            lines.append(f"# {name} = 0.2              # not identifiable from this log: fill in what you know")
+        else:
+            lines.append(_line(name, number(size.uncertainty, 2), "of the first force balance"))
+    return lines
+
+
+def _seen(units: Units, audit: Audit) -> str:
+    low, high = audit.travel
+    return f"found: {low:.5g} to {high:.5g} {units.of('m')} in this log, and a margin; fill in the axis' own"
+
+
+def _encoder(units: Units, audit: Audit) -> list[str]:
+    quantum = audit.encoder_quantum
+    found = "found: the readings differ by multiples of it (the last digit of the file, if that is coarser)"
+    none = "no step found in the readings; fill in"
+    return [_line("resolution", number(quantum), f"{units.of('m')}; {found if quantum else none}")]
+
+
+def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> list[str]:
+    lines = ["# [cogging]                 # opposes the command"]
+    if wave is None:
+        span = 0.1 * (travel[1] - travel[0])
+        lines += [
+            "## no period over position stands out of this log: fill in the magnets' pitch",
+            f"# pitch = {number(span, 2):<18} # {units.of('m')}; to be filled in",
+            "# harmonics = [1, 2]",
+        ]
+        return [*lines, f"# sine = [[0.0], [0.0]]     # {units.command}", "# cosine = [[0.0], [0.0]]"]
+    share = f"{100.0 * wave.share:.0f} % of what mass and friction leave"
+    return [
+        *lines,
+        f"# pitch = {number(wave.period):<18} # {units.of('m')}; found: the strongest wave over position, {share};",
+        "##                           it may as well be a harmonic of the magnets' pitch: compare with the data sheet",
+        "# harmonics = [1]",
+        f"# sine = [[{number(wave.sine)}]]          # {units.of('V')}; found",
+        f"# cosine = [[{number(wave.cosine)}]]        # {units.of('V')}; found",
+    ]
+
+
+def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredController | None) -> list[str]:
+    lines = ["# [controller]              # simulate and predict need it"]
+    if found is not None:
+        fields = {"type": found.type, **found.parameters.to_dict()}
+        told = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
+        return [*lines, f"## {told}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
+    rate, mass = rounded_rate(audit.rate), sizes.sizes["mass"].value
+    pole = 2.0 * math.pi * CROSSOVER * rate
+    gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
+    lines += [
+        "## not identifiable from this log: fill in yours. The gains below are a first proposal, from the mass alone:",
+        f"## three poles at {CROSSOVER:g} of the sample rate.",
+        '# type = "pid"',
+        f"# sample_rate = {rate:g}",
+    ]
+    for (key, value), unit in zip(gains.items(), ("V/m", "V/(m s)", "V/(m/s)"), strict=True):
+        lines.append(f"# {key} = {number(value, 3):<20} # {units.of(unit)}; assumed")
+    return lines
+
+
+def rounded_rate(rate: float) -> float:
+    """A rate rounded to three digits."""
+    return float(f"{rate:.3g}")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Format a number as a TOML float."""
+    text = f"{value:.{digits}g}"
+    return text if any(mark in text for mark in ".en") else f"{text}.0"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, float):
+        return number(value, 6) if math.isfinite(value) else ("inf" if value > 0.0 else "-inf")
+    return json.dumps(value)
+
+
+def _line(key: str, value: str, comment: str) -> str:
+    return f"{f'{key} = {value}':<27} # {comment}"
+
+
+ROWS_OF_REFERENCE = 20_000  # kept of a sampled motion
+SMOOTHED = 0.002  # of the log: window over which readings are smoothed to a reference
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelDraft(ByValue):
-    """What a log shows of the axis that made it, and a first model and reference of it.
+    """A first model and reference drafted from a log, with what was found and what is unknown.
 
     Attributes:
-        source: what the log is called.
-        log: in SI, as the options below have it read.
-        columns: which column of the file is what, and how that is known; None of a log in memory.
+        source: name of the log.
+        log: in SI, as read with the options below.
+        columns: the identified columns of the file; None for a log in memory.
         audit: of the log.
-        motion: that the reference has, or else the position.
+        motion: of the reference, or else of the position.
         seen_in: "reference" or "position".
-        sizes: mass and friction of a first force balance.
-        wave: over position that stands out of what they leave; None where none does.
-        controller: of known kind that made the command; None where none did, or no reference is there.
+        sizes: mass and friction from a first force balance.
+        wave: significant wave over position in its residual, or None.
+        controller: that made the command, or None.
         units: labels of command and position.
-        scale: factors that `--scale` must give, the command's sign included.
-        rows: data rows that were taken; None: all.
-        likely: what was guessed with good reason, and may be checked.
-        unsure: what could not be told, each with what to do.
-        model: the model that `model_text` says.
+        scale: factors for `--scale`, including the command's sign.
+        rows: data rows used; None: all.
+        likely: guesses to be checked.
+        unsure: what is unknown, each with what to do.
+        model: the drafted model.
 
     Example:
         >>> draft = cogging.draft_model(log)
@@ -81,18 +223,18 @@ class ModelDraft(ByValue):
 
     @property
     def model(self) -> Model:
-        """The model that the file will hold."""
+        """The drafted model."""
         return Model.from_dict(parse_toml(self.model_text()))
 
     @property
     def reference(self) -> Reference:
-        """The motion that the reference file will hold."""
+        """The drafted reference."""
         if self.motion.kind in ("sampled", "rest"):
             return reference_from({"type": "sampled", **self._samples()})[0]
         return reference_from({"type": self.motion.kind, **self.motion.fields, "duration": self._duration()})[0]
 
     def options(self) -> list[str]:
-        """Words of the command line that have the log read as it was read here."""
+        """Command-line options that read the log as it was read here."""
         words: list[str] = []
         if self.columns is not None and self.columns.columns:
             words += ["--columns", ",".join(f"{name}={there}" for name, there in self.columns.columns.items())]
@@ -103,7 +245,7 @@ class ModelDraft(ByValue):
         return words
 
     def next_command(self, model: str | os.PathLike[str]) -> str:
-        """The command to give next: a fit of the model, or where nothing moves an audit."""
+        """The next command: a fit of the model, or an audit if nothing moves."""
         fits = self.sizes.explained is not None and len(self.log) >= FEWEST_ROWS
         words = ["cogging", "identify" if fits else "audit", self.source, "--model", os.fspath(model)]
         words += ["--out", "fitted.toml"] * fits
@@ -130,7 +272,7 @@ class ModelDraft(ByValue):
         """The reference file: TOML with a comment on each number.
 
         Args:
-            samples: file of the samples where the motion is told by nothing less.
+            samples: file of the samples of a sampled motion.
         """
         head = f"## The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
         lines = [head, f"## {self.motion.told}", ""]
@@ -169,7 +311,7 @@ class ModelDraft(ByValue):
         return list(content)
 
     def text(self) -> str:
-        """What was found, for a reader."""
+        """The draft for the screen."""
         lines = [printable(self.source)]
         if self.columns is not None:
             lines += ["columns:", *(f"  {guess.text()}" for guess in self.columns.used.values())]
@@ -195,11 +337,11 @@ class ModelDraft(ByValue):
         if self.controller is not None:
             lines.append(f"a {self.controller.type} made the command: its gains stand in the model as comments")
         lines += ["guessed, to be checked:", *(f"  {entry}" for entry in self.likely)] * bool(self.likely)
-        lines += ["cannot tell:", *(f"  {entry}" for entry in self.unsure)] * bool(self.unsure)
+        lines += ["not identifiable:", *(f"  {entry}" for entry in self.unsure)] * bool(self.unsure)
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it."""
+        """All fields for JSON."""
         columns = {} if self.columns is None else self.columns.used
         return {
             "source": self.source,
@@ -249,18 +391,18 @@ class ModelDraft(ByValue):
 
 
 def require_new(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Refuse to replace files: what stands there may have been edited by hand.
+    """Refuse to replace files, which may have been edited by hand.
 
     Raises:
-        InputError: one is there.
+        InputError: one exists.
     """
     for path in paths:
         if os.path.lexists(path):
-            raise InputError(f"{path}: must not be there yet, a drafted file replaces none: name another, or remove it")
+            raise InputError(f"{path}: must not exist yet: a draft does not replace files; name another, or remove it")
 
 
 def _smoothed(log: Log) -> FloatArray:
-    """The readings as a reference: freed of their noise by a parabola about each row."""
+    """The readings smoothed by local parabolas."""
     from scipy.signal import savgol_filter
 
     window = 2 * max(2, round(0.5 * SMOOTHED * len(log))) + 1
@@ -271,3 +413,113 @@ def _smoothed(log: Log) -> FloatArray:
 
 def _quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
+
+
+FILE = Kind((Log, *PATH), "a Log or the path of a log file")
+ROWS_OF_CONTROLLER = 50_000  # used to recover the controller
+FEWEST = 10  # rows
+
+
+@takes(log=FILE)
+@np.errstate(all="ignore")  # extreme values lead to sizes that are not identifiable
+@on_one_blas_thread(scipy=True)
+def draft_model(
+    log: Log | str | os.PathLike[str],
+    *,
+    columns: Mapping[str, str] | None = None,
+    scale: Mapping[str, float] | None = None,
+    rows: slice | None = None,
+) -> ModelDraft:
+    """Draft a model and a reference of the axis that made a log, in any of its user's formats.
+
+    Columns are identified by their names in English or German, or by the behaviour of their numbers; units by the
+    header or by plausible motion; mass and friction by least squares of the force balance. Each guess is reported with
+    its reason, and so is what is unknown. `identify` then fits the drafted model.
+
+    Args:
+        log: a Log, or a file of any format that logs have (see read_log), with columns of any names.
+        columns: known names in the file, by the names of a log: `{"position": "qm"}`.
+        scale: known factors, by the names of a log.
+        rows: the data rows to use, from 0.
+
+    Returns:
+        The draft; print its `text()`, and `write` it.
+
+    Raises:
+        InputError: the file cannot be read, or its time, position or command column cannot be identified.
+        ValueError: a log in memory of fewer than ten rows, or with numbers outside the range of machines.
+
+    Example:
+        >>> log.write("run.csv")
+        >>> draft = cogging.draft_model("run.csv")
+        >>> draft.write("first.toml", "motion.toml")
+        ['first.toml', 'motion.toml']
+        >>> cogging.Model.read("first.toml").axis.mass == draft.model.axis.mass
+        True
+    """
+    if isinstance(log, Log):
+        return _drafted("log", log, None, {}, rows)
+    guesses = guess_columns(log, columns or {}, scale or {}, rows, units_beside(log))
+    read = read_log(log, columns=guesses.columns, scale=guesses.scale, rows=rows)
+    try:
+        return _drafted(os.fspath(log), read, guesses, guesses.scale, rows)
+    except ValueError as error:
+        raise error if isinstance(error, InputError) else InputError(f"{log}: {error}") from None
+
+
+def _drafted(
+    source: str, log: Log, guesses: ColumnGuesses | None, scale: Mapping[str, float], rows: slice | None
+) -> ModelDraft:
+    """The draft of a log that was read."""
+    if len(log) < FEWEST:
+        raise ValueError(f"rows: must be at least {FEWEST} to draft a model from, got {len(log)}")
+    require_sizes(log)
+    units = log.units
+    if guesses is not None:
+        units = Units(**{name: guesses.used[name].unit.label for name in UNIT_KEYS})
+    stamps, (log, clock) = log.time, on_its_clock(log)
+    sizes = sizes_of(log, units)
+    unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
+    if sizes.reversed:
+        log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
+        scale = {**scale, "command": -scale.get("command", 1.0)}
+        unsure.append("command or position has the wrong sign: the command is inverted here")
+    found = audit(replace(log, time=stamps))
+    seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
+    motion = motion_of_log(log.time, seen, quantum, units)
+    controller = recover_controller(_beginning(log))
+    waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
+    draft = ModelDraft(
+        source=source,
+        log=log,
+        columns=guesses,
+        audit=replace(found, units=units),
+        motion=motion,
+        seen_in="position" if log.reference is None else "reference",
+        sizes=sizes,
+        wave=next(filter(None, waves), None),
+        controller=controller and controller._replace(units=units),
+        units=units,
+        scale=dict(scale),
+        rows=rows,
+        likely=(*_guessed(guesses, LIKELY), *([clock] if clock else ())),
+        unsure=(),
+    )
+    unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]
+    unsure += hints(found, draft.model)
+    return replace(draft, unsure=tuple(unsure))
+
+
+def _beginning(log: Log) -> Log:
+    """The rows used to recover the controller."""
+    if len(log) <= ROWS_OF_CONTROLLER:
+        return log
+    return Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
+
+
+def _guessed(guesses: ColumnGuesses | None, sure: str) -> list[str]:
+    """Guesses of columns and units of this certainty."""
+    if guesses is None:
+        return []
+    said = [f"{g.name}: {g.unit.told}" for g in guesses.used.values() if g.unit.sure == sure]
+    return said + [f"{g.name}: it is {g.label!r}, {g.told}" for g in guesses.used.values() if g.sure == sure]

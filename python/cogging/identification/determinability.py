@@ -1,4 +1,4 @@
-"""What logs can tell about the parameters of a model, and what not: known before a fit, in words."""
+"""Which parameters of a model the logs determine, predicted before the fit."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import DivergedError
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray, IntArray, Mask
+from cogging.estimation.force_balance import ForceBalance, Simulator
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.residuals import Residuals
 from cogging.estimation.whitening import whitened
-from cogging.identification.force_balance import ForceBalance, Simulator
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, effect_at, parameters_of, role_at
 
-UNDETERMINED = 0.2  # 1-sigma, relative to the parameter's size, above which a log does not determine it
-PARALLEL = 1e3  # by which the others inflate a variance; beyond, model errors are larger than what tells them apart
-TRADE = 0.95  # correlation above which two parameters are said to trade against each other
+UNDETERMINED = 0.2  # relative 1-sigma above which a parameter is not determined
+PARALLEL = 1e3  # variance inflation beyond which model errors exceed the difference between collinear parameters
+TRADE = 0.95  # correlation above which two parameters trade against each other
 
 
 @dataclass(frozen=True)
 class Determinability:
-    """What logs determine of some parameters.
+    """Which parameters the logs determine.
 
     Attributes:
         paths: of the parameters.
-        sigma: foreseen 1-sigma with all others free, relative to its size, (p,); infinite where no row shows it.
-        in_balance: whether the force balance shows it, else only the output error may, (p,).
-        notes: a sentence each.
+        sigma: predicted 1-sigma with all others free, relative to the parameter's size, (p,); infinite if no row
+            depends on it.
+        in_balance: whether the force balance depends on it, else only the output error may, (p,).
+        notes: one sentence each.
     """
 
     paths: tuple[str, ...]
@@ -43,8 +43,13 @@ class Determinability:
         return bool(self.sigma[self.paths.index(path)] < UNDETERMINED)
 
     def seen_by_balance(self, path: str) -> bool:
-        """Whether the force balance shows the parameter at a path."""
+        """Whether the force balance depends on the parameter at a path."""
         return self.in_balance[self.paths.index(path)]
+
+    @property
+    def classes(self) -> list[tuple[bool, bool]]:
+        """Whether each parameter is determined, and in the force balance."""
+        return [(self.determined(path), self.seen_by_balance(path)) for path in self.paths]
 
 
 def determinability(
@@ -55,33 +60,55 @@ def determinability(
     simulate: Sequence[Simulator | None],
     sources: Callable[[], Sequence[Residuals]] = tuple,
 ) -> Determinability:
-    """What a linear fit from the model foresees.
+    """Predict from a linearised fit which parameters the logs determine.
 
-    Where a simulated run is at hand, it alone counts as motion: what noise made of the measured one, shows nothing.
+    Where a run can be simulated, its noise-free motion is used: noise in the measured motion is no excitation.
 
     Args:
-        model: where to look.
+        model: to linearise about.
         paths: of the parameters.
         balances: force balances of the logs.
         scales: of all of them.
         simulate: for each log, the noise-free run of a model, or None.
-        sources: makes the output errors of the logs, asked where the force balance does not show a parameter.
+        sources: makes the output errors of the logs, used where the force balance does not depend on a parameter.
     """
     known = parameters_of(model)
     parameters = [known[path] for path in paths]
     sizes = np.array([size_of(model, parameter, scales) for parameter in parameters])
-    tables = _of_balances(model, parameters, balances, scales, simulate)
-    dead = _dead(tables, sizes)
-    deviation, correlation = foreseen(tables, dead)
-    others = _of_outputs(model, parameters, sources, scales) if dead.any() else []
+
+    def without_effect(tables: Sequence[_Table]) -> Mask:
+        """Which parameters change no row, (p,)."""
+        power = sum((columns**2).sum(axis=1) for columns, _, _ in tables)
+        rows = sum(columns.shape[1] for columns, _, _ in tables)
+        return np.asarray(np.sqrt(power / rows) * sizes < 1e-9)
+
+    tables: list[_Table] = []
+    for balance, run in zip(balances, simulate, strict=True):
+        residual, columns = balance.columns(model, parameters, scales)
+        simulated = balance.instruments(model, parameters, scales, run)
+        columns = columns if simulated is None else simulated
+        rows = balance.mask
+        weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)
+        tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))
+    dead = without_effect(tables)
+    deviation, correlation = predicted_errors(tables, dead)
+    others: list[_Table] = []
+    try:
+        logs = sources() if dead.any() else ()
+        pairs = zip(logs, *columns_of(model, parameters, logs, scales), strict=True) if logs else ()
+        seen = [whitened(log, residual, columns) for log, residual, columns in pairs]
+        if all(np.isfinite(s.columns).all() and np.isfinite(s.residual).all() for s in seen):
+            others = [(s.columns, s.residual, s.block) for s in seen]
+    except (ValueError, DivergedError):  # the model cannot be run
+        pass
     if others:
-        by_output, among = foreseen(others, _dead(others, sizes))
+        by_output, among = predicted_errors(others, without_effect(others))
         deviation = np.where(dead, by_output, deviation)
         correlation = np.where(dead[:, None], among, correlation)
     sigma = deviation / sizes
     away = np.abs(correlation) * (1.0 - np.eye(len(paths)))
     while (drawn := (sigma < UNDETERMINED) & (away[:, sigma >= UNDETERMINED] > TRADE).any(axis=1)).any():
-        sigma[drawn] = np.inf  # it would be found at whatever value suits the prior of what it trades against
+        sigma[drawn] = np.inf  # its estimate would follow the prior of the parameter it trades against
     notes = []
     for i, parameter in enumerate(parameters):
         partner = int(np.argmax(away[i]))
@@ -91,7 +118,7 @@ def determinability(
 
 
 def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
-    """Against what an error of the parameter is judged: itself, or what would do as much as the command."""
+    """The size that an error of the parameter is relative to: its value, or what equals the command in effect."""
     value = abs(parameter.value)
     if parameter.path.startswith("effects."):
         role = role_at(model, parameter.path)
@@ -108,51 +135,10 @@ def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
     return max(value, scales.of(parameter.dimension))
 
 
-_Table = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # columns (p, n), residual (n,), block (n,) of a log
+_Table = tuple[FloatArray, FloatArray, IntArray]  # columns (p, n), residual (n,), block (n,) of a log
 
 
-def _of_balances(
-    model: Model,
-    parameters: Sequence[Parameter],
-    balances: Sequence[ForceBalance],
-    scales: Scales,
-    simulate: Sequence[Simulator | None],
-) -> list[_Table]:
-    """The force balances, along simulated runs where there are some, in units of the residual's rms."""
-    tables = []
-    for balance, run in zip(balances, simulate, strict=True):
-        residual, columns = balance.columns(model, parameters, scales)
-        shown = balance.instruments(model, parameters, scales, run)
-        columns = columns if shown is None else shown
-        rows = balance.mask
-        weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)
-        tables.append((weight * columns[:, rows], weight * residual[rows], balance.block[rows]))
-    return tables
-
-
-def _of_outputs(
-    model: Model, parameters: Sequence[Parameter], sources: Callable[[], Sequence[Residuals]], scales: Scales
-) -> list[_Table]:
-    """The whitened output errors; none where the model cannot be run: nothing is seen then."""
-    try:
-        logs = sources()
-        residuals, slopes = columns_of(model, parameters, logs, scales)
-        seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, slopes, strict=True)]
-    except (ValueError, DivergedError):
-        return []
-    if not all(np.isfinite(s.columns).all() and np.isfinite(s.residual).all() for s in seen):
-        return []  # it ran away without end
-    return [(s.columns, s.residual, s.block) for s in seen]
-
-
-def _dead(tables: Sequence[_Table], sizes: FloatArray) -> Mask:
-    """Which parameters move no row, (p,)."""
-    power = sum((columns**2).sum(axis=1) for columns, _, _ in tables)
-    rows = sum(columns.shape[1] for columns, _, _ in tables)
-    return np.asarray(np.sqrt(power / rows) * sizes < 1e-9)
-
-
-def foreseen(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, FloatArray]:
+def predicted_errors(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, FloatArray]:
     """1-sigma (p,) of a linear fit, by a sandwich over blocks, and correlation (p, p) of its parameters."""
     p = len(dead)
     curvature, right = np.zeros((p, p)), np.zeros(p)
@@ -165,7 +151,7 @@ def foreseen(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, FloatArr
     scaled[dead, :] = scaled[:, dead] = 0.0
     scaled[dead, dead] = 1.0
     values, vectors = np.linalg.eigh(scaled)
-    values = np.maximum(values, 1e-13)  # what rounding leaves of a direction that no row shows
+    values = np.maximum(values, 1e-13)  # rounding, in a direction that no row depends on
     inverse = (vectors / values) @ vectors.T
     step = -inverse @ np.where(dead, 0.0, right / size)
     meat, blocks = np.zeros((p, p)), 0
@@ -177,7 +163,7 @@ def foreseen(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, FloatArr
         blocks += len(starts)
     covariance = inverse @ meat @ inverse * blocks / max(blocks - p, 1)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / size
-    # A direction that hardly a row shows has hardly a score either, which would pass for knowledge.
+    # A direction with hardly any effect has hardly any score either, which must not pass for certainty.
     deviation[np.diag(inverse) > PARALLEL] = np.inf
     deviation[dead] = np.inf
     spread = np.sqrt(np.diag(inverse))
@@ -210,8 +196,8 @@ def _short(parameter: Parameter) -> str:
 
 
 def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalance]) -> str:
-    """The poverty of the motion that makes two parameters trade."""
-    motions = [(b.dynamics.motion, b.mask) for b in balances]
+    """What the motion lacks, so that two parameters trade against each other."""
+    motions = [(b.motion, b.mask) for b in balances]
     if any(p.path == "axis.mass" for p in pair):
         top = max(float(np.quantile(np.abs(m.acceleration[rows]), 0.99)) for m, rows in motions)
         return f"accelerations reach only {top:.2g} {model.units.of('m/s^2')}"
@@ -227,8 +213,7 @@ def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalan
 
 
 def _by_speed(model: Model, parameter: Parameter) -> bool:
-    if parameter.path.startswith("axis."):
-        return True
-    if "m/s" in parameter.dimension:
+    """Whether the force of a parameter depends on speed."""
+    if parameter.path.startswith("axis.") or "m/s" in parameter.dimension:
         return True
     return parameter.path.startswith("effects.") and "friction_level" in effect_at(model, parameter.path).HOOKS

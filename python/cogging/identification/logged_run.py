@@ -1,4 +1,4 @@
-"""A measured log with the run of the closed loop that should repeat it: the stated controller, with gains that fit."""
+"""A measured log with the closed-loop replay that should reproduce it."""
 
 from __future__ import annotations
 
@@ -9,27 +9,25 @@ import numpy.typing as npt
 
 from cogging._core import DivergedError, friction_slope_max
 from cogging.arrays import FloatArray, real_array
+from cogging.estimation.force_balance import ForceBalance, Simulator
 from cogging.estimation.replay import Replay
-from cogging.identification.force_balance import Simulator
-from cogging.identification.inverse_dynamics import InverseDynamics
-from cogging.log_check.audit import Audit, audit
-from cogging.log_check.controller import MISMATCH, ControllerCheck, check_controller
-from cogging.log_check.time_base import on_its_clock
-from cogging.log_check.unit_check import check_against_model
+from cogging.log_check.controller_check import MISMATCH, ControllerCheck, check_controller
+from cogging.log_check.controller_samples import on_its_clock
+from cogging.log_check.log_audit import Audit, audit, check_against_model
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
 
-ROUGH = 1e-3  # of the rms command: a stated controller that is further off is fitted ...
-FOLLOWED = 0.05  # of the reference's standard deviation: closer, the reference is a noise-free likeness of the motion
-LIGHTEST = 0.02  # of the mass that was stated: a loop with the logged gains would be far from stable
-STEEPEST = 20.0  # time constants a sample of friction near rest: a steeper one moves the axis no differently
-SPARSE = 1.5  # of the controller's steps, of which a row tells but one: the command changed in between
-GAIN = 0.8  # ... if that leaves less than this share of the difference
+ROUGH = 1e-3  # of the rms command: a stated controller further off is replaced by its fitted gains ...
+FOLLOWED = 0.05  # of the reference's standard deviation: a closer reference serves as the noise-free motion
+LIGHTEST = 0.02  # of the stated mass: below it the loop with the logged gains is far from stable
+STEEPEST = 20.0  # time constants of friction near rest in a sample: steeper friction moves the axis alike
+SPARSE = 1.5  # controller samples per row, from which commands between the rows are missing
+GAIN = 0.8  # ... if these leave less than this share of the difference
 
 
 class LoggedReplay(Replay):
-    """A replay with the gains that the log shows, and the integral with which it begins."""
+    """A replay with the gains fitted to the log and its initial integral."""
 
     def __init__(self, log: Log, model: Model, *, added_command: FloatArray | None) -> None:
         super().__init__(log, model, added_command=added_command)
@@ -37,10 +35,10 @@ class LoggedReplay(Replay):
         self.sample_time = float(log.time[-1] - log.time[0]) / (len(log) - 1)
 
     def as_run(self, model: Model) -> Model:
-        """A model as it is run, with the controller of the log whatever its own is.
+        """The model as it is run: with the controller of the log.
 
         Raises:
-            DivergedError: its mass is so small that the loop could not be stable.
+            DivergedError: its mass is too small for a stable loop.
         """
         axis = model.axis
         if axis.mass < LIGHTEST * self.mass:
@@ -48,7 +46,7 @@ class LoggedReplay(Replay):
                 f"axis.mass: must be at least {LIGHTEST * self.mass:g} to be replayed, got {axis.mass:g}"
             )
         if axis.coulomb_width > 0.0:
-            # A fit of a model that lacks something may end at next to no width: it would be followed in 1e5 steps.
+            # A fit of an incomplete model may end at a vanishing width, which would need 1e5 steps a sample.
             rate = friction_slope_max(1.0) * axis.coulomb / axis.mass  # m/s^2: over the width, 1/s
             least = rate * self.sample_time / STEEPEST
             axis = axis.replace(coulomb_width=max(axis.coulomb_width, least))
@@ -74,10 +72,10 @@ class LoggedRun:
         name: of the log.
         log: measured.
         audit: of it.
-        replay: the closed loop on its reference, or None where controller or reference are unknown or do not fit.
-        line: what is to be said of a stated controller, or "".
-        repairs: what is to be said of stamps that are off an even clock and of single values that leave and return.
-        sparse: what is to be said of rows that are too few for the controller, or "".
+        replay: the closed loop on its reference; None if controller or reference are unknown or do not fit.
+        line: remark on the stated controller, or "".
+        repairs: remark on corrected time stamps and spikes.
+        sparse: remark on too few rows for the controller, or "".
         hold: s, of each command where the controller gave several a row; None: from row to row.
     """
 
@@ -92,7 +90,7 @@ class LoggedRun:
 
     @classmethod
     def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
-        """Audit a log, and find the controller that made it.
+        """Audit a log and check the controller that made it.
 
         Args:
             log: measured.
@@ -111,7 +109,7 @@ class LoggedRun:
         own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
         found = audit(own, model)
         log, clock = on_its_clock(log)
-        if clock:  # the audit tells the stamps, the controller is held against the clock
+        if clock:  # the audit is of the time stamps, the controller check of the clock
             found = replace(found, controller=check_controller(replace(own, time=log.time), model))
         usable, line = _usable(model, found.controller)
         commands = np.zeros(len(log), dtype=bool)
@@ -122,7 +120,7 @@ class LoggedRun:
         replay = None
         if usable is not None and found.controller is not None:
             start = found.controller.start
-            if start != 0.0:  # an integral that begins elsewhere is a constant
+            if start != 0.0:  # an initial integral is a constant command
                 added = start + (np.zeros(len(log)) if added is None else added)
             try:
                 replay = LoggedReplay(log, usable, added_command=added)
@@ -140,7 +138,7 @@ class LoggedRun:
         )
 
     def simulator(self) -> Simulator | None:
-        """What gives the instruments: the replay, else the reference if the axis followed it, else nothing."""
+        """The simulator for instruments: the replay, else the reference if the axis followed it, else None."""
         if self.replay is not None:
             return self.replay.log_of
         reference = self.log.reference
@@ -150,9 +148,9 @@ class LoggedRun:
         return lambda model: asked
 
     def relative_errors(self, model: Model) -> dict[str, float]:
-        """Norm of measured less replayed over norm of measured: position, velocity and command; empty without replay.
+        """Relative error of the replay in position, velocity and command (norms); empty without a replay.
 
-        Both velocities by the same differences of readings that were low-pass filtered at 400 Hz at most.
+        Both velocities are differences of positions low-pass filtered at 400 Hz at most.
 
         Raises:
             DivergedError: the replay diverged.
@@ -161,7 +159,7 @@ class LoggedRun:
             return {}
         run = self.replay.log_of(model)
         cutoff = min(80.0, 0.1 / float(np.median(np.diff(self.log.time))))
-        measured, simulated = (InverseDynamics(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
+        measured, simulated = (ForceBalance(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
 
         def ratio(a: FloatArray, b: FloatArray) -> float:
             return float(np.linalg.norm(a - b) / np.linalg.norm(a))
@@ -174,9 +172,9 @@ class LoggedRun:
 
 
 def _between_rows(log: Log, model: Model) -> tuple[Log, float | None, str]:
-    """The log with the mean of each step's command where the stated controller gave several, its hold, what is said.
+    """The log with interpolated commands where the controller gave several a row, their hold, and a remark.
 
-    Of a command that is known in the rows alone, the mean to the next row is nearer what acted than the row's own.
+    The mean of a row's command and the next is closer to what acted in between than the row's own.
     """
     step = float(np.median(np.diff(log.time)))
     if model.controller is None or step * model.controller.sample_rate < SPARSE:
@@ -188,7 +186,7 @@ def _between_rows(log: Log, model: Model) -> tuple[Log, float | None, str]:
 
 
 def _usable(model: Model, check: ControllerCheck | None) -> tuple[Model | None, str]:
-    """The model with the gains that made the log, or None, and what is to be said of them."""
+    """The model with the gains that made the log, or None, and a remark on them."""
     if check is None or model.controller is None:
         return None, ""
     if check.relative is None or check.difference_rms is None:

@@ -1,35 +1,35 @@
-"""A log as the samples of the controller that made it: its rows, and those between them that the log lacks."""
+"""A log as the evenly timed samples of the controller that made it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import Sampled
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.logs.log import Log
 
-LONG = 1.5  # samples, beyond which some may be missing between two rows
-FILLED = 8  # missing samples on end, at most, over which the readings are drawn as lines; longer, all starts anew
-FOLLOW = 0.05  # of the difference, by which the clock follows the rows: jitter does not add up to a sample
-SEGMENT = 20  # rows of a segment, at least, that are judged
+LONG = 1.5  # samples between two rows, beyond which some may be missing
+FILLED = 8  # consecutive missing samples that are interpolated; after more a new segment starts
+FOLLOW = 0.05  # gain with which the clock follows the rows, so that jitter does not accumulate
+SEGMENT = 20  # smallest number of usable rows of a segment
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What a controller saw, one entry a sample, (m,); without gaps these are the log's own rows.
+    """The inputs of a controller, one entry a sample, (m,); without gaps these are the log's rows.
 
     Attributes:
         time: s.
         motion: reference and derivatives by name, as a replay takes them.
-        position: m; on the line between its neighbours where the log has none.
+        position: m; interpolated where the log has no row.
         command: V, likewise.
         known: whether the log has a row there.
         row: the row of the log, the one before where it has none.
-        segment: number of the stretch between gaps that are too long to be filled.
+        segment: number of the stretch between gaps too long to be filled.
     """
 
     time: FloatArray
@@ -46,9 +46,9 @@ class Samples:
 
         Args:
             log: measured.
-            reference: m, (n,), its own or what stands for it.
+            reference: m, (n,).
             rate: samples a second.
-            left_out: rows whose reading is not believed: as if they were missing.
+            left_out: rows treated as missing.
         """
         motion = Sampled(log.time, reference, log.reference_velocity, log.reference_acceleration).samples
         n = len(log)
@@ -73,13 +73,13 @@ class Samples:
         return cls(time, motion, position, command, known, row, segment[row])
 
     def judged(self, lags: Sequence[int]) -> Mask:
-        """Samples whose command and all that it came from the log has: readings `lags` samples ago; not the first."""
+        """Samples with a row for the command and for the readings `lags` samples ago; not the first."""
         good = self.known.copy()
         good[0] = False
         for lag in lags:
             if lag:
                 good[lag:] &= self.known[:-lag] & (self.segment[lag:] == self.segment[:-lag])
-                good[:lag] &= self.segment[:lag] == 0  # before the log, nothing is known to have been otherwise
+                good[:lag] &= self.segment[:lag] == 0  # the log starts without a gap
         if self.segment[-1]:
             counts = np.bincount(self.segment, good)
             good &= counts[self.segment] >= SEGMENT
@@ -99,9 +99,9 @@ class Samples:
 
 
 def missing_samples(time: FloatArray, rate: float) -> npt.NDArray[np.int64]:
-    """How many samples of a controller have no row between each two rows, (n - 1,).
+    """Number of missing controller samples between each two rows, (n - 1,).
 
-    The clock of the rows may drift against the controller's, and jitter by less than half a sample.
+    The clock of the rows may drift against the controller's and jitter by less than half a sample.
     """
     steps = np.diff(time)
     missing = np.zeros(len(steps), dtype=np.int64)
@@ -115,3 +115,58 @@ def missing_samples(time: FloatArray, rate: float) -> npt.NDArray[np.int64]:
         missing[k] = samples - 1
         late = (late + passed - samples) * (1.0 - FOLLOW) if samples <= FILLED else 0.0
     return missing
+
+
+EVEN = 0.01  # of the step: more even time stamps are kept
+
+
+def on_its_clock(log: Log) -> tuple[Log, str]:
+    """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and "".
+
+    A controller samples evenly, and a logger may stamp its rows late or early: at 0.4 m/s, 0.3 ms are 0.1 mm, which
+    look like acceleration. Along the true times each reading is close to the cubic through its two neighbours on either
+    side.
+    """
+    if len(log) < 5:
+        return log, ""
+    step = float(np.median(np.diff(log.time)))
+    missing = missing_samples(log.time, 1.0 / step)
+    row = np.concatenate([[0], np.cumsum(missing + 1)])
+    segment = np.concatenate([[0], np.cumsum(missing > FILLED)])
+    clock = _even(log.time, row, segment)
+    off = log.time - clock
+    if np.abs(off).max() <= EVEN * step or not (np.diff(clock) > 0.0).all():
+        return log, ""
+    whole = segment[4:] == segment[:-4]
+    if _roughness(clock, log.position, whole) >= _roughness(log.time, log.position, whole):
+        return log, ""
+    return replace(log, time=clock), (
+        f"time stamps are off by {np.sqrt(np.mean(off**2)):.2g} s rms, and the readings are smoother on an even clock "
+        f"of {np.min(np.diff(clock)):.4g} s, which is used"
+    )
+
+
+def _even(time: FloatArray, row: IntArray, segment: IntArray) -> FloatArray:
+    """Even times by a line through the stamps, with one slope for all segments, s, (n,)."""
+    counts = np.bincount(segment)
+
+    def means(values: FloatArray | IntArray) -> FloatArray:
+        return np.asarray((np.bincount(segment, values) / counts)[segment])
+
+    number = row - means(row)
+    step = float(number @ (time - means(time))) / max(float(number @ number), 1e-300)
+    return np.asarray(means(time) + step * number)
+
+
+def _roughness(time: FloatArray, position: FloatArray, whole: FloatArray) -> float:
+    """Mean square of readings minus the cubic through their neighbours, normalised for white noise, m^2."""
+    n = len(time) - 4
+    others = [0, 1, 3, 4]
+    middle = time[2 : n + 2]
+    near = {i: time[i : n + i] - middle for i in others}
+    left, gain = position[2 : n + 2].copy(), np.ones(n)
+    for i in others:
+        weight = np.prod([near[j] / (near[j] - near[i]) for j in others if j != i], axis=0)
+        left -= weight * position[i : n + i]
+        gain += weight**2
+    return float(np.mean((left**2 / gain)[whole])) if whole.any() else 0.0

@@ -20,10 +20,10 @@ from cogging.values import ByValue
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OVERSAMPLING = 8  # frequencies between two that the travel tells apart
-THRESHOLD = 8.0  # times the noise level (the median of the amplitudes that are left): a line above it is proposed
-POINTS_PER_PERIOD = 8.0  # of the shortest: more samples than these are not used
-CONSTANT = 0.98  # of the top speed: what counts as constant speed
+OVERSAMPLING = 8  # frequencies per resolution of the travel
+THRESHOLD = 8.0  # times the noise level (median of the remaining amplitudes): a stronger line is proposed
+POINTS_PER_PERIOD = 8.0  # of the shortest period, used at most
+CONSTANT = 0.98  # of the top speed: counts as constant speed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,8 +32,8 @@ class TrackingSpectrum(ByValue):
 
     Attributes:
         frequency: 1/m, (n,); amplitude: m, (n,), of the strokes' mean power.
-        noise: m, the median amplitude once the proposed lines are taken out.
-        resolution: 1/m, one over the travel at constant speed: closer lines cannot be told apart.
+        noise: m, the median amplitude without the proposed lines.
+        resolution: 1/m, one over the travel at constant speed: closer lines are not resolved.
         periods: m, proposed for cancellation, strongest first; period_amplitudes: m.
         units: labels of the log's units.
 
@@ -87,11 +87,11 @@ def tracking_spectrum(
 
     On every stretch of constant speed the error is fitted by a constant and a sine and cosine of each frequency against
     position (least squares). The powers of the stretches are averaged, since the phase differs with direction. The
-    strongest line is taken out of every stretch, and the rest searched again.
+    strongest line is removed from every stretch, and the rest searched again.
 
     Args:
         log: with a reference.
-        shortest_period: m, the last one looked for.
+        shortest_period: m, the shortest one searched.
         most: at most so many periods are proposed.
         share: of the strongest line's amplitude that a further one must have, beside standing above the noise.
 

@@ -13,11 +13,11 @@ from cogging.logs.log import SMALLEST
 from cogging.model.units import Units
 
 FEWEST_POINTS = 10
-TURN = 0.01  # of the travel: going back by less is noise of the encoder or a rest, no reversal
-POINTS_PER_PERIOD = 2.5  # a harmonic sampled more thinly is not told from others
-OPEN_END = 1.5  # spacings that a whole pitch may be short of one: n - 1 of the n intervals of a turn close it
-WAY_BACK = 0.9  # of a pitch: a shorter way back shows too little of the map to tell friction from the rest
-CELLS_PER_PERIOD = 20  # of the highest harmonic: an average over one cell takes at most 0.4 % off its amplitude
+TURN = 0.01  # of the travel: a smaller step back is encoder noise, no reversal
+POINTS_PER_PERIOD = 2.5  # fewer points do not resolve a harmonic
+OPEN_END = 1.5  # spacings by which a whole pitch may be short: n - 1 of the n intervals of a turn are enough
+WAY_BACK = 0.9  # of a pitch: shortest way back that separates friction from the offset
+CELLS_PER_PERIOD = 20  # of the highest harmonic: averaging over a cell reduces its amplitude by at most 0.4 %
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Scan:
         force: V, (n,): F_cogging + friction, whatever the sensor's sign was.
         direction: (n,), +1 where the position rose, -1 where it fell.
         spacing: m, of neighbouring points, whatever their pass.
-        both_ways: whether friction can be told from the offset.
-        resolvable: the highest harmonic that the points tell from others.
-        highest: the highest harmonic that is looked for.
-        notes: what was done to the rows.
+        both_ways: whether friction is separable from the offset.
+        resolvable: the highest harmonic that the points resolve.
+        highest: the highest harmonic searched.
+        notes: remarks on the rows.
         units: labels of force and position.
     """
 
@@ -59,14 +59,13 @@ class Scan:
 def read_scan(
     position: npt.ArrayLike, force: npt.ArrayLike, units: Units, *, pitch: float, force_sign: int, highest_harmonic: int
 ) -> Scan:
-    """Check a scan, find which way it went and average its rows where they stand close.
+    """Check a scan, find its directions and average rows that are close together.
 
     A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn.
 
     Directions come from the reversals: places from which the position goes back by more than 1 % of the travel. Rows
-    within that distance after a reversal are left out, since friction is still on its way from one sign to the other.
-    Rows of one pass within a cell of pitch / (20 highest harmonics) are averaged, so that a long rest weighs no more
-    than its place.
+    within that distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass
+    within a cell of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
 
     Raises:
         ValueError: names the field, the rule and the value.

@@ -15,9 +15,9 @@ from scipy.signal import butter, firwin, freqz, lfilter, sosfilt, sosfiltfilt, s
 from cogging._core import AxisParameters, Plant, Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.effects.effect import Effect, laws_of
+from cogging.estimation.force_balance import mean_held
 from cogging.estimation.residuals import quiet_plant
-from cogging.identification.inverse_dynamics import mean_held
-from cogging.log_check.encoder_quantum import encoder_quantum
+from cogging.log_check.encoder_readings import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.model import Model
 

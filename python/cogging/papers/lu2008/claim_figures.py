@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging._core import Arc, Dcarc
 from cogging.arrays import FloatArray
-from cogging.mapping.result import MapFit
+from cogging.mapping.map_fit import MapFit
 from cogging.papers.lu2008.condition import sufficient_gains
 from cogging.papers.lu2008.harmonics import HIGHEST, chosen
 from cogging.papers.lu2008.setup import AXES, HARMONICS, GantryAxis

@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging._core import BSpline
 from cogging.logs.log import Log
-from cogging.mapping.result import MapFit
+from cogging.mapping.map_fit import MapFit
 from cogging.papers.compared import Trace, compared
 from cogging.papers.lu2008.harmonics import CoggingScan
 from cogging.papers.lu2008.setup import PITCH, GantryAxis, reference

@@ -14,9 +14,9 @@ import numpy as np
 
 from cogging._core import CoggingModel
 from cogging.arrays import FloatArray
-from cogging.mapping.fit import fit_map
-from cogging.mapping.result import MapFit
-from cogging.mapping.spectrum import HarmonicSpectrum
+from cogging.mapping.cogging_spectrum import HarmonicSpectrum
+from cogging.mapping.fit_map import fit_map
+from cogging.mapping.map_fit import MapFit
 from cogging.papers.lu2008.setup import HARMONICS, ORDER, PITCH, TRAVEL
 from cogging.papers.result import Row, Table
 

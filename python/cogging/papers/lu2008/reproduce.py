@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cogging._core import Plant
-    from cogging.mapping.result import MapFit
+    from cogging.mapping.map_fit import MapFit
 
 FIGURES = {"X": (5, 7), "Y": (6, 9)}  # of the scan, and of the errors over the whole run
 

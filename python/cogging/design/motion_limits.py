@@ -1,0 +1,160 @@
+"""What a machine may do in an experiment: the limits file, and how much of each limit a run uses."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cogging._core import Sampled
+from cogging.calls import PATHS, takes, told_constructor
+from cogging.estimation.statistics import moving_average
+from cogging.file_schema import LIMITS, LIMITS_NEEDED
+from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.logs.log import Log
+from cogging.model.model import Model, is_number
+from cogging.shown import quoted
+from cogging.values import ByValue
+
+DURATION = (2.0, 600.0)  # s, of a motion
+JERK_RISE = 0.01  # s, in which the acceleration rises to its limit without a stated jerk
+LASTING = 0.02  # s, over which a machine's acceleration is averaged, against held commands and noise
+
+
+@told_constructor
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionLimits(ByValue):
+    """The limits of a machine in an experiment.
+
+    Attributes:
+        velocity: largest speed, m/s.
+        acceleration: largest acceleration, m/s^2.
+        duration: of the whole motion, s, from 2 to 600.
+        travel: lower and upper end of where the axis may be, m; None: the model's.
+        jerk: largest jerk of the reference, m/s^3; None: such that the acceleration takes 10 ms to its limit.
+        command: largest command, V; None: the controller's own limit, none where it has none.
+
+    Raises:
+        FieldError: a ValueError that names field, rule and value.
+
+    Example:
+        >>> cogging.MotionLimits(velocity=0.5, acceleration=5.0, duration=20.0, travel=(0.0, 0.5))
+        MotionLimits(0 to 0.5 m, 0.5 m/s, 5 m/s^2, 20 s)
+    """
+
+    velocity: float
+    acceleration: float
+    duration: float
+    travel: tuple[float, float] | None = None
+    jerk: float | None = None
+    command: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("velocity", "acceleration", "duration", "jerk", "command"):
+            value = getattr(self, name)
+            if value is None and name not in LIMITS_NEEDED:
+                continue
+            if not is_number(value) or not 0.0 < value <= LARGEST:
+                raise FieldError("", name, f"must be a number above 0, at most {LARGEST:g}, got {quoted(value)}")
+            object.__setattr__(self, name, float(value))
+        if not DURATION[0] <= self.duration <= DURATION[1]:
+            rule = f"must be from {DURATION[0]:g} to {DURATION[1]:g} s"
+            raise FieldError("", "duration", f"{rule}, got {quoted(self.duration)}")
+        if (ends := self.travel) is not None:
+            good = isinstance(ends, list | tuple) and len(ends) == 2 and all(is_number(end) for end in ends)
+            if not good or max(map(abs, ends)) > LARGEST or not ends[0] < ends[1]:
+                raise FieldError("", "travel", f"must be its lower and its upper end, m, got {quoted(ends)}")
+            object.__setattr__(self, "travel", (float(ends[0]), float(ends[1])))
+
+    def _brief(self) -> str:
+        place = "" if self.travel is None else f"{self.travel[0]:g} to {self.travel[1]:g} m, "
+        return f"{place}{self.velocity:g} m/s, {self.acceleration:g} m/s^2, {self.duration:g} s"
+
+    @classmethod
+    @takes(path=PATHS)
+    def read(cls, path: str | os.PathLike[str]) -> MotionLimits:
+        """Read a limits file (TOML): `velocity`, `acceleration`, `duration`, and optional the others.
+
+        Args:
+            path: of the file.
+
+        Returns:
+            The limits.
+
+        Raises:
+            InputError: the file cannot be used; names file, line, field, rule and value.
+
+        Example:
+            >>> with open("limits.toml", "w") as file:
+            ...     _ = file.write("travel = [0.0, 0.5]\\nvelocity = 0.5\\nacceleration = 5.0\\nduration = 20.0")
+            >>> cogging.MotionLimits.read("limits.toml")
+            MotionLimits(0 to 0.5 m, 0.5 m/s, 5 m/s^2, 20 s)
+        """
+        document = read_toml(path)
+        try:
+            return cls.from_dict(document)
+        except FieldError as error:
+            raise error.in_file(path, read_text(path)) from None
+
+    @classmethod
+    def from_dict(cls, document: Mapping[str, Any]) -> MotionLimits:
+        """Make limits from the fields of a limits file; raises FieldError, which names field, rule and value."""
+        refuse_unknown_keys(document, LIMITS, "")
+        for name in LIMITS_NEEDED:
+            if name not in document:
+                raise FieldError("", name, "must be given, got nothing")
+        return cls(**document)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields of a limits file that are stated: what from_dict reads."""
+        stated = {name: getattr(self, name) for name in LIMITS}
+        return {name: list(v) if name == "travel" else v for name, v in stated.items() if v is not None}
+
+    def of(self, model: Model) -> MotionLimits:
+        """The limits, completed from the model.
+
+        Raises:
+            FieldError: the travel is stated neither here nor by the model, or is not inside the model's.
+        """
+        low, high = (float(end) for end in model.axis.travel)
+        travel = (low, high) if self.travel is None else self.travel
+        if not (math.isfinite(travel[0]) and math.isfinite(travel[1])):
+            raise FieldError("", "travel", "must be given where the model states none, got nothing")
+        if not (low <= travel[0] and travel[1] <= high):
+            rule = f"must be inside the model's, {low:g} to {high:g} {model.units.position}"
+            raise FieldError("", "travel", f"{rule}, got {list(travel)}")
+        own = 0.0 if model.controller is None else model.controller.command_limit
+        command = min(self.command or math.inf, own or math.inf)
+        jerk = self.acceleration / JERK_RISE if self.jerk is None else self.jerk
+        known = travel, jerk, command if math.isfinite(command) else None
+        return MotionLimits(self.velocity, self.acceleration, self.duration, *known)
+
+
+def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
+    """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
+
+    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes
+    the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
+    """
+    asked = motion.samples
+    position = log.true_position if log.true_position is not None else log.position
+    velocity = log.true_velocity if log.true_velocity is not None else np.gradient(position, log.time)
+    window = max(1, round(LASTING / float(np.median(np.diff(log.time)))))
+    rows = {
+        "velocity": (asked["reference_velocity"], velocity),
+        "acceleration": (asked["reference_acceleration"], moving_average(np.gradient(velocity, log.time), window)),
+        "duration": (asked["time"],),
+        "jerk": (np.diff(asked["reference_acceleration"]) / np.diff(asked["time"]),),
+        "command": (log.command,),
+    }
+    stated = {name: getattr(limits, name) for name in rows if getattr(limits, name) is not None}
+    taken = {name: max(float(np.abs(each).max()) for each in rows[name]) / most for name, most in stated.items()}
+    if limits.travel is not None:
+        low, half = limits.travel[0], 0.5 * (limits.travel[1] - limits.travel[0])
+        stop = position + velocity * np.abs(velocity) / (2.0 * limits.acceleration)
+        taken["travel"] = float(np.abs(np.concatenate([position, stop]) - low - half).max()) / half
+    return taken

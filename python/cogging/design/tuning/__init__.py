@@ -1,1 +1,0 @@
-"""Gains for an uncertain machine: drawn machines, limits, margins, trials."""

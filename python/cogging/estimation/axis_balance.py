@@ -1,0 +1,323 @@
+"""Mass, viscous and Coulomb friction in the force balance of one log, beside a free force of position."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cogging._core import smooth_sign
+from cogging.arrays import FloatArray, IntArray
+from cogging.estimation.force_balance import REST, ForceBalance
+from cogging.log_check.encoder_readings import encoder_quantum
+from cogging.logs.log import Log
+from cogging.model.model import Model
+
+AXIS = ("mass", "viscous", "coulomb")
+CUTOFFS = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)  # of the row rate; the highest that noise allows is used
+HIGHEST = 60.0  # Hz: faster motion says little about mass and friction
+PER_PERIOD = 16.0  # rows kept in a period of the highest cut-off
+NOISE = 0.02  # of the acceleration's power below the cut-off: share that noise of the readings may have
+ROWS = 10_000  # used at most, evenly spaced
+FEWEST = 50
+NODES = 0.12  # of the free force of position, for each independent row
+MOST_NODES = 400
+DRIFT = 3  # terms of a slow force in time, beside the constant
+BAND = 1.2  # ratio of frequencies that count as one wave
+BLOCK = 4.0  # periods of the cut-off in a block
+
+FACTOR = 3.0  # by which a parameter without stated uncertainty may be wrong, either way
+SIGMAS = 3.0  # of a stated uncertainty
+
+Bounds = Mapping[str, tuple[float, float]]
+
+
+def cutoff_share(log: Log) -> float:
+    """Highest cut-off, relative to the row rate, below which noise of the readings is small in the acceleration."""
+    position, n = log.position, len(log)
+    rest = position - np.linspace(position[0], position[-1], n)
+    spectrum = np.abs(np.fft.rfft(rest * np.hanning(n))) ** 2
+    frequency = np.fft.rfftfreq(n)
+    top = (frequency > 0.3) & (frequency < 0.49)
+    quantum = encoder_quantum(position[:ROWS])
+    floor = max(float(np.median(spectrum[top])) / math.log(2.0), quantum**2 / 12.0 * 0.375 * n)
+    step = float(np.median(np.diff(log.time)))
+    for share in CUTOFFS:
+        below = frequency <= share
+        noise = floor * float(np.sum(frequency[below] ** 4))
+        if share <= HIGHEST * step and noise <= NOISE * float(np.sum((spectrum * frequency**4)[below])):
+            return share
+    return CUTOFFS[-1]
+
+
+def thinned(log: Log) -> Log:
+    """The log at the row rate that the highest cut-off needs: readings smoothed, commands averaged."""
+    from scipy.ndimage import uniform_filter1d
+
+    every = int(1.0 / (PER_PERIOD * HIGHEST * float(np.median(np.diff(log.time)))))
+    if every < 2 or len(log) < ROWS:
+        return log
+    first = np.arange(0, len(log) - every, every)
+    kept = {
+        name: uniform_filter1d(column, every + 1 - every % 2, mode="nearest")[first]
+        for name, column in log.columns().items()
+        if name not in ("time", "command")
+    }
+    command = np.add.reduceat(log.command, np.append(first, len(log) - every))[:-1] / every
+    return Log.of({**kept, "time": log.time[first], "command": command})
+
+
+@dataclass(frozen=True)
+class AxisFit:
+    """Least squares of a command on mass and friction within bounds.
+
+    Attributes:
+        whole: power of the command, V^2.
+        free: power that free forces of position and slow time leave, V^2.
+        left: power that the parameters leave of that, V^2.
+        values: of the parameters, and of drag.
+        by_block: `left` by block, V^2.
+    """
+
+    whole: float
+    free: float
+    left: float
+    values: Mapping[str, float]
+    by_block: FloatArray
+
+    @property
+    def ratio(self) -> float:
+        """Unexplained share of the power that free forces of position and time leave."""
+        return self.left / self.free if self.free > 0.0 else 1.0
+
+
+@dataclass(frozen=True)
+class AxisBalance:
+    """Command and the force that mass and friction need along the motion, low-pass filtered.
+
+    Attributes:
+        command: as logged, V, one entry an even row, (n,).
+        known: contribution of the model's cogging and effects, V, (n,).
+        taken: rows in motion that are used, (m,).
+        needs: force that a unit of mass, viscous and Coulomb friction needs in these, by name, (m,).
+        position: m, (m,); speed: m/s, (m,).
+        block: number of the block of each, (m,).
+        independent: approximate number of independent rows.
+        step: s, from row to row.
+    """
+
+    command: FloatArray
+    known: FloatArray
+    taken: IntArray
+    needs: Mapping[str, FloatArray]
+    position: FloatArray
+    speed: FloatArray
+    block: IntArray
+    independent: float
+    step: float
+    _acceleration: FloatArray
+
+    @classmethod
+    def of(cls, log: Log, model: Model, share: float | None = None) -> AxisBalance | None:
+        """The balance of a log; None if the log hardly moves.
+
+        The cut-off is the highest that noise allows, or `share` times the row rate.
+        """
+        share = cutoff_share(log) if share is None else share
+        balance = ForceBalance(log, cutoff=share / float(np.median(np.diff(log.time))))
+        free = model.replace(axis=model.axis.replace(viscous=0.0, coulomb=0.0))
+        speed, acceleration = balance.motion.middle_velocity, balance.motion.acceleration
+        width = model.axis.coulomb_width
+        sign = smooth_sign(speed, width) if width > 0.0 else np.sign(speed)
+        command, *needs = balance.filtered(np.array([balance.command, acceleration, speed, sign]))
+        known = balance.of([free])[0] + model.axis.mass * needs[0] - command
+        fast = np.abs(needs[1])
+        rows = balance.away_from_gaps(1.0 / balance.cutoff, 1.0 / balance.cutoff)
+        rows &= fast > REST * float(np.quantile(fast, 0.99))
+        if rows.sum() < FEWEST:
+            return None
+        taken = np.flatnonzero(rows)[:: 1 + int(rows.sum()) // ROWS]
+        block = np.floor((balance.even[taken] - balance.even[0]) * balance.cutoff / BLOCK)
+        return cls(
+            command=command,
+            known=known,
+            taken=taken,
+            needs={name: need[taken] for name, need in zip(AXIS, needs, strict=True)},
+            position=balance.motion.middle_position[taken],
+            speed=needs[1][taken],
+            block=np.unique(block, return_inverse=True)[1],
+            independent=2.0 * share * float(rows.sum()),
+            step=balance.sample_time,
+            _acceleration=needs[0],
+        )
+
+    def fit(self, bounds: Bounds, *, shift: int = 0) -> AxisFit:
+        """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
+
+        Free beside them: a force of position (linear between nodes), a slow force in time, friction that differs with
+        direction, and drag that is not negative or within its own bounds.
+        """
+        at = np.clip(self.taken + shift, 0, len(self.command) - 1)
+        command = self.command[at]
+        target = self.freed((command + self.known[self.taken])[None])[0]
+        columns, size, factors = self._columns
+        limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
+        weights = bounded(size, factors, target, limits)
+        left = (target - weights @ columns) ** 2
+        return AxisFit(
+            whole=float(np.mean(command**2)),
+            free=float(np.mean(target**2)),
+            left=float(np.mean(left)),
+            values=dict(zip((*AXIS, "drag"), weights.tolist(), strict=True)),
+            by_block=np.bincount(self.block, left) / len(left),
+        )
+
+    def gain(self, values: Mapping[str, float]) -> float:
+        """Factor on the command at which it is nearest to the force that these parameters need."""
+        columns, target = self._columns[0], self.freed((self.command + self.known)[self.taken][None])[0]
+        needed = np.array([values[name] for name in AXIS]) @ columns[:3]
+        product = float(needed @ target)
+        return float(needed @ needed) / product if product else 0.0
+
+    @property
+    def work(self) -> float:
+        """Mean power of the command in motion, V m/s.
+
+        A force of position is conservative and friction dissipates, so a correctly read command does positive work.
+        """
+        return float(np.mean(self.command[self.taken] * self.speed))
+
+    @property
+    def quarter_period(self) -> float:
+        """A quarter of the period of the motion, s: the largest shift that can be told from another wave."""
+        acceleration = float(np.sqrt(np.mean(self.needs["mass"] ** 2)))
+        return 0.5 * math.pi * float(np.sqrt(np.mean(self.speed**2))) / max(acceleration, 1e-300)
+
+    @property
+    def one_wave(self) -> float:
+        """Largest share, within one frequency band, of the cross-power of command and acceleration."""
+        signals = (self._acceleration, self.command)
+        spectra = [np.fft.rfft(signal - np.mean(signal)) for signal in signals]
+        power = np.abs(spectra[0] * spectra[1])
+        total = np.concatenate([[0.0], np.cumsum(power)])
+        frequency = np.arange(len(power))
+        low = np.floor(frequency / BAND).astype(int)
+        high = np.minimum(np.ceil(frequency * BAND).astype(int), len(power) - 1)
+        return float(np.max(total[high + 1] - total[low])) / max(float(total[-1]), 1e-300)
+
+    @cached_property
+    def _columns(self) -> tuple[FloatArray, FloatArray, Any]:
+        """Columns of the parameters and of drag without the free forces, (4, m), their sizes, and their QR factors."""
+        columns = self.freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
+        return columns, *_factors(columns)
+
+    def freed(self, rows: FloatArray) -> FloatArray:
+        """Rows (p, m) orthogonal to the free forces."""
+        rows = self._without_position(rows)
+        basis = self._free_basis
+        return np.asarray(rows - (rows @ basis) @ basis.T)
+
+    @cached_property
+    def _free_basis(self) -> FloatArray:
+        """Orthonormal columns (m, q): slow forces in time, and friction that differs with direction."""
+        phase = 2.0 * self.taken / len(self.command) - 1.0
+        slow = np.polynomial.legendre.legvander(phase, DRIFT)[:, 1:].T
+        free = self._without_position(np.array([np.abs(self.speed), *slow]))
+        size = np.sqrt(np.mean(free**2, axis=1))
+        return np.linalg.qr((free[size > 0.0] / size[size > 0.0, None]).T)[0]
+
+    def _without_position(self, rows: FloatArray) -> FloatArray:
+        """Rows (p, m) without the part that a force of position explains."""
+        from scipy.linalg import solveh_banded
+
+        node, right, matrix = self._nodes
+        left, count = 1.0 - right, matrix.shape[1]
+        sums = [np.bincount(node, left * row, count) + np.bincount(node + 1, right * row, count) for row in rows]
+        weights = solveh_banded(matrix, np.array(sums).T).T
+        return np.asarray(rows - (weights[:, node] * left + weights[:, node + 1] * right))
+
+    @cached_property
+    def _nodes(self) -> tuple[IntArray, FloatArray, FloatArray]:
+        """The node before each row, the weight of the next node, and the banded normal equations."""
+        low, high = float(self.position.min()), float(self.position.max())
+        count = int(np.clip(NODES * self.independent, 4, MOST_NODES))
+        at = (self.position - low) / max(high - low, 1e-300) * (count - 1)
+        node = np.minimum(at.astype(np.int64), count - 2)
+        right = at - node
+        left = 1.0 - right
+        matrix = np.zeros((2, count))
+        matrix[1] = np.bincount(node, left * left, count) + np.bincount(node + 1, right * right, count)
+        matrix[0, 1:] = np.bincount(node, left * right, count)[: count - 1]
+        matrix[1] += 1e-9 * float(matrix[1].max())
+        return node, right, matrix
+
+
+def _factors(columns: FloatArray) -> tuple[FloatArray, Any]:
+    """Rms of each column (p, m), and Q (m, p) and R (p, p) of the columns over it."""
+    size = np.sqrt(np.mean(columns**2, axis=1))
+    size[size == 0.0] = 1.0
+    return size, np.linalg.qr((columns / size[:, None]).T)
+
+
+def bounded(size: FloatArray, factors: Any, target: FloatArray, limits: FloatArray) -> FloatArray:
+    """Least-squares weights (p,) of columns on a target (m,), within limits (p, 2); `size` and `factors`: _factors."""
+    from scipy.optimize import lsq_linear
+
+    orthogonal, triangle = factors
+    low, high = limits.T * size
+    high = np.maximum(high, low + 1e-12 * np.abs(low) + 1e-300)  # a parameter that is exact
+    return np.asarray(lsq_linear(triangle, target @ orthogonal, bounds=(low, high), method="bvls").x / size)
+
+
+def stated_bounds(model: Model) -> Bounds:
+    """Mass and friction within their stated uncertainty: 0 is exact; without one, within a factor of three."""
+    bounds = {}
+    for name in AXIS:
+        value, sigma = getattr(model.axis, name), model.uncertainty.get(name)
+        if sigma is None:
+            bounds[name] = (value / FACTOR, value * FACTOR)
+        else:
+            bounds[name] = (value * max(1.0 - SIGMAS * sigma, 0.0), value * (1.0 + SIGMAS * sigma))
+    return bounds
+
+
+@np.errstate(all="ignore")  # extreme values are refused where they are used
+def explained_share(logs: Sequence[Log], model: Model) -> float | None:
+    """Share of the command's power in motion that a model explains, with mass and friction as uncertain as stated.
+
+    1 - sum (u - F)^2 / sum u^2 over rows in motion of all logs. u is the low-pass filtered command, F the force that
+    the model needs along the measured motion, through the same filter, with the mass, viscous and Coulomb friction
+    within their bounds (stated_bounds) that fit best. It is a share of force: no smaller mass makes it larger.
+
+    Args:
+        logs: measured.
+        model: of the machine.
+
+    Returns:
+        1 where all is explained, 0 where nothing is, negative where the model is worse than none; None where no log
+        moves or acts.
+
+    Raises:
+        ValueError: the rows of a log cover too little of its time.
+
+    Example:
+        >>> from cogging.estimation.axis_balance import explained_share
+        >>> 0.99 < explained_share([log], model) <= 1.0
+        True
+    """
+    balances = [balance for log in logs if (balance := AxisBalance.of(thinned(log), model)) is not None]
+    if not balances:
+        return None
+    command = np.concatenate([balance.command[balance.taken] for balance in balances])
+    target = np.concatenate([(balance.command + balance.known)[balance.taken] for balance in balances])
+    columns = np.array([np.concatenate([balance.needs[name] for balance in balances]) for name in AXIS])
+    power = float(np.mean(command**2))
+    if power == 0.0:
+        return None
+    bounds = stated_bounds(model)
+    found = bounded(*_factors(columns), target, np.array([bounds[name] for name in AXIS]))
+    return 1.0 - float(np.mean((target - found @ columns) ** 2)) / power

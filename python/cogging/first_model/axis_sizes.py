@@ -1,0 +1,255 @@
+"""Mass, friction and the strongest spatial period from the force balance of one log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cogging._core import AxisParameters
+from cogging.arrays import FloatArray
+from cogging.estimation.axis_balance import AXIS, CUTOFFS, HIGHEST, AxisBalance, thinned
+from cogging.estimation.statistics import shares_of_blocks, spread_of
+from cogging.logs.log import Log
+from cogging.mapping.cogging_spectrum import HarmonicSpectrum
+from cogging.model.model import Model
+from cogging.model.units import Units
+
+SIGMAS = 3.0  # from zero, at which a size is significant
+SHOWN = 0.003  # of the command's power, that a parameter must explain alone
+WIDEST = 0.5  # largest relative uncertainty of a reported size
+SAFE = 2.0  # factor on the jackknife uncertainty of a first balance
+LEAST = 0.2  # least relative uncertainty: a first balance has a bias that the jackknife does not show
+BIAS = 0.3  # of the unexplained command, that may bias one parameter
+SPRINGLESS = 0.3  # least relative uncertainty of a mass that is identifiable only without a spring
+EXPLAINED = 0.5  # of the command's power, that mass and friction must explain before its sign is doubted
+FED = 0.02  # of rms command times rms speed: least mean power of a command of the right sign
+WIDTH = 0.01  # of the top speed: assumed width of the Coulomb law's sign change
+
+
+@dataclass(frozen=True)
+class Size:
+    """One of mass, viscous and Coulomb friction.
+
+    Attributes:
+        value: V/(m/s^2), V/(m/s) or V; assumed where it is not identifiable.
+        uncertainty: relative, 1 sigma; None where it is not identifiable.
+        told: how it was found, or why not.
+    """
+
+    value: float
+    uncertainty: float | None
+    told: str
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Mass and friction from the force balance of a log.
+
+    Attributes:
+        sizes: mass, viscous and coulomb by name.
+        offset: constant force that the command balances, V.
+        explained: share of the command's power in motion that they explain; None: no motion.
+        reversed: whether command and position have opposite signs.
+        speed: top speed, m/s.
+        residuals: pairs of position, m, (m,), and unexplained command, V, (m,), in motion: below a high cut-off, for
+            short waves, and below that of the balance; empty without motion.
+    """
+
+    sizes: Mapping[str, Size]
+    offset: float
+    explained: float | None
+    reversed: bool
+    speed: float
+    residuals: tuple[tuple[FloatArray, FloatArray], ...]
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Least squares of the command: values and sigmas of AXIS, share that each explains alone, and the residual."""
+
+    values: FloatArray
+    sigmas: FloatArray
+    alone: FloatArray
+    offset: float
+    explained: float
+    residual: FloatArray
+
+
+def sizes_of(log: Log, units: Units) -> Sizes:
+    """Estimate mass and friction of an axis from a log, without a prior model.
+
+    Least squares of the low-pass filtered command on the force that a unit of mass, viscous and Coulomb friction needs
+    along the measured motion and a constant; once with a free force of position beside them (cogging, springs) and once
+    without. Where the former does not identify a size (a sine's acceleration resembles a spring), the latter is used.
+
+    Args:
+        log: in SI, with the command's sign as it was logged.
+        units: its labels.
+    """
+    balance = _balance(log)
+    if balance is None:
+        told = "not identifiable: the log hardly moves"
+        sizes = dict.fromkeys(AXIS, Size(0.0, None, told)) | {"mass": Size(1.0, None, told)}
+        return Sizes(sizes, 0.0, None, False, 0.0, ())
+    command = balance.command[balance.taken]
+    needs = np.array([balance.needs[name] for name in AXIS])
+    plain = _fit(np.vstack([needs, np.ones(len(command))]), command, balance.block)
+    placed = _fit(balance.freed(needs), balance.freed(command[None])[0], balance.block)
+    power = float(np.mean(command**2))
+    fed = float(np.mean(command * balance.speed))  # power that friction must take up
+    fed /= max(float(np.sqrt(power * np.mean(balance.speed**2))), 1e-300)
+    back = plain.values[0] < -SIGMAS * plain.sigmas[0] and plain.explained > EXPLAINED and fed < FED
+    sign = -1.0 if back else 1.0
+    sizes = {name: _size(k, name, sign, placed, plain, power, units) for k, name in enumerate(AXIS)}
+    if sizes["mass"].value <= 0.0:
+        top = float(np.quantile(np.abs(needs[0]), 0.99))
+        assumed = float(np.sqrt(power)) / top if top > 0.0 and power > 0.0 else 1.0
+        sizes["mass"] = Size(assumed, None, f"{sizes['mass'].told}; assumed: the rms command over the top acceleration")
+    return Sizes(
+        sizes=sizes,
+        offset=sign * plain.offset,
+        explained=plain.explained,
+        reversed=back,
+        speed=float(np.quantile(np.abs(balance.speed), 0.99)),
+        residuals=(*_wide(log, sign, plain), (balance.position, sign * plain.residual)),
+    )
+
+
+def _wide(log: Log, sign: float, plain: _Fit) -> list[tuple[FloatArray, FloatArray]]:
+    """Position and unexplained command below the highest cut-off."""
+    step = float(np.median(np.diff(log.time)))
+    balance = _balance(log, min(CUTOFFS[0], HIGHEST * step))
+    if balance is None:
+        return []
+    needs = np.array([*(balance.needs[name] for name in AXIS), np.ones(len(balance.taken))])
+    return [(balance.position, sign * (balance.command[balance.taken] - plain.values @ needs))]
+
+
+def _balance(log: Log, share: float | None = None) -> AxisBalance | None:
+    """The force balance of a log without a model."""
+    if len(log) < 100 or np.ptp(log.position) == 0.0:
+        return None
+    try:
+        none = Model(AxisParameters(mass=1.0, viscous=0.0, coulomb=0.0, coulomb_width=0.0))
+        return AxisBalance.of(log if share is not None else thinned(log), none, share)
+    except ValueError:
+        return None
+
+
+def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
+    """Least squares with jackknife errors over blocks; a fourth column is an offset."""
+    size = np.sqrt(np.mean(columns**2, axis=1))
+    size[size == 0.0] = 1.0
+    scaled = columns / size[:, None]
+    normal, right = scaled @ scaled.T, scaled @ command
+    weights = np.linalg.lstsq(normal, right, rcond=1e-9)[0]
+    residual = command - weights @ scaled
+    power = max(float(command @ command), 1e-300)
+    shifts = [
+        np.linalg.lstsq(normal - bread, share, rcond=1e-9)[0]
+        for bread, share in shares_of_blocks(scaled, scaled, residual, block)
+    ]
+    covariance = spread_of(np.array(shifts))[0] if len(shifts) > 1 else np.full((len(size), len(size)), np.inf)
+    inverse = np.diag(np.linalg.pinv(normal, rcond=1e-9, hermitian=True))
+    alone = weights**2 / np.maximum(inverse, 1e-300) / power  # share of the command's power that is lost without it
+    sigmas = np.sqrt(np.abs(np.diag(covariance))) / size
+    values = weights / size
+    offset = float(values[3]) if len(values) > 3 else 0.0
+    return _Fit(values, sigmas, alone, offset, 1.0 - float(residual @ residual) / power, residual)
+
+
+def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: float, units: Units) -> Size:
+    """One size: from the fit with a free force of position, else from the plain fit, else not identifiable."""
+    for fit, beside in ((placed, True), (plain, False)):
+        value, sigma = sign * float(fit.values[k]), SAFE * float(fit.sigmas[k])
+        if value > 0.0 and sigma < WIDEST * value and fit.alone[k] > SHOWN:
+            least = LEAST if beside or name != "mass" else SPRINGLESS
+            how = "beside a free force of position" if beside else "assuming no spring and no cogging"
+            bias = BIAS * float(np.sqrt((1.0 - fit.explained) / fit.alone[k]))
+            return Size(value, max(sigma / value, least, bias), f"found by a first force balance, {how}")
+    value = sign * float(plain.values[k])
+    bound = abs(value) + SIGMAS * float(plain.sigmas[k])
+    if not math.isfinite(bound) or name == "mass":
+        return Size(0.0, None, "not identifiable from this log")
+    return Size(
+        max(value, 0.0),
+        None,
+        f"not identifiable from this log; below {bound:.2g} {units.of(AxisParameters.FIELDS[name][0])}",
+    )
+
+
+ROWS = 3000  # used at most
+FEWEST_PERIODS = 3  # in the travel: a longer wave may be a trend
+MOST_PERIODS = 400
+A_PERIOD = 8  # rows in the shortest period searched
+SHARE = 0.1  # of the residual's power, that a reported wave explains
+LEAST_AMPLITUDE = 0.03  # of the rms command
+ALIKE = 0.4  # of its amplitude: largest difference between the halves of the rows
+STEPS = 201  # of the search between two lines of the spectrum
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A wave over position.
+
+    Attributes:
+        period: m.
+        sine, cosine: V: the command balances sine sin(2 pi x / period) + cosine cos(2 pi x / period).
+        share: of the power of the residual of mass and friction.
+    """
+
+    period: float
+    sine: float
+    cosine: float
+    share: float
+
+
+def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) -> Wave | None:
+    """The strongest wave of a force over position that both halves of the rows agree on, or None.
+
+    Args:
+        position: m, (n,).
+        force: V, (n,).
+        command_rms: V, of the whole command; a wave that is small relative to it is not reported.
+    """
+    travel = float(np.ptp(position)) if len(position) else 0.0
+    if len(position) < 200 or travel == 0.0:
+        return None
+    taken = np.linspace(0, len(position) - 1, min(len(position), ROWS)).astype(int)
+    x, f = position[taken], force[taken]
+    nuisance = np.column_stack([np.ones(len(x)), (x - x.mean()) / travel])
+    rest = f - nuisance @ np.linalg.lstsq(nuisance, f, rcond=None)[0]
+    spectrum = HarmonicSpectrum(x, 2.0 * travel, 2 * min(MOST_PERIODS, len(x) // A_PERIOD))  # lines half as far apart
+    power = spectrum.power(rest)
+    power[: 2 * FEWEST_PERIODS] = 0.0
+    frequency = float(spectrum.frequency.ravel()[int(np.argmax(power))])
+    wave = _refined(x, rest, frequency, 0.5 / travel)
+    worth = wave.share > SHARE and math.hypot(wave.sine, wave.cosine) > LEAST_AMPLITUDE * command_rms
+    return wave if worth and _stays(x, rest, wave) else None
+
+
+def _stays(x: FloatArray, rest: FloatArray, wave: Wave) -> bool:
+    """Whether the first half of the rows has the same wave as the second, as a force of position does."""
+    phase = 2.0 * np.pi * x / wave.period
+    columns = np.column_stack([np.sin(phase), np.cos(phase)])
+    half = len(x) // 2
+    weights = [np.linalg.lstsq(columns[rows], rest[rows], rcond=None)[0] for rows in (slice(half), slice(half, None))]
+    return bool(np.linalg.norm(weights[0] - weights[1]) < ALIKE * math.hypot(wave.sine, wave.cosine))
+
+
+def _refined(x: FloatArray, rest: FloatArray, frequency: float, width: float) -> Wave:
+    """The wave near a line of the spectrum with the smallest residual."""
+    best = (np.inf, frequency, np.zeros(2))
+    for f in np.linspace(frequency - width, frequency + width, STEPS):
+        phase = 2.0 * np.pi * f * x
+        columns = np.column_stack([np.sin(phase), np.cos(phase)])
+        weights = np.linalg.lstsq(columns, rest, rcond=None)[0]
+        left = float(np.mean((rest - columns @ weights) ** 2))
+        if left < best[0]:
+            best = (left, float(f), weights)
+    left, f, weights = best
+    whole = max(float(np.mean(rest**2)), 1e-300)
+    return Wave(1.0 / f, float(weights[0]), float(weights[1]), 1.0 - left / whole)

@@ -1,0 +1,361 @@
+"""The result of identify: parameters with intervals, and warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cogging import plot
+from cogging.arrays import FloatArray
+from cogging.calls import did_you_mean
+from cogging.identification.unmodelled import MISSING
+from cogging.log_check.log_audit import Audit
+from cogging.model.model import Model
+from cogging.tables import frame_of, html_table
+from cogging.values import ByValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CORRELATED = 0.8  # correlation above which two parameters are listed as correlated
+EXPLAINED = 0.5  # share of the command's power below which the model is said to explain too little
+CHECK = 5.0  # difference of the two estimators, in standard deviations, from which they contradict each other
+WORSE = 1.05  # residual or replay error over that of the model as given, from which the fit is worse
+SHOWN = 3  # parameters that one sentence names
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """One parameter of the model, before and after.
+
+    Attributes:
+        path: in the model.
+        unit: in the labels of the model.
+        prior: value before the fit.
+        value: fitted; the prior if the logs do not determine it or unmodelled forces hide it.
+        ci95: 95 % interval; infinite if the logs do not determine it.
+        determined: whether they do.
+        inverse_dynamics, output_error: value of each estimator; None if it does not depend on the parameter.
+        difference: of the two, over its standard deviation if they were independent; None likewise.
+        spread: standard deviation of the values of logs fitted one by one; None where fewer than two determine it.
+        single_sigma: rms of the standard deviations of those fits; None likewise.
+        note: how well it is determined, or why not.
+        elsewhere: values beyond the interval that other ways of fitting give, by the way: other cut-offs, fewer
+            rows, unmodelled forces.
+    """
+
+    path: str
+    unit: str
+    prior: float
+    value: float
+    ci95: tuple[float, float]
+    determined: bool
+    inverse_dynamics: float | None
+    output_error: float | None
+    difference: float | None
+    spread: float | None
+    single_sigma: float | None
+    note: str
+    elsewhere: Mapping[str, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """All but the path for JSON; an infinite interval is null."""
+        return {
+            "unit": self.unit,
+            "prior": self.prior,
+            "value": self.value,
+            "ci95": list(self.ci95) if self.determined else None,
+            "determined": self.determined,
+            "inverse_dynamics": self.inverse_dynamics,
+            "output_error": self.output_error,
+            "difference_sigma": self.difference,
+            "spread_between_logs": self.spread,
+            "sigma_of_single_logs": self.single_sigma,
+            "note": self.note,
+            "elsewhere": dict(self.elsewhere),
+        }
+
+
+@dataclass(frozen=True)
+class LogFit:
+    """The fit on one log.
+
+    Attributes:
+        name: of the file, or the log's number.
+        rows: that counted.
+        residual_before, residual_after: rms of the force balance below the cut-off, V, of the rows in motion.
+        residual_free: the same if parameters that are not determined moved too.
+        floor: what quantiser and stated encoder noise alone would leave, V.
+        noise: rms of the balance that no force of position, speed, direction, acceleration and time explains, V; None
+            if the balance does not contain the whole model.
+        command: rms of the command below the cut-off, V, of the rows in motion.
+        explained: share of the command's power that the model explains, 1 - (residual_after / command)^2; below 0
+            if it is worse than no model. From the replay if the balance does not contain the whole model.
+        replay_before: as `replay`, of the model as it was given.
+        replay: relative errors of the closed-loop replay, norm of the difference over norm, of position, velocity and
+            command; empty without a controller.
+        instruments: whether a simulated run served as instruments; else plain least squares.
+    """
+
+    name: str
+    rows: int
+    residual_before: float
+    residual_after: float
+    residual_free: float
+    floor: float
+    noise: float | None
+    command: float
+    explained: float
+    replay_before: Mapping[str, float]
+    replay: Mapping[str, float]
+    instruments: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it for JSON."""
+        return {
+            "name": self.name,
+            "rows": self.rows,
+            "residual_before": self.residual_before,
+            "residual_after": self.residual_after,
+            "residual_free": self.residual_free,
+            "floor": self.floor,
+            "noise": self.noise,
+            "command": self.command,
+            "explained": self.explained,
+            "replay_relative_error_before": dict(self.replay_before),
+            "replay_relative_error": dict(self.replay),
+            "instruments": self.instruments,
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(ByValue):
+    """The fit of a model to logs. Printed, it is its `text`.
+
+    Attributes:
+        model: with the fitted values and their intervals in `[bounds]`.
+        parameters: one entry a free parameter.
+        correlation: of the estimates, (p, p), in the order of `parameters`; 0 where not determined.
+        covariance: of the determined ones, in the same order, 0 elsewhere.
+        determinability: what the logs can and cannot determine, in words.
+        logs: one entry a log.
+        audits: of the logs, one a log.
+        cutoff: of the inverse dynamics' filter, Hz.
+        estimator: whose values are reported: "inverse_dynamics" or "output_error".
+        controller: remarks on the stated controller, one line a log.
+        notes: further remarks on the logs, such as rows that several of them share.
+        explained: share of the command's power that the model explains, of all logs together.
+        warnings: what speaks against the fit, a sentence each.
+
+    Example:
+        >>> found = cogging.identify(log, model, free=["axis.mass"])
+        >>> found.parameters[0].path, found.model.axis.mass == found["axis.mass"].value
+        ('axis.mass', True)
+    """
+
+    model: Model
+    parameters: tuple[ParameterEstimate, ...]
+    correlation: FloatArray
+    covariance: FloatArray
+    determinability: tuple[str, ...]
+    logs: tuple[LogFit, ...]
+    audits: tuple[Audit, ...]
+    cutoff: float
+    estimator: str
+    controller: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    explained: float = 1.0
+    warnings: tuple[str, ...] = ()
+
+    def _brief(self) -> str:
+        sure, logs = sum(p.determined for p in self.parameters), len(self.logs)
+        which = f"{sure} of {len(self.parameters)} parameters determined by {logs} log{'s' * (logs != 1)}"
+        return f"{which}, {self.estimator}"
+
+    def __getitem__(self, path: str) -> ParameterEstimate:
+        """The parameter at a path.
+
+        Raises:
+            KeyError: no such free parameter.
+        """
+        for parameter in self.parameters:
+            if parameter.path == path:
+                return parameter
+        known = [parameter.path for parameter in self.parameters]
+        raise KeyError(f"{path}: is no free parameter of it; {did_you_mean(path, known)}")
+
+    def text(self) -> str:
+        """The fit for the screen: warnings, audit of each log, what they can determine, parameters, what is left."""
+        lines = [f"warning: {warning}" for warning in self.warnings]
+        lines += [""] if lines else []
+        for log, audit in zip(self.logs, self.audits, strict=True):
+            lines += [log.name, *(f"  {line}" for line in audit.text().splitlines())]
+        lines += ["", "What the logs can determine (1 sigma):"]
+        lines += [f"  {line}" for line in self.determinability]
+        lines += ["", f"Fit ({self.estimator.replace('_', ' ')}, below {self.cutoff:g} Hz):", *self._table()]
+        if pairs := self._correlated():
+            lines.append(f"  correlated: {', '.join(pairs)}")
+        lines += [f"  share of the command explained: {percent(self.explained)}", ""]
+        v = self.model.units.command
+        for log in self.logs:
+            after = f"{log.residual_after:.4g} {v} after"
+            if log.residual_after > 1.05 * log.residual_free:
+                after += f" ({log.residual_free:.4g} {v} if what stays as given moved too)"
+            lines.append(
+                f"{log.name}: force balance {log.residual_before:.4g} {v} before, {after}, "
+                f"quantiser and encoder noise alone {log.floor:.2g} {v} ({log.rows} rows in motion)"
+            )
+            noise = "" if log.noise is None else f"; all noise some {log.noise:.2g} {v}"
+            lines.append(f"  explains {percent(log.explained)} of a command of {log.command:.4g} {v}{noise}")
+            if log.replay:
+                errors = ", ".join(f"{name} {100 * value:.3g} %" for name, value in log.replay.items())
+                lines.append(f"  closed-loop replay, relative error: {errors}")
+        return "\n".join([*lines, *self.controller, *(f"note: {note}" for note in self.notes)])
+
+    def to_frame(self) -> Any:
+        """The parameters as a pandas DataFrame, a row each with its unit; an interval that is not known is infinite.
+
+        Raises:
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        rows = [
+            {
+                "parameter": p.path,
+                "value": p.value,
+                "low": p.ci95[0],
+                "high": p.ci95[1],
+                "prior": p.prior,
+                "unit": p.unit,
+                "determined": p.determined,
+                "note": p.note,
+            }
+            for p in self.parameters
+        ]
+        return frame_of(rows, {})
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [p.path, p.prior, p.value, *(p.ci95 if p.determined else (None, None)), p.unit, p.note]
+            for p in self.parameters
+        ]
+        headers = ["parameter", "before", "fitted", "from", "to", "unit", ""]
+        title = f"Identification: {percent(self.explained)} of the command explained"
+        return html_table(title, headers, rows, [*self.warnings, *self.notes])
+
+    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
+        """Draw the parameters with their 95 % intervals, and what they were before (cogging.plot.intervals).
+
+        Args:
+            units: labels of command and position (cogging.Units); None: those of the model.
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+        return plot.intervals(self, units=units, ax=ax).figure.figure
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it for JSON; an infinite interval is null."""
+        return {
+            "warnings": list(self.warnings),
+            "explained": self.explained,
+            "estimator": self.estimator,
+            "cutoff": self.cutoff,
+            "parameters": {p.path: p.to_dict() for p in self.parameters},
+            "correlation": self.correlation.tolist(),
+            "determinability": list(self.determinability),
+            "logs": [
+                {**log.to_dict(), "audit": audit.to_dict()} for log, audit in zip(self.logs, self.audits, strict=True)
+            ],
+            "controller": list(self.controller),
+            "notes": list(self.notes),
+        }
+
+    def _table(self) -> list[str]:
+        width = max(len("parameter"), *(len(p.path) for p in self.parameters))
+        lines = [f"  {'parameter':<{width}} {'prior':>11} {'value':>11}   {'95 % interval':<26} {'check':<11} unit"]
+        for p in self.parameters:
+            interval = f"[{p.ci95[0]:.5g}, {p.ci95[1]:.5g}]" if p.determined else "not determined"
+            check = "" if p.difference is None else f"{p.difference:+.1f} sigma"
+            lines.append(f"  {p.path:<{width}} {p.prior:>11.5g} {p.value:>11.5g}   {interval:<26} {check:<11} {p.unit}")
+            if p.spread is not None:
+                lines[-1] += f"; logs one by one spread by {p.spread:.2g}, each +- {p.single_sigma:.2g}"
+        return lines
+
+    def _correlated(self) -> list[str]:
+        table = np.abs(np.tril(self.correlation, -1))
+        worst = [divmod(int(k), len(table)) for k in np.argsort(-table, axis=None)[:4]]
+        return [
+            f"{self.parameters[j].path} and {self.parameters[i].path} {self.correlation[i, j]:+.2f}"
+            for i, j in worst
+            if table[i, j] > CORRELATED
+        ]
+
+
+def percent(share: float) -> str:
+    """Format a share as a percentage, with more digits the closer it is to 1."""
+    digits = int(np.clip(-np.floor(np.log10(max(abs(1.0 - share), 1e-6))) - 1, 0, 3))
+    return f"{100.0 * share:.{digits}f} %"
+
+
+def warnings_of(
+    logs: Sequence[LogFit], parameters: Sequence[ParameterEstimate], held: Sequence[str], unit: str
+) -> tuple[str, ...]:
+    """Sentences that speak against a fit, the most important first.
+
+    Args:
+        logs: of the result.
+        parameters: as fitted.
+        held: paths of parameters that keep their prior because of unmodelled forces.
+        unit: of the command.
+    """
+    warnings = []
+    for log in logs:
+        worse = f"{log.name}: the fit is worse than the model as given"
+        missing = log.noise is not None and log.residual_free > MISSING * log.noise
+        if missing and log.noise is not None:
+            times = log.residual_free / max(log.noise, 1e-300)
+            share = 1.0 - (log.residual_free / max(log.command, 1e-300)) ** 2
+            warnings.append(
+                f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} {unit}, {times:.3g} times "
+                f"the noise ({log.noise:.2g} {unit}), and explains {percent(share)} of the command: run diagnose"
+            )
+        if log.explained < EXPLAINED and not missing:
+            warnings.append(f"{log.name}: the model explains only {percent(log.explained)} of the command")
+        if log.residual_after > WORSE * log.residual_before:
+            warnings.append(
+                f"{worse}: force balance {log.residual_before:.4g} {unit} before, {log.residual_after:.4g} {unit} after"
+            )
+        for name in ("position", "command"):
+            before, after = log.replay_before.get(name), log.replay.get(name)
+            if before is not None and after is not None and after > WORSE * before:
+                errors = f"{100 * before:.3g} % before, by {100 * after:.3g} % after"
+                warnings.append(f"{worse}: replayed {name} off by {errors}")
+        if log.replay_before and not log.replay:
+            warnings.append(f"{worse}: its replay diverges")
+    if held:
+        warnings.append(f"unmodelled forces are too strong to fit {_listed(held)}: kept as given")
+    apart = [p for p in parameters if p.path not in held and abs(p.difference or 0.0) > CHECK]
+    apart.sort(key=lambda p: -abs(p.difference or 0.0))
+    if apart:
+        shown = [
+            f"{p.path} ({p.inverse_dynamics:.4g} and {p.output_error:.4g} {p.unit}, "
+            f"{abs(p.difference or 0.0):.2g} sigma)"
+            for p in apart[:SHOWN]
+            if p.inverse_dynamics is not None and p.output_error is not None
+        ]
+        warnings.append(f"inverse dynamics and output error contradict each other: {_listed(shown, len(apart))}")
+    ways: dict[str, list[str]] = {}
+    for p in parameters:
+        for way, value in p.elsewhere.items():
+            ways.setdefault(way, []).append(f"{p.path} is {value:.4g} instead of {p.value:.4g} {p.unit}")
+    return (*warnings, *(f"{way}, {_listed(entries)}" for way, entries in ways.items()))
+
+
+def _listed(entries: Sequence[str], number: int | None = None) -> str:
+    """The first entries in words, and how many more there are."""
+    shown, number = entries[:SHOWN], len(entries) if number is None else number
+    return ", ".join(shown) + (f" and {number - len(shown)} more" if number > len(shown) else "")

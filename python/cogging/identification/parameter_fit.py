@@ -1,0 +1,436 @@
+"""The fit behind `identify`: the force balance with instruments, and the whitened output error as its check."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cogging._core import AxisParameters, DivergedError
+from cogging.arrays import FloatArray
+from cogging.effects.effect import VOCABULARY
+from cogging.estimation.force_balance import BalanceEstimate, ForceBalance, Simulator, fit_force_balance
+from cogging.estimation.gauss_newton import Estimate, fit
+from cogging.estimation.innovations import Innovations
+from cogging.estimation.residuals import Residuals
+from cogging.estimation.statistics import student
+from cogging.identification.determinability import UNDETERMINED, Determinability, determinability, size_of
+from cogging.identification.identification_result import CHECK, Identification, LogFit, ParameterEstimate, warnings_of
+from cogging.identification.logged_run import LoggedRun
+from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled, freed, misfit
+from cogging.log_check.encoder_readings import encoder_quantum
+from cogging.logs.log import Log
+from cogging.model.intervals import SIGMAS_95
+from cogging.model.model import Model
+from cogging.model.parameters import Parameter, Scales, parameters_of, role_of, with_values
+from cogging.progress import Progress, steps
+
+READING_SHARE = 0.5  # of the residual's rms: the largest share of quantiser and encoder noise at an accepted cut-off
+STARTS, SPREAD = 3, 0.1  # further starts where the law is nonlinear in a parameter, and their spread in its size
+SHAPELESS = 2.0  # relative 1-sigma above which a shape parameter is held
+ITERATIONS, FEW_ITERATIONS = 15, 4  # of the output error; of a model that lacks much
+LEAST_CUTOFF = 4.0  # Hz
+FURTHER = 2.0  # factor on the cut-off, and thinning of the rows, for other answers
+OTHER_ITERATIONS = 8
+MOVED = 3.0  # an answer counts as other from this many times the larger half interval
+STAGES = ("inverse dynamics", "output error", "logs one by one", "other answers")
+
+Answer = dict[str, tuple[float, float, float]]  # by path: value, standard deviation, half of the 95 % interval
+
+
+def answer_of(paths: Sequence[str], values: FloatArray, covariance: FloatArray, freedom: FloatArray) -> Answer:
+    """Value, standard deviation and half of the 95 % interval by path."""
+    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    rows = zip(paths, values, sigmas, freedom, strict=True)
+    return {path: (float(v), float(s), float(s * student(float(f)))) for path, v, s, f in rows}
+
+
+class ParameterFit:
+    """Fit the parameters `paths` of a model to logs.
+
+    Args:
+        model: the prior.
+        runs: the logs.
+        paths: of the free parameters.
+        cutoffs: of the filter, Hz; the first at which reading noise is small is used.
+        rest: rows slower than this do not count, m/s; None: 2 % of the largest speed.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        runs: Sequence[LoggedRun],
+        paths: Sequence[str],
+        cutoffs: Sequence[float],
+        rest: float | None,
+    ) -> None:
+        self.model, self.runs, self.paths, self.cutoffs, self.rest = model, runs, paths, cutoffs, rest
+        self.prior = parameters_of(model)
+        self.simulate = [run.simulator() for run in runs]
+
+    def run(self, progress: Progress) -> Identification:
+        """Fit stage by stage and report each stage."""
+        with steps(progress, "identify", len(STAGES)) as begin:
+            begin(STAGES[0])
+            for cutoff in self.cutoffs:
+                self.balances = [ForceBalance(r.log, cutoff=cutoff, hold=r.hold, rest=self.rest) for r in self.runs]
+                self._require_rows()
+                self.scales = Scales.largest(balance.scales for balance in self.balances)
+                self.told = self._determine(self.model)
+                self.estimate = self._fit_balance(self.model)
+                again = self._determine(self.estimate.model)
+                if again.classes != self.told.classes:  # a prior far off hid a sensitivity
+                    self.told = again
+                    self.estimate = self._fit_balance(self.estimate.model)
+                self.floors = [noise_floor(balance, self.estimate.model) for balance in self.balances]
+                left = zip(self.floors, self.estimate.residual_rms, strict=True)
+                if max(floor / max(rms, 1e-300) for floor, rms in left) < READING_SHARE:
+                    break
+            model = self.estimate.model
+            pairs = zip(self.balances, self.simulate, strict=True)
+            self.left = [Unmodelled.of(balance, model, run) for balance, run in pairs]
+            begin(STAGES[1])
+            self.output = self._fit_output(model)
+            begin(STAGES[2])
+            self.spread = self._one_by_one(model)
+            begin(STAGES[3])
+            self.others = self._other_answers()
+            return self._result()
+
+    # The estimators ---------------------------------------------------------------------------------------------------
+
+    def _require_rows(self) -> None:
+        needed = 4 * len(self.paths) + 50
+        for run, balance in zip(self.runs, self.balances, strict=True):
+            if int(balance.mask.sum()) < needed:
+                raise ValueError(
+                    f"{run.name}: rows: must be at least {needed} in motion, away from the ends and from gaps, to fit "
+                    f"{len(self.paths)} parameters, got {int(balance.mask.sum())}"
+                )
+
+    def _determine(self, model: Model) -> Determinability:
+        return determinability(
+            model, self.paths, self.balances, self.scales, self.simulate, lambda: self._sources(model)
+        )
+
+    def _sources(self, model: Model) -> list[Residuals]:
+        return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
+
+    def _is_linear(self, path: str) -> bool:
+        return role_of(self.model, path) == "amplitude"
+
+    @property
+    def moving(self) -> list[str]:
+        """The parameters that the force balance moves: more than it determines, so that priors do not bias the rest."""
+        return [
+            path
+            for path, sigma in zip(self.told.paths, self.told.sigma, strict=True)
+            if self.told.seen_by_balance(path) and (self._is_linear(path) or sigma < SHAPELESS)
+        ]
+
+    def _loose(self, paths: Sequence[str]) -> FloatArray:
+        """1-sigma of the prior about the start, (p,): the size of a parameter that is not determined, else infinite."""
+        sizes = [size_of(self.model, self.prior[path], self.scales) for path in paths]
+        return np.array([np.inf if self.told.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
+
+    def _fit_balance(self, start: Model) -> BalanceEstimate:
+        """Fit the force balance, from the best of several starts where the law is nonlinear."""
+        paths, known = self.moving, parameters_of(start)
+        loose = self._loose(paths)
+        nonlinear = [path for path in paths if self.told.determined(path) and not self._is_linear(path)]
+        nonlinear = [path for path in nonlinear if path != "axis.coulomb_width"]
+        starts, random = [start], np.random.default_rng(0)
+        for _ in range(STARTS if nonlinear else 0):
+            sizes = {path: size_of(start, known[path], self.scales) for path in nonlinear}
+            moved = {path: known[path].value + SPREAD * random.normal() * sizes[path] for path in nonlinear}
+            try:
+                starts.append(with_values(start, moved))
+            except ValueError:
+                continue
+        fits = [fit_force_balance(s, paths, self.balances, self.scales, self.simulate, loose=loose) for s in starts]
+        return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
+
+    def _fit_output(self, start: Model) -> Estimate | None:
+        """Fit the whitened output error of the determined parameters, from the better of two starts.
+
+        As a mere check of a model that lacks much, a few iterations from the first start suffice.
+        """
+        paths = [path for path in self.paths if self.told.determined(path)]
+        if not paths:
+            return None
+        starts = [start, with_values(start, {path: self.prior[path].value for path in paths})]
+        iterations = ITERATIONS
+        is_check = not has_states(self.model) and all(self.told.seen_by_balance(path) for path in paths)
+        if is_check and any(left.is_strong for left in self.left):
+            starts, iterations = starts[:1], FEW_ITERATIONS
+        fits: list[Estimate] = []
+        for model in starts:
+            try:
+                fits.append(fit(model, paths, self._sources(start), iterations=iterations))
+            except (DivergedError, ValueError):
+                continue
+        return min(fits, key=lambda found: found.cost, default=None)
+
+    def _one_by_one(self, model: Model) -> dict[str, tuple[float, float]]:
+        """Standard deviation of the values of logs fitted one by one, and the rms of their own, by path."""
+        found: dict[str, list[tuple[float, float]]] = {}
+        logs = zip(self.balances, self.simulate, strict=True) if len(self.balances) > 1 else ()
+        paths = [p for p in self.paths if self.told.determined(p) and self.told.seen_by_balance(p)]
+        for balance, run in logs:
+            alone = determinability(model, self.paths, [balance], self.scales, [run])
+            sizes = [size_of(model, self.prior[path], self.scales) for path in paths]
+            loose = np.array([np.inf if alone.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
+            single = fit_force_balance(model, paths, [balance], self.scales, [run], loose=loose, iterations=4)
+            for i, path in enumerate(paths):
+                if alone.determined(path):
+                    sigma = float(np.sqrt(single.covariance[i, i]))
+                    found.setdefault(path, []).append((float(single.values[i]), sigma))
+        spread = {}
+        for path, entries in found.items():
+            if len(entries) > 1:
+                values, sigmas = np.array(entries).T
+                spread[path] = (float(np.std(values, ddof=1)), float(np.sqrt(np.mean(sigmas**2))))
+        return spread
+
+    def _other_answers(self) -> dict[str, Answer]:
+        """Answers of other ways to fit the balance, by the way.
+
+        First with unmodelled forces beside the model, then biased by them, then at twice and half the cut-off and with
+        every second row.
+        """
+        paths = self.moving
+        if not paths:
+            return {}
+        model, known, loose = self.estimate.model, parameters_of(self.estimate.model), self._loose(paths)
+        parameters = [known[path] for path in paths]
+        moved, halves = freed(model, parameters, self.balances, self.left, self.scales, loose)
+        bent = misfit(model, parameters, self.balances, self.left, self.scales, loose)
+        values = self.estimate.values
+        found: dict[str, Answer] = {}
+
+        def add(way: str, values: FloatArray, halves: Sequence[float] | FloatArray) -> None:
+            rows = [(path, float(v), float(h)) for path, v, h in zip(paths, values, halves, strict=True)]
+            found[way] = {path: (v, np.nan, h) for path, v, h in rows if np.isfinite([v, h]).all()}
+
+        def refit(
+            way: str, logs: Sequence[tuple[Log, float | None]], cutoff: float, runs: Sequence[Simulator | None]
+        ) -> None:
+            both = zip(logs, self.balances, strict=True)
+            others = [ForceBalance(log, cutoff=cutoff, hold=hold, rest=own.rest) for (log, hold), own in both]
+            if any(int(balance.mask.sum()) < 4 * len(paths) + 50 for balance in others):
+                return
+            again = fit_force_balance(model, paths, others, self.scales, runs, loose=loose, iterations=OTHER_ITERATIONS)
+            answer = answer_of(paths, again.values, again.covariance, again.freedom)
+            add(way, again.values, [half for _, _, half in answer.values()])
+
+        add(WITH_FORCES, values + moved, halves)
+        add(AS_NOISE, values, bent)
+        cutoff = self.balances[0].cutoff
+        step = max(balance.sample_time for balance in self.balances)
+        for other in (FURTHER * cutoff, cutoff / FURTHER):
+            if LEAST_CUTOFF <= other <= 0.2 / step:
+                refit(f"below {other:g} Hz", [(run.log, run.hold) for run in self.runs], other, self.simulate)
+        if cutoff <= 0.2 / (FURTHER * step):
+            logs = [(thinned(r.log), r.hold or b.sample_time) for r, b in zip(self.runs, self.balances, strict=True)]
+            fewer = [None if run is None else _thinned_run(run) for run in self.simulate]
+            refit("with every second row", logs, cutoff, fewer)
+        return found
+
+    # The result -------------------------------------------------------------------------------------------------------
+
+    def _result(self) -> Identification:
+        """Report the output error's values where the force balance does not see all parameters, else the balance's."""
+        told, prior, estimate, output = self.told, self.model, self.estimate, self.output
+        inside = self.moving
+        self.by_balance = answer_of(inside, estimate.values, estimate.covariance, estimate.freedom)
+        self.by_output = answer_of(output.paths, output.values, output.covariance, output.freedom) if output else {}
+        is_whole = not has_states(prior)  # whether the balance contains the whole model
+        hidden = any(told.determined(path) and path not in inside for path in told.paths)
+        if output is not None and (hidden or not is_whole):
+            name, reported, full, order = "output_error", self.by_output, output.covariance, list(output.paths)
+        else:
+            name, reported, full, order = "inverse_dynamics", self.by_balance, estimate.covariance, inside
+        strong = is_whole and any(left.is_strong for left in self.left)
+        missing = is_whole and any(left.is_missing for left in self.left)
+        entries = [
+            self._entry(self.prior[path], note, reported, strong=strong, missing=missing)
+            for path, note in zip(told.paths, told.notes, strict=True)
+        ]
+        fitted = {entry.path: entry.value for entry in entries if entry.determined and entry.value != entry.prior}
+        model = with_values(prior, fitted)
+        free = with_values(estimate.model, fitted)
+        logs = [
+            self._log_fit(k, {"prior": prior, "model": model, "free": free}, is_whole) for k in range(len(self.runs))
+        ]
+        # Covariance of the determined parameters, as much wider as their intervals are.
+        known = [i for i, entry in enumerate(entries) if entry.determined]
+        covariance, rows = np.zeros((len(entries), len(entries))), [order.index(entries[i].path) for i in known]
+        halves = np.array([0.5 * (entries[i].ci95[1] - entries[i].ci95[0]) for i in known])
+        usual = np.array([max(reported[entries[i].path][2], 1e-300) for i in known])
+        wider = np.maximum(halves / usual, 1.0)
+        covariance[np.ix_(known, known)] = full[np.ix_(rows, rows)] * np.outer(wider, wider)
+        size = np.sqrt(np.diag(covariance))
+        size[size == 0.0] = 1.0
+        power = [log.rows * log.command**2 for log in logs]
+        unexplained = sum((1.0 - log.explained) * one for log, one in zip(logs, power, strict=True))
+        held = [e.path for e in entries if strong and told.determined(e.path) and e.value == e.prior]
+        sparse = [run.sparse for run in self.runs if run.sparse]
+        return Identification(
+            model=model.replace(intervals={**model.intervals, **{entry.path: entry.ci95 for entry in entries}}),
+            parameters=tuple(entries),
+            correlation=covariance / np.outer(size, size),
+            covariance=covariance,
+            determinability=tuple(entry.note for entry in entries),
+            logs=tuple(logs),
+            audits=tuple(run.audit for run in self.runs),
+            cutoff=self.balances[0].cutoff,
+            estimator=name,
+            controller=tuple(run.line for run in self.runs if run.line),
+            explained=1.0 - unexplained / max(sum(power), 1e-300),
+            warnings=(*sparse, *warnings_of(logs, entries, held, prior.units.command)),
+        )
+
+    def _entry(
+        self, prior: Parameter, note: str, reported: Answer, *, strong: bool, missing: bool
+    ) -> ParameterEstimate:
+        """One parameter of the result; `strong`, `missing`: see Unmodelled."""
+        path, balance, output = prior.path, self.by_balance, self.by_output
+        spread, seen = self.spread.get(path, (None, None)), self.told.determined(path)
+        difference = None
+        if path in balance and path in output:
+            (one, one_sigma, _), (other, other_sigma, _) = balance[path], output[path]
+            sigma = float(np.hypot(one_sigma, other_sigma))
+            difference = (other - one) / sigma if sigma > 0 else None
+        doubted = strong or abs(difference or 0.0) > CHECK
+        determined = seen and path in reported and bool(np.isfinite(reported[path][1]))
+        value, interval, elsewhere = prior.value, (-np.inf, np.inf), dict[str, float]()
+        if determined:
+            settled, _, half = reported[path]
+            wide = (settled - half, settled + half)
+            if doubted:
+                settled, wide = self._doubted_interval(prior)
+                sigma = 0.5 * (wide[1] - wide[0]) / SIGMAS_95
+                determined = sigma <= UNDETERMINED * size_of(self.estimate.model, prior, self.scales)
+            if determined:
+                left_out = (AS_NOISE,) if missing else (AS_NOISE, WITH_FORCES)
+                others = {way: other for way, other in self.others.items() if way not in left_out}
+                elsewhere = moved_beyond(path, settled, 0.5 * (wide[1] - wide[0]), others)
+                value, interval = settled, (max(wide[0], 0.0) if prior.positive else wide[0], wide[1])
+            if doubted:
+                known = "not determined" if not determined else "as given" if value == prior.value else "moved"
+                span = f"[{wide[0]:.4g}, {wide[1]:.4g}]"
+                note = f"{note.split(':')[0]}: {known}, unmodelled forces leave it open over {span}"
+        return ParameterEstimate(
+            path=path,
+            unit=prior.unit,
+            prior=prior.value,
+            value=value,
+            ci95=interval,
+            determined=determined,
+            inverse_dynamics=balance[path][0] if seen and path in balance else None,
+            output_error=output[path][0] if path in output else None,
+            difference=difference,
+            spread=spread[0],
+            single_sigma=spread[1],
+            note=note,
+            elsewhere=elsewhere,
+        )
+
+    def _doubted_interval(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
+        """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
+
+        The interval covers those of both estimators and those of the balance with unmodelled forces beside the model
+        and biased by them. The prior stands unless these exclude it; then the answer beside those forces is taken.
+        """
+        path = prior.path
+        others = [other[path] for other in list(self.others.values())[:2] if path in other]
+        if not others:
+            return prior.value, (-np.inf, np.inf)
+        answers = [one[path] for one in (self.by_balance, self.by_output) if path in one] + others
+        low, high = widened_interval([(value, half) for value, _, half in answers])
+        sigma = self.model.uncertainty.get(path.removeprefix("axis."), 0.0)
+        value = others[0][0] if is_refuted(prior, sigma, (low, high)) else prior.value
+        reach = max(value - low, high - value)
+        return value, (value - reach, value + reach)
+
+    def _log_fit(self, k: int, models: Mapping[str, Model], is_whole: bool) -> LogFit:
+        """How well the prior, the model with what is determined, and that with all moved fit log `k`."""
+        run, balance, left = self.runs[k], self.balances[k], self.left[k]
+
+        def replay_errors(model: Model) -> dict[str, float]:
+            try:
+                return run.relative_errors(model)
+            except (DivergedError, ValueError):
+                return {}
+
+        before, after = replay_errors(models["prior"]), replay_errors(models["model"])
+        rms = {name: balance.residual_rms(model) for name, model in models.items()}
+        by_replay = "command" in after and not is_whole
+        return LogFit(
+            name=run.name,
+            rows=int(balance.mask.sum()),
+            residual_before=rms["prior"],
+            residual_after=rms["model"],
+            residual_free=rms["free"],
+            floor=self.floors[k],
+            noise=left.noise if is_whole else None,
+            command=left.command,
+            explained=1.0 - (after["command"] if by_replay else rms["model"] / max(left.command, 1e-300)) ** 2,
+            replay_before=before,
+            replay=after,
+            instruments=self.estimate.instruments,
+        )
+
+
+def has_states(model: Model) -> bool:
+    """Whether the model has an active effect with states of its own, which the force balance does not contain."""
+    return any(
+        "state" in effect.HOOKS and effect.to_dict() != VOCABULARY[effect.NAME].to_dict() for effect in model.effects
+    )
+
+
+def noise_floor(balance: ForceBalance, model: Model) -> float:
+    """Rms that quantiser and stated encoder noise alone leave in the force balance, V."""
+    quantum = max(model.encoder.resolution, encoder_quantum(balance.log.position))
+    random = np.random.default_rng(0)
+    n = len(balance.log)
+    noise = quantum * (random.random(n) - 0.5) + model.encoder.noise * random.standard_normal(n)
+    log = Log(time=balance.log.time, position=noise, command=np.zeros(n))
+    bare = Model(axis=AxisParameters(mass=model.axis.mass, viscous=model.axis.viscous))
+    residual = ForceBalance(log, cutoff=balance.cutoff).of([bare])
+    return float(np.sqrt(np.mean(residual[0, balance.mask] ** 2)))
+
+
+def thinned(log: Log) -> Log:
+    """Every second row, with the mean of the two commands that acted in between."""
+    columns = log.columns()
+    first = columns["command"][::2]
+    second = np.append(columns["command"][1::2], first[-1:])[: len(first)]
+    return Log.of({**{name: column[::2] for name, column in columns.items()}, "command": 0.5 * (first + second)})
+
+
+def _thinned_run(run: Simulator) -> Simulator:
+    return lambda model: thinned(run(model))
+
+
+def moved_beyond(
+    path: str, value: float, half_width: float, others: Mapping[str, Answer], share: float = MOVED
+) -> dict[str, float]:
+    """Other answers of a parameter that lie beyond `share` times the larger half interval, by their way."""
+    beyond = {}
+    for way, other in others.items():
+        if path in other and abs(other[path][0] - value) > share * max(half_width, other[path][2]):
+            beyond[way] = other[path][0]
+    return beyond
+
+
+def widened_interval(answers: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """The interval that covers all answers, each a value and half of its 95 % interval."""
+    values, halves = np.array(answers).T
+    return float(np.min(values - halves)), float(np.max(values + halves))
+
+
+def is_refuted(prior: Parameter, sigma: float, interval: tuple[float, float]) -> bool:
+    """Whether a prior with its stated relative uncertainty lies outside an interval altogether."""
+    reach = SIGMAS_95 * sigma * abs(prior.value)
+    return not interval[0] - reach <= prior.value <= interval[1] + reach

@@ -1,0 +1,215 @@
+"""Recover the controller that made a log where none is stated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from cogging._core import CascadeParameters, PidParameters, smooth_sign
+from cogging.arrays import FloatArray, Mask
+from cogging.blas_threads import on_one_blas_thread
+from cogging.calls import takes
+from cogging.core_values import line_of
+from cogging.log_check.controller_check import fit_columns, fit_samples, linear_regressors
+from cogging.log_check.controller_samples import Samples
+from cogging.logs.log import Log
+from cogging.logs.spikes import spikes
+from cogging.model.units import Units
+from cogging.simulation.arguments import LOG
+
+Columns = dict[str, FloatArray]
+
+ACCEPTED = 0.005  # of the rms command: largest residual of the right controller type
+FEWEST_ROWS = 200
+SEARCHED = 5000  # evenly spaced rows used to search the width
+WIDTHS = 25  # of the friction compensation tried
+NEGLIGIBLE = 1e-3  # of the rms command: contribution below which a gain is set to zero
+
+
+class RecoveredController(NamedTuple):
+    """Type and parameters of a controller that reproduces a log's command, and the rms residual, V.
+
+    `units` are the labels of the log's units.
+    """
+
+    type: str
+    parameters: PidParameters | CascadeParameters
+    residual_rms: float
+    units: Units = Units()
+
+    def __repr__(self) -> str:
+        left = f"{self.residual_rms:.3g} {self.units.command} rms"
+        return f"RecoveredController({line_of(self.parameters, self.units.of)}, leaves {left})"
+
+
+@takes(log=LOG)
+@on_one_blas_thread(scipy=True)
+def recover_controller(log: Log) -> RecoveredController | None:
+    """Find the `cascade` or `pid` that made a log's command, or None if neither did.
+
+    Least squares of the command on the regressors of the gains: error, its sum and backward difference
+    (`pid`), or error and the reading's backward difference (`cascade`), with the reference's derivatives and S(v) of a
+    width that is searched for. Accepted if the residual is at most 0.5 % of the rms command and no gain is negative;
+    gains that contribute less than 0.1 % are set to zero. The simpler of two equal fits is returned. Missing rows and
+    spikes are handled as in check_controller.
+
+    Args:
+        log: with a reference, of at least 200 rows.
+
+    Returns:
+        Type and parameters of the controller, or None.
+
+    Example:
+        >>> found = cogging.recover_controller(log)
+        >>> print(f"{found.type}, kp {found.parameters.kp:.0f} V/m")
+        pid, kp 9600 V/m
+    """
+    if log.reference is None or len(log) < FEWEST_ROWS:
+        return None
+    found = _recovered(log, log.reference, np.zeros(len(log), dtype=bool))
+    unseen = spikes(log.position - log.reference)
+    return _recovered(log, log.reference, unseen) if found is None and unseen.any() else found
+
+
+def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredController | None:
+    """The controller of a log, without some of its readings."""
+    step = float(np.median(np.diff(log.time)))
+    rate = _round_rate(1.0 / step)
+    samples = Samples.of(log, reference, 1.0 / step, unseen)
+    limit, free = _limit(log.command)
+    rows = free[samples.row] & samples.judged((0, 1))
+    if rows.sum() < FEWEST_ROWS // 2:
+        return None
+    command_rms = float(np.sqrt(np.mean(samples.command[samples.known] ** 2)))
+    if command_rms == 0.0:
+        return None
+    found: list[tuple[int, RecoveredController]] = []
+    for kind, struct in (("cascade", CascadeParameters), ("pid", PidParameters)):
+        for velocity in ("reference", "measured"):
+            base = struct(sample_rate=rate, feedforward_velocity=velocity)
+            fit = _fit(kind, base, samples, rows, command_rms)
+            if fit is None or fit[1] > ACCEPTED * command_rms:
+                continue
+            gains, rms = fit
+            if "kp kv" in gains:
+                gains["kp"] = gains.pop("kp kv") / gains["kv"]
+            recovered = RecoveredController(kind, base.replace(**gains, command_limit=limit), rms, log.units)
+            found.append((sum(value != 0.0 for value in gains.values()), recovered))
+    if not found:
+        return None
+    smallest = min(recovered.residual_rms for _, recovered in found)
+    alike = [entry for entry in found if entry[1].residual_rms <= 1.05 * smallest + 1e-9 * command_rms]
+    return min(alike, key=lambda entry: entry[0])[1]
+
+
+def _fit(
+    kind: str, base: PidParameters | CascadeParameters, samples: Samples, rows: Mask, command_rms: float
+) -> tuple[dict[str, float], float] | None:
+    """Gains by name, with the width of S(v), and the rms residual; None if one is negative."""
+    fixed = linear_regressors(kind, base, samples.motion, samples.position)
+    _, _, believed = fit_samples(samples, fixed, rows, "ki" in fixed)
+    if believed.sum() < rows.sum():
+        command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))
+    return _fit_rows(kind, fixed, samples, believed, command_rms)
+
+
+def _fit_rows(
+    kind: str, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask, command_rms: float
+) -> tuple[dict[str, float], float] | None:
+    """The same, on rows that are believed."""
+    fit = _GainFit(fixed, samples, rows)
+    width = fit.best_width()
+    useful = _useful_gains(fit, width, command_rms)
+    if useful is None:
+        return None
+    gains, rms = useful
+    needed = {"cascade": {"kp kv", "kv"}, "pid": {"kp"}}[kind]
+    if not needed <= set(gains) or any(gain < 0.0 for gain in gains.values()):
+        return None
+    if "coulomb" in gains:
+        gains["coulomb_width"] = width
+    return gains, rms
+
+
+class _GainFit:
+    """Least squares of a log's command on the regressors of the gains, for any width of S(v)."""
+
+    def __init__(self, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask) -> None:
+        self._samples, self._rows = samples, rows
+        self._apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
+        self._velocity, self._velocity_of_rows = fixed["viscous"], fixed["viscous"][rows]
+        self._columns = {name: self._of_rows(column) for name, column in fixed.items()}
+        self._command = self._of_rows(samples.command)
+
+    def _of_rows(self, column: FloatArray) -> FloatArray:
+        return (self._samples.without_means(column, self._rows) if self._apart else column)[self._rows]
+
+    def solve(self, names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
+        """Gains of these names (None: all), the rms residual, and their columns, on every `every`-th row."""
+        columns = {name: column[::every] for name, column in self._columns.items() if names is None or name in names}
+        if "coulomb" in columns and self._apart:
+            columns["coulomb"] = self._of_rows(smooth_sign(self._velocity, width))[::every]
+        elif "coulomb" in columns:
+            columns["coulomb"] = smooth_sign(self._velocity_of_rows[::every], width)
+        if "ki" in columns and not self._apart:
+            columns["start"] = np.ones(len(columns["ki"]))
+        return (*fit_columns(columns, self._command[::every]), columns)
+
+    def best_width(self) -> float:
+        """The width of S(v), m/s, with the smallest residual; 0 for sgn(v)."""
+        every = 1 + self._command.size // SEARCHED
+        top = float(np.abs(self._velocity_of_rows).max())
+        widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
+        width = min(widths, key=lambda candidate: self.solve(None, candidate, every)[1])
+        if width > 0.0:
+            width = _narrowed(lambda candidate: self.solve(None, candidate, every)[1], width)
+        return width
+
+
+def _useful_gains(fit: _GainFit, width: float, command_rms: float) -> tuple[dict[str, float], float] | None:
+    """Gains without negligible and negative ones, and the rms residual; None if none is left."""
+    names: set[str] | None = None
+    for _ in range(6):
+        gains, rms, columns = fit.solve(names, width)
+        useless = {
+            name
+            for name, gain in gains.items()
+            if name != "start"
+            and (abs(gain) * float(np.sqrt(np.mean(columns[name] ** 2))) < NEGLIGIBLE * command_rms or gain < 0.0)
+        }
+        if not useless:
+            break
+        names = set(gains) - useless - {"start"}
+        if not names:
+            return None
+    gains.pop("start", None)
+    return gains, rms
+
+
+def _narrowed(cost: Callable[[float], float], width: float) -> float:
+    """The width with the smallest cost, within a factor of exp(0.4)."""
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(
+        lambda shift: cost(width * math.exp(shift)), bounds=(-0.4, 0.4), method="bounded", options={"xatol": 1e-9}
+    )
+    return width * math.exp(float(found.x))
+
+
+def _round_rate(rate: float) -> float:
+    """A rate to six digits, the precision of a time column."""
+    return float(f"{rate:.6g}")
+
+
+def _limit(command: FloatArray) -> tuple[float, Mask]:
+    """The limit of a command, V (0 = none), and the rows below it but for the first."""
+    top = float(np.abs(command).max())
+    at_top = np.abs(command) >= top * (1.0 - 1e-9)
+    runs = at_top[:-2] & at_top[1:-1] & at_top[2:]
+    cut = bool(runs.any()) and float(np.ptp(command)) > 0.0
+    free = ~at_top if cut else np.ones(command.size, dtype=bool)
+    free[0] = False
+    return (top if cut else 0.0), free

@@ -1,0 +1,378 @@
+"""The harmonics of a pitch in a force measured at irregular positions, and the noise level around them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import CoggingModel, SplineHarmonics, require_memory
+from cogging.arrays import FloatArray
+from cogging.memory import POINT
+
+FOLDS = 8
+LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regular without noise
+
+
+@dataclass(frozen=True)
+class SplineFit:
+    """force = A_r^T S_r(x) + nuisance columns, fitted.
+
+    Attributes:
+        basis: S_r(x), p coefficients; None = the nuisance columns alone, p = 0.
+        coefficients: (p + q,), V: A_r as CoggingModel stores it, then those of the nuisance columns.
+        residual: V, (n,).
+        variance: V^2, of the residual, per degree of freedom.
+        determined: (p + q,), share of each coefficient determined by the points and not the prior, 0 to 1.
+        prior: weight of the prior, (p + q, p + q), added to the normal matrix.
+    """
+
+    basis: SplineHarmonics | None
+    coefficients: FloatArray
+    residual: FloatArray
+    variance: float
+    determined: FloatArray
+    prior: FloatArray
+    _normal: FloatArray
+    _inverse: FloatArray
+
+    def covariance(self, level: FloatArray) -> FloatArray:
+        """Covariance of the coefficients, V^2, (p + q, p + q).
+
+        A^-1 (D N D + variance prior) A^-1 with N the normal matrix, A = N + prior and D^2 the noise level (V^2) at each
+        column's own frequency, (p + q,): a regressor that lives at one frequency feels the noise of that frequency, so
+        correlated noise is accounted for. Along coefficients that the points do not decide it is the prior's.
+        """
+        root = np.sqrt(level)
+        noise = self._normal * np.outer(root, root) + self.variance * self.prior
+        covariance: FloatArray = self._inverse @ noise @ self._inverse
+        return covariance
+
+
+def fit_splines(
+    basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
+) -> SplineFit:
+    """Fit the coefficients of the cogging model and of the nuisance columns.
+
+    The prior: neighbouring control points of a harmonic differ by 0 +- the standard deviation of the force, all
+    harmonics alike. Its weight is therefore the residual's variance over that of the force, small where the points
+    determine the coefficients.
+
+    Args:
+        basis: S_r(x); None for the nuisance columns alone.
+        position: m, (n,).
+        force: V, (n,).
+        nuisance: (n, q), columns of order 1; the first is constant.
+    """
+    normal, right = normal_equations(basis, position, force, nuisance)
+    p = len(normal) - nuisance.shape[1]
+    spread = max(float(np.var(force)), np.finfo(float).tiny)
+    least = LEAST_PRIOR * float(np.trace(normal)) / len(normal)
+    shape = _difference_penalty(basis, len(normal))
+    weight = 0.0
+    for _ in range(2):  # once for the residual's variance, once with it
+        prior = (weight + least) * shape
+        prior[:p, :p] += 1e-3 * least * np.eye(p)
+        inverse = np.asarray(np.linalg.inv(normal + prior), dtype=np.float64)
+        coefficients = inverse @ right
+        residual = force - predict(basis, coefficients, position, nuisance)
+        determined = np.einsum("ij,ji->i", inverse, normal)
+        variance = float(residual @ residual) / max(len(force) - float(determined.sum()), 1.0)
+        weight = variance / spread
+    return SplineFit(basis, coefficients, residual, variance, determined, prior, normal, inverse)
+
+
+def cross_validate(
+    fit: SplineFit, position: FloatArray, force: FloatArray, nuisance: FloatArray, block: float
+) -> tuple[float, float]:
+    """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
+
+    The travel is cut in blocks (m) that hold all passes; of each eight neighbouring blocks one, at random, is in each
+    of eight folds, so that a fold's blocks do not stand at one phase of a period.
+    """
+    blocks = np.floor((position - position.min()) / block).astype(np.int64)
+    groups = int(blocks.max()) // FOLDS + 1
+    tiles = np.tile(np.arange(FOLDS), (groups, 1))
+    folds = np.random.default_rng(0).permuted(tiles, axis=1).ravel()[blocks]
+    normal, right = normal_equations(fit.basis, position, force, nuisance)
+    error = np.zeros(len(force))
+    for fold in range(FOLDS):
+        out = folds == fold
+        if not out.any():
+            continue
+        normal_out, right_out = normal_equations(fit.basis, position[out], force[out], nuisance[out])
+        seen = normal - normal_out + fit.prior
+        coefficients = np.asarray(np.linalg.solve(seen, right - right_out), dtype=np.float64)
+        error[out] = force[out] - predict(fit.basis, coefficients, position[out], nuisance[out])
+    counts = np.bincount(blocks)
+    squares = np.bincount(blocks, error**2)
+    mean = float(squares.sum() / len(error))
+    used = int(np.count_nonzero(counts))
+    spread = float(np.sqrt(np.sum((squares - mean * counts) ** 2) * used / max(used - 1, 1))) / len(error)
+    rms = float(np.sqrt(mean))
+    return rms, 0.5 * spread / rms if rms > 0.0 else 0.0
+
+
+def predict(
+    basis: SplineHarmonics | None, coefficients: FloatArray, position: FloatArray, nuisance: FloatArray
+) -> FloatArray:
+    """The force (V) of coefficients as SplineFit holds them, at positions (m) with their nuisance columns."""
+    p = 0 if basis is None else basis.coefficients
+    force: FloatArray = nuisance @ coefficients[p:]
+    if basis is not None:
+        force = force + cogging_of(basis, coefficients[:p]).force(position)
+    return force
+
+
+def cogging_of(basis: SplineHarmonics, coefficients: FloatArray) -> CoggingModel:
+    """The model of coefficients in the order of `SplineHarmonics.regressor`."""
+    return CoggingModel(basis, *rows_of(basis, coefficients))
+
+
+def rows_of(basis: SplineHarmonics, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sines and cosines, each (terms, control points), of coefficients in the order of the regressor."""
+    table = coefficients.reshape(basis.spline.control_points, basis.terms, 2)
+    return np.ascontiguousarray(table[:, :, 0].T), np.ascontiguousarray(table[:, :, 1].T)
+
+
+def normal_equations(
+    basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """A^T A and A^T force of the columns A = [S_r(x), nuisance], span by span, since few control points act in each.
+
+    Args:
+        basis: S_r(x), p coefficients; None for p = 0.
+        position: m, (n,).
+        force: V, (n,).
+        nuisance: further columns, (n, q).
+
+    Returns:
+        Arrays (p + q, p + q) and (p + q,).
+    """
+    p = 0 if basis is None else basis.coefficients
+    normal = np.zeros((p + nuisance.shape[1],) * 2)
+    right = np.zeros(len(normal))
+    if basis is not None:
+        width, spline = 2 * basis.terms, basis.spline
+        spans = spline.control_points - spline.order + 1
+        span = np.minimum(np.argmax(spline.design_matrix(position) != 0.0, axis=1), spans - 1)
+        order = np.argsort(span, kind="stable")
+        for s, rows in enumerate(np.split(order, np.searchsorted(span[order], np.arange(1, spans)))):
+            acting = slice(s * width, (s + spline.order) * width)
+            columns = basis.regressor(position[rows])[:, acting]
+            normal[acting, acting] += columns.T @ columns
+            normal[acting, p:] += columns.T @ nuisance[rows]
+            right[acting] += columns.T @ force[rows]
+    normal[p:, :p] = normal[:p, p:].T
+    normal[p:, p:] = nuisance.T @ nuisance
+    right[p:] = nuisance.T @ force
+    return normal, right
+
+
+def _difference_penalty(basis: SplineHarmonics | None, size: int) -> FloatArray:
+    """The sum of squared differences of neighbouring control points as a quadratic form, (size, size)."""
+    penalty = np.zeros((size, size))
+    if basis is not None:
+        difference = np.diff(np.eye(basis.spline.control_points), axis=0)
+        p = basis.coefficients
+        penalty[:p, :p] = np.kron(difference.T @ difference, np.eye(2 * basis.terms))
+    return penalty
+
+
+Lines = npt.NDArray[np.bool_]
+
+WINDOW = 61  # lines of the running median that gives the noise level
+FEWEST = 8  # lines needed for a median
+FEWEST_FOR_SLOPE = 40  # lines needed for a slope of the noise; with fewer it is assumed white
+FLOOR = 1e-6  # of the rms force: smaller noise is rounding
+SIDEBAND = 0.25  # of the distance of two harmonics: a line this near to a harmonic is its modulation
+ROUNDS = 100  # of the search; each removes one component
+
+
+@dataclass(frozen=True)
+class Line:
+    """A significant line.
+
+    Attributes:
+        frequency: 1/m, that of the harmonic where it belongs to one.
+        harmonic: of the pitch, or None: no modulation of a harmonic either.
+        amplitude: V, of the strongest line of the component.
+    """
+
+    frequency: float
+    harmonic: int | None
+    amplitude: float
+
+
+class HarmonicSpectrum:
+    """The least-squares spectrum of a force around the harmonics of a pitch.
+
+    Lines stand at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
+    the distance of two harmonics: each harmonic exactly, and between them as many lines as the travel tells apart. The
+    power of a line is half of what its sine and cosine take off the sum of squares, so that white noise of variance
+    sigma^2 gives sigma^2 on average, at any positions. A harmonic whose amplitude changes along the travel (Lu et al.
+    2008, eq. 3) has lines beside it; those within a quarter of the distance of two harmonics count as its own.
+
+    Args:
+        position: m, (n,), in any order.
+        pitch: m.
+        highest: the last harmonic.
+
+    Attributes:
+        frequency: 1/m, (highest + 1, lines of a harmonic); row h belongs to harmonic h, row 0 to what is slower.
+        present: as `frequency`, whether f > 0.
+        near: as `frequency`, whether a line counts as its harmonic's own.
+        few: whether the lines are too few for a slope of the noise, which is then assumed white.
+        modulated: whether the travel is long enough (four pitches) to separate modulations from other harmonics.
+    """
+
+    def __init__(self, position: FloatArray, pitch: float, highest: int) -> None:
+        self.position, self.pitch = position, pitch
+        travel = float(np.ptp(position))
+        reach = int(0.5 * travel / pitch - 1e-9)
+        lines = float(highest + 1) + 2.0 * reach + 1.0
+        told = f"{len(position)} points by {lines:g} lines"
+        require_memory("position", POINT * len(position) * lines, told, f"{travel / pitch:g} pitches")
+        self.harmonic = np.arange(highest + 1)
+        offset = np.arange(-reach, reach + 1)
+        self.frequency: FloatArray = self.harmonic[:, None] / pitch + offset / travel
+        self.present = self.frequency > 0.0
+        self.near = (np.abs(offset) <= SIDEBAND * travel / pitch) & (self.harmonic[:, None] > 0)
+        self.few = bool(self.present.sum() < FEWEST_FOR_SLOPE)
+        self.modulated = bool(self.near.sum(axis=1).max() > 1)
+        # exp(i a) exp(i b) = exp(i (a + b)): two matrix products give all lines, without a loop over them.
+        centred = 2j * np.pi * (position - position.mean())
+        self._rows, self._columns = (
+            np.exp(np.outer(centred, self.harmonic / pitch)),
+            np.exp(np.outer(centred, offset / travel)),
+        )
+        twice = (self._rows**2).T @ self._columns**2
+        self._cc, self._ss, self._cs = (
+            (len(position) + twice.real) / 2,
+            (len(position) - twice.real) / 2,
+            twice.imag / 2,
+        )
+
+    def power(self, force: FloatArray, harmonics: slice = slice(None)) -> FloatArray:
+        """The power of every line, V^2, in the shape of `frequency` or of some of its rows; 0 where f <= 0."""
+        sums = (self._rows[:, harmonics] * force[:, None]).T @ self._columns
+        c, s, cc, ss, cs = sums.real, sums.imag, self._cc[harmonics], self._ss[harmonics], self._cs[harmonics]
+        # Where all points are near zeros of a sine only its cosine is determined.
+        determinant = np.maximum(cc * ss - cs**2, 1e-9 * len(self.position) ** 2)
+        return np.where(self.present[harmonics], 0.5 * (c * c * ss - 2.0 * c * s * cs + s * s * cc) / determinant, 0.0)
+
+    def amplitude(self, power: FloatArray) -> FloatArray:
+        """The amplitude (V) of a sinusoid that gives a power (V^2)."""
+        return np.sqrt(4.0 * power / len(self.position))
+
+    def around(self, frequency: float, modulated: bool) -> Lines:
+        """The lines that a component at a frequency (1/m) occupies, in the shape of `frequency`."""
+        reach = 0.5 / self.pitch if modulated else 1e-6 / self.pitch
+        return np.abs(self.frequency - frequency) <= reach
+
+    def level(self, power: FloatArray, taken: Lines, mean_square: float) -> tuple[FloatArray, float]:
+        """The noise level (V^2, in the shape of `frequency`) and its degrees of freedom.
+
+        The running median of the lines without a component, divided by ln 2: noise power is exponentially distributed,
+        and the median ignores the few significant lines. A power law in f is removed first if it is significant, since
+        friction is noisier over long distances. With too few lines the mean square of the force is used instead.
+
+        Args:
+            power: V^2, of a residual (see `power`).
+            taken: lines that are not noise, in the shape of `frequency`.
+            mean_square: V^2, of that residual.
+        """
+        free = np.flatnonzero((self.present & ~taken).ravel())
+        smallest = np.finfo(float).tiny
+        if free.size < FEWEST:
+            return np.full(self.frequency.shape, max(mean_square, smallest)), float(len(self.position))
+        log_frequency = np.log(np.where(self.present, self.frequency, self.frequency[self.present].min()).ravel())
+        log_power = np.log(np.maximum(power.ravel()[free], smallest))
+        slope = _slope(log_frequency[free], log_power)
+        window = min(WINDOW, free.size)
+        flat = np.lib.stride_tricks.sliding_window_view(log_power - slope * log_frequency[free], window)
+        first = np.clip(np.searchsorted(free, np.arange(log_frequency.size)) - window // 2, 0, free.size - window)
+        log_level = np.median(flat, axis=1)[first] - np.log(np.log(2.0)) + slope * log_frequency
+        # The median of w exponential values scatters as a chi-square of 2 (ln 2)^2 w degrees of freedom does.
+        level: FloatArray = np.exp(log_level).reshape(self.frequency.shape)
+        return level, 2.0 * np.log(2.0) ** 2 * window
+
+    def false_alarm(self, ratio: float, degrees: float) -> float:
+        """The probability that noise alone lifts any line of the spectrum to `ratio` times its level.
+
+        lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution, since the level is
+        itself an estimate.
+        """
+        tail = float(np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees)))
+        return min(1.0, float(self.present.sum()) * tail)
+
+    def find(
+        self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
+    ) -> list[Line]:
+        """The significant lines in the order found; each harmonic once.
+
+        The strongest line is removed with its modulation and the rest searched again, so that a strong harmonic
+        neither hides a weak one nor leaks into it.
+
+        Args:
+            force: V, (n,).
+            nuisance: columns of offset, friction and trend, (n, q), which are fitted with every component.
+            false_alarm: the probability at which a scan of noise alone yields any line.
+            taken: lines excluded from the start (see `taken_by`).
+        """
+        taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
+        rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
+        arithmetic = FLOOR**2 * float(np.mean(rest**2)) or 1.0
+        for _ in range(ROUNDS):
+            power = self.power(rest)
+            level, degrees = self.level(power, taken, float(np.mean(rest**2)))
+            ratio = power / np.maximum(level, arithmetic)
+            h, s = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+            if self.false_alarm(float(ratio[h, s]), degrees) > false_alarm:
+                break
+            own = bool(self.near[h, s])
+            frequency = float(h / self.pitch if own else self.frequency[h, s])
+            if all(line.frequency != frequency for line in found):
+                amplitude = float(self.amplitude(power)[h, s])
+                found.append(Line(frequency, int(h) if own else None, amplitude))
+            rest = rest - self._component(rest, nuisance, frequency)
+            taken |= self.around(frequency, self.modulated)
+        return found
+
+    def threshold(self, false_alarm: float, degrees: float) -> float:
+        """The ratio to its level at which a line has that false alarm: the inverse of `false_alarm`."""
+        return float(0.5 * degrees * np.expm1(2.0 / degrees * np.log(self.present.sum() / false_alarm)))
+
+    def taken_by(self, harmonics: Iterable[int], modulated: bool) -> Lines:
+        """The lines that harmonics occupy, in the shape of `frequency`."""
+        taken = ~self.present
+        for harmonic in harmonics:
+            taken |= self.around(harmonic / self.pitch, modulated)
+        return taken
+
+    def _component(self, force: FloatArray, nuisance: FloatArray, frequency: float) -> FloatArray:
+        """The least-squares part of a force at a frequency (spline of order 3, or constant) and of the nuisances."""
+        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
+        origin, periods = float(self.position.min()), [1.0 / frequency]
+        basis = SplineHarmonics(pitch=self.pitch, periods=periods, order=3, origin=origin, control_points=points)
+        normal, right = normal_equations(basis, self.position, force, nuisance)
+        p = basis.coefficients
+        normal[np.arange(p), np.arange(p)] += 1e-12 * float(np.max(np.diag(normal)[:p]))
+        coefficients = np.asarray(np.linalg.solve(normal, right), dtype=np.float64)
+        return predict(basis, coefficients, self.position, nuisance)
+
+
+def _slope(log_frequency: FloatArray, log_power: FloatArray) -> float:
+    """The exponent of a power law through the medians of equal groups of lines; 0 where it is not significant."""
+    if log_frequency.size < FEWEST_FOR_SLOPE:
+        return 0.0
+    groups = min(12, log_frequency.size // 5)
+    parts = np.array_split(np.argsort(log_frequency), groups)
+    x = np.array([np.mean(log_frequency[part]) for part in parts])
+    y = np.array([np.median(log_power[part]) for part in parts])
+    x -= x.mean()
+    slope = float(x @ y / (x @ x))
+    scatter = 1.0 / (np.log(2.0) * np.sqrt(log_frequency.size / groups))  # of the log of a median
+    return slope if abs(slope) > 2.0 * scatter / np.sqrt(x @ x) else 0.0
