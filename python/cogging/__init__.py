@@ -11,7 +11,7 @@ from cogging._core import controllers as _controllers
 from cogging._core import references as _references
 from cogging._core.controllers import *  # noqa: F403  (the lists stand in the core alone)
 from cogging._core.references import *  # noqa: F403
-from cogging.core_values import as_values
+from cogging.values import as_values
 
 with open(f"{__file__}i", encoding="utf-8") as _file:
     _STUB = ast.parse(_file.read())

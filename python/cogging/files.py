@@ -48,12 +48,7 @@ class FieldError(ValueError):
 
 
 def require_file(path: str | os.PathLike[str], called: str = "") -> int:
-    """Refuse what is no file with an end, before it is opened: a pipe would wait for ever. Its size in bytes.
-
-    Raises:
-        InputError: a directory, a device or a pipe.
-        OSError: it is not there.
-    """
+    """Refuse what is no file with an end, before it is opened: a pipe would wait for ever. Its size in bytes."""
     status = os.stat(path)
     if not stat.S_ISREG(status.st_mode):
         what = "a directory" if stat.S_ISDIR(status.st_mode) else "a device or pipe"
@@ -62,11 +57,7 @@ def require_file(path: str | os.PathLike[str], called: str = "") -> int:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Read a text file.
-
-    Raises:
-        InputError: the file is missing, cannot be read, is larger than MOST_TEXT or is no text.
-    """
+    """Read a text file."""
     try:
         size = require_file(path)
         with open(path, encoding="utf-8-sig") as file:
@@ -85,11 +76,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read a TOML file.
-
-    Raises:
-        InputError: the file cannot be read, breaks TOML's grammar, or holds what parse_toml refuses; names the line.
-    """
+    """Read a TOML file."""
     text = read_text(path)
     try:
         return parse_toml(text)
@@ -100,12 +87,7 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Parse TOML text.
-
-    Raises:
-        ValueError: it breaks TOML's grammar, or is nested without end.
-        FieldError: a number that 64 bits do not hold, which would be another one or infinite.
-    """
+    """Parse TOML text."""
     if re.search(DOTTED, text):  # the parser takes a time that grows as the square of their number
         raise ValueError(f"a key must have at most {DEEPEST} dots")
     _require_room(text)
@@ -126,11 +108,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def _require_room(text: str) -> None:
-    """Refuse what the parser would make too much of, before it begins.
-
-    Raises:
-        ValueError: too many keys, tables and lists, or too little memory.
-    """
+    """Refuse what the parser would make too much of, before it begins."""
     marks = sum(1 for _ in MARK.finditer(text))
     if marks > MOST_MARKS:
         raise ValueError(f"keys, tables and lists must be at most {MOST_MARKS} together, got {marks}")
@@ -155,11 +133,7 @@ def _float(text: str) -> float:
 
 
 def _entries(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """The values of a document with the keys that lead to them; entries of lists have their list's.
-
-    Raises:
-        ValueError: tables and lists are nested too deep.
-    """
+    """The values of a document with the keys that lead to them; entries of lists have their list's."""
     pending: list[tuple[tuple[str, ...], Any]] = [((), document)]
     for _ in range(DEEPEST + 1):
         below: list[tuple[tuple[str, ...], Any]] = []
@@ -202,11 +176,7 @@ def _header_in(line: str) -> str:
 
 
 def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str) -> None:
-    """Raise if a key is not known: an unknown key is an error, never ignored.
-
-    Raises:
-        FieldError: names the key and the known ones.
-    """
+    """Raise if a key is not known: an unknown key is an error, never ignored."""
     known = list(known)
     for key in given:
         if key not in known:
@@ -214,11 +184,7 @@ def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str
 
 
 def refuse_mistyped(given: Iterable[str], key: str, section: str, occurrence: int = 0) -> None:
-    """Raise if a key that must be given is not there, and one that is nearly it is.
-
-    Raises:
-        FieldError: names what stands there, and the key.
-    """
+    """Raise if a key that must be given is not there, and one that is nearly it is."""
     given = list(given)
     near = None if key in given else nearest_name(key, given)
     if near is not None:

@@ -34,9 +34,6 @@ def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPat
     Args:
         outputs: files that the call writes, by what asks for them (`--out`); None where nothing does.
         inputs: files that it reads, those that may stand beside them included (with_sidecars).
-
-    Raises:
-        InputError: an output is an input by whatever name, or another output, or cannot be written.
     """
     given = {name: path for name, path in outputs.items() if path is not None}
     read = list(inputs)
@@ -52,11 +49,7 @@ def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPat
 
 
 def require_folder() -> None:
-    """Refuse to work in a current folder that is gone: no name of a file means anything there.
-
-    Raises:
-        InputError: it was deleted, or may not be entered.
-    """
+    """Refuse to work in a current folder that is gone: no name of a file means anything there."""
     try:
         os.getcwd()
     except OSError as error:
@@ -64,11 +57,7 @@ def require_folder() -> None:
 
 
 def check_folder(path: AnyPath) -> None:
-    """Refuse a folder for results that is none and cannot be made, before anything is computed.
-
-    Raises:
-        InputError: a file stands there or on the way there, or nothing may be written there.
-    """
+    """Refuse a folder for results that is none and cannot be made, before anything is computed."""
     place = Path(os.path.realpath(path))
     while not place.exists() and place != place.parent:
         place = place.parent
@@ -80,11 +69,7 @@ def check_folder(path: AnyPath) -> None:
 
 @contextlib.contextmanager
 def made_folder(path: AnyPath) -> Iterator[None]:
-    """Make a folder for what is written within, with those on the way there; where that fails they go again.
-
-    Raises:
-        InputError: it cannot be made.
-    """
+    """Make a folder for what is written within, with those on the way there; where that fails they go again."""
     folder = Path(path)
     made = list(itertools.takewhile(lambda place: not os.path.lexists(place), (folder, *folder.parents)))
     try:
@@ -130,9 +115,6 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
     Args:
         files: pieces by path; None where no file is to stand.
         sync: data reach the disk before their names do, so that a power failure too leaves the old or the new.
-
-    Raises:
-        InputError: one cannot be written, or two are one file; no part file is left behind.
     """
     targets = {path: target_of(path) if pieces is not None else _own_place(path) for path, pieces in files.items()}
     for path, other in itertools.combinations(targets, 2):
@@ -224,11 +206,7 @@ def _new_file(part: Path, target: Path) -> IO[bytes]:
 
 
 def target_of(path: AnyPath, *, looks: int = 10) -> Path:
-    """The file that an output is written to, behind links.
-
-    Raises:
-        InputError: there is a folder, a device or a pipe, its folder is missing, or it may not be written.
-    """
+    """The file that an output is written to, behind links."""
     called = os.fspath(path) or "."
     try:
         target = Path(os.path.realpath(called))
@@ -280,11 +258,7 @@ def _place(path: AnyPath) -> str:
 
 
 def to_toml(document: Mapping[str, Any]) -> str:
-    """Format a document as TOML text, numbers to their last bit.
-
-    Raises:
-        ValueError: a key or a text in it that UTF-8 cannot hold; names its line.
-    """
+    """Format a document as TOML text, numbers to their last bit."""
     text = tomli_w.dumps(document)
     for line in text.splitlines() if any("\ud800" <= letter <= "\udfff" for letter in text) else ():
         if any("\ud800" <= letter <= "\udfff" for letter in line):

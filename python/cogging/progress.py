@@ -20,9 +20,6 @@ def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[C
         progress: as the user gave it.
         name: what takes long.
         total: how many steps there are, where it is known.
-
-    Raises:
-        TypeError: progress is neither.
     """
     if callable(progress):
         yield progress

@@ -21,11 +21,7 @@ RULE = "border-bottom: 1px solid currentColor; opacity: 0.75"
 
 
 def library(name: str, submodule: str = "") -> Any:
-    """Import a library, or a module of it.
-
-    Raises:
-        ImportError: it is not there; names the extra that brings it.
-    """
+    """Import a library, or a module of it."""
     import importlib
 
     try:
@@ -42,9 +38,6 @@ def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Ma
         columns: arrays by name, or rows of values by name.
         units: by name of a column; those of pure numbers and of words are left out.
         more: further entries of `attrs`.
-
-    Raises:
-        ImportError: pandas is not there; names the extra that brings it.
     """
     frame = library("pandas").DataFrame(dict(columns) if isinstance(columns, Mapping) else list(columns))
     frame.attrs.update(more)

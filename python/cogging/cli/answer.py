@@ -65,9 +65,6 @@ def give(
         files: what is written now, in pieces, by path; all or none.
         written: files that stand already and are named.
         next_command: the sensible next one (cogging.cli.next_command), or nothing.
-
-    Raises:
-        InputError: a file or standard output cannot be written.
     """
     asked = getattr(arguments, "json", None)
     told = "" if asked is None else to_json(document, indent=indent)

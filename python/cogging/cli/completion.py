@@ -41,11 +41,7 @@ def add_parser(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print the script.
-
-    Raises:
-        InputError: shtab is not installed.
-    """
+    """Print the script."""
     try:
         import shtab
     except ImportError:

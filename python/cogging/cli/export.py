@@ -80,11 +80,7 @@ def _options() -> list[tuple[Option, list[str]]]:
 
 
 def _given(arguments: argparse.Namespace, form: Form) -> dict[str, Any]:
-    """The options that were given.
-
-    Raises:
-        InputError: one that the form does not take.
-    """
+    """The options that were given."""
     taken = {option.name for option in form.options}
     given = {option.name: getattr(arguments, option.name) for option, _ in _options()}
     given = {name: value for name, value in given.items() if value is not None}

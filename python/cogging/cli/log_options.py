@@ -48,11 +48,7 @@ def options_of(arguments: argparse.Namespace, path: str) -> tuple[dict[str, Any]
 
 
 def read_logs(arguments: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
-    """Read logs as the options say.
-
-    Raises:
-        InputError: one cannot be read as a log, or an option names a file that is none of them.
-    """
+    """Read logs as the options say."""
     require_known(arguments, [*arguments.logs, *getattr(arguments, "confirm", ())])
     return [_read(arguments, path) for path in paths]
 
@@ -64,11 +60,7 @@ def _read(arguments: argparse.Namespace, path: str) -> Log:
 
 
 def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], path: str) -> dict[str, FloatArray]:
-    """Columns less what stands for their zero.
-
-    Raises:
-        InputError: a zero of a column that is not there.
-    """
+    """Columns less what stands for their zero."""
     for name in zero:
         if name not in columns:
             raise InputError(
@@ -78,11 +70,7 @@ def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], p
 
 
 def require_known(arguments: argparse.Namespace, paths: Sequence[str]) -> None:
-    """Refuse an option for a file that the call does not name.
-
-    Raises:
-        InputError: names the option, the file and those that there are.
-    """
+    """Refuse an option for a file that the call does not name."""
     for option in OPTIONS:
         for file in getattr(arguments, option):
             if file and not any(_means(file, path) for path in paths):

@@ -114,22 +114,14 @@ class Tell(argparse.Action):
 
 
 def require_whole(option: str, value: int, least: int, most: int) -> None:
-    """Refuse a whole number outside its range.
-
-    Raises:
-        InputError: names the option, the bound and the value.
-    """
+    """Refuse a whole number outside its range."""
     if not least <= value <= most:
         rule = f"at least {least}" if value < least else f"at most {most}"
         raise InputError(f"{option}: must be {rule}, got {quoted(value)}")
 
 
 def refuse_unknown(kind: str, name: str, known: Sequence[str]) -> None:
-    """Refuse a name that is none of those that are known.
-
-    Raises:
-        InputError: names them, and the nearest.
-    """
+    """Refuse a name that is none of those that are known."""
     if name not in known:
         told = quoted(printable(name))
         raise InputError(f"{kind}: must be one of {', '.join(known)}, got {told}{nearest(name, known)}")

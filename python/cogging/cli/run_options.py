@@ -24,21 +24,13 @@ def add_seed(command: argparse.ArgumentParser, of: str) -> None:
 
 
 def require_seed(arguments: argparse.Namespace) -> None:
-    """Refuse a seed that the generator cannot take.
-
-    Raises:
-        InputError: it is below 0 or has more than 64 bits.
-    """
+    """Refuse a seed that the generator cannot take."""
     require_whole("--seed", arguments.seed, 0, SEEDS - 1)
 
 
 @contextlib.contextmanager
 def naming_files(arguments: argparse.Namespace) -> Iterator[None]:
-    """Let an error that only the run itself can find name both files.
-
-    Raises:
-        InputError: in place of a ValueError that says neither.
-    """
+    """Let an error that only the run itself can find name both files."""
     try:
         yield
     except InputError:

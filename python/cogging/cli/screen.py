@@ -22,11 +22,7 @@ def stand_in_for_closed_streams() -> None:
 
 
 def require_open_output() -> None:
-    """Refuse a standard output that was closed before the command began, where a program is to read it.
-
-    Raises:
-        InputError: it was.
-    """
+    """Refuse a standard output that was closed before the command began, where a program is to read it."""
     if getattr(sys.stdout, "name", None) == os.devnull:  # what stands in; one that leads to it is named <stdout>
         raise InputError("standard output: must be open for what is asked, got a closed one")
 
@@ -40,9 +36,6 @@ def say(text: str, *, plain: bool = False) -> None:
     Args:
         text: of any number of lines.
         plain: what a program reads, which is never coloured.
-
-    Raises:
-        InputError: the output cannot be written, as on a full disk, or is closed where a program reads it.
     """
     if plain:
         require_open_output()

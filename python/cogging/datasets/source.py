@@ -50,9 +50,6 @@ class Source:
 
         Returns:
             Its path.
-
-        Raises:
-            InputError: it is not there; says where it was looked for, where the public gets it, and the licence.
         """
         for path in self.candidates(file, folder):
             if path.is_file():

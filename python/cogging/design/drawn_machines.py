@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray, real_array
-from cogging.memory import require_machines
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model
 from cogging.model.parameters import with_values
+from cogging.resources import require_machines
 
 DRAWS_MAX = 1000  # of one machine, until its values are valid
 

@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.design.controller_choice import chosen_controllers
 from cogging.design.drawn_machines import DrawnMachine, drawn_samples
@@ -20,6 +19,7 @@ from cogging.design.predicted_error import INDEXES, ControllerPrediction, ErrorP
 from cogging.model.controller import AnyController
 from cogging.model.intervals import Interval, Intervals
 from cogging.model.model import Model, is_number
+from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs

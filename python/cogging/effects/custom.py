@@ -299,11 +299,7 @@ def compiled_function(function: Any) -> Any:
 
 
 def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
-    """The names of what a law takes, places first.
-
-    Raises:
-        ValueError: it is no function, or takes what is neither a place of its hook nor a parameter.
-    """
+    """The names of what a law takes, places first."""
     if compiled_function(function) is not None:
         return _compiled_arguments(label, compiled_function(function), hook, parameters)
     if not callable(function):
@@ -376,11 +372,7 @@ def _checked_kinds(name: str, kinds: tuple[Any, ...], parameters: Mapping[str, P
 
 
 def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:
-    """Effects of the user's own by their names; `taken`: others beside which they stand.
-
-    Raises:
-        ValueError: what is no Custom, or two that are not the same under one name.
-    """
+    """Effects of the user's own by their names; `taken`: others beside which they stand."""
     found: dict[str, Custom] = {}
     for effect in effects:
         if not isinstance(effect, Custom):
@@ -393,11 +385,7 @@ def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]
 
 
 def refuse_two_of_one_name(effects: Iterable[Any]) -> None:
-    """Refuse effects of one name that are not the same law.
-
-    Raises:
-        ValueError: two Customs of one name with different definitions.
-    """
+    """Refuse effects of one name that are not the same law."""
     first: dict[str, Custom] = {}
     for effect in effects:
         if isinstance(effect, Custom) and not first.setdefault(effect.NAME, effect).same_definition(effect):

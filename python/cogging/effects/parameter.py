@@ -98,11 +98,7 @@ def role_of_parameter(parameter: Parameter, rubs: bool = False) -> dict[str, Any
 
 
 def valid_value(effect: str, name: str, parameter: Parameter, value: Any) -> float | list[float]:
-    """A value of a parameter, as a float or a list of floats.
-
-    Raises:
-        ValueError: it is not finite, of another kind than the parameter, or not above 0 where the search is.
-    """
+    """A value of a parameter, as a float or a list of floats."""
     listed = not isinstance(parameter.value, int | float)
     try:
         numbers = [float(one) for one in value] if listed else [float(value)]

@@ -95,12 +95,7 @@ def to_control(
     sample_rate: float | None = None,
     pade: int = 3,
 ) -> ControlLoop:
-    """Linearise a model and its controller (see Model.to_control).
-
-    Raises:
-        ImportError: python-control is not there; names the extra.
-        ValueError: friction has no slope at this speed, the controller is not linear, or a number is out of range.
-    """
+    """Linearise a model and its controller (see Model.to_control)."""
     control = _library()
     if sample_rate is None:
         if model.controller is None:
@@ -132,11 +127,7 @@ def to_control(
 
 
 def _polynomials(model: Model, speed: float | None, sample_rate: float) -> Polynomials | None:
-    """Numerator and denominator of C(z), or None of a model without a controller.
-
-    Raises:
-        ValueError: it has no such form, or runs at another rate.
-    """
+    """Numerator and denominator of C(z), or None of a model without a controller."""
     if model.controller is None:
         return None
     found = linear_controller(model, speed=speed)
@@ -169,11 +160,7 @@ def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, F
 
 
 def _library() -> Any:
-    """python-control.
-
-    Raises:
-        ImportError: it is not there; names the extra that brings it.
-    """
+    """python-control."""
     try:
         return importlib.import_module("control")
     except ImportError as error:

@@ -139,11 +139,6 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
     Returns:
         The header, and what it takes of the model.
-
-    Raises:
-        FieldError: the model has no controller.
-        ValueError: the name is none in C++.
-        InputError: the package is without the headers of the core.
     """
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
@@ -159,11 +154,7 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
 
 def require_name(name: str) -> None:
-    """Refuse a name that is none in C++, or that the language has taken.
-
-    Raises:
-        ValueError: names the rule and the value.
-    """
+    """Refuse a name that is none in C++, or that the language has taken."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name or TAKEN.fullmatch(name):
         rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63, no word of the language"
         raise ValueError(f"name: {rule}, got {quoted(name)}")
@@ -197,11 +188,7 @@ def inlined(first: str) -> tuple[str, list[str]]:
 
 
 def licence() -> str:
-    """The text of the licence under which the core may be passed on.
-
-    Raises:
-        InputError: it is neither with the installed package nor beside the sources.
-    """
+    """The text of the licence under which the core may be passed on."""
     beside = SOURCES.parent / "LICENSE"
     told = importlib.metadata.distribution("cogging").read_text("licenses/LICENSE")
     if told:

@@ -122,10 +122,6 @@ def frame_of(
         zero: x at the drive's position 0.
         reverse: whether the drive counts and pushes the other way.
         turn: x of one revolution; None: 2 pi where the model's position is in rad, else a linear axis.
-
-    Raises:
-        ValueError: the model has no map; a number is out of its range; the units differ and no scale says by how much;
-            a period does not close on the turn.
     """
     known = [one.resolved(model.axis, model.cogging) for one in model.effects]
     waves = tuple(one for one in known if isinstance(one, CoggingEffect))
@@ -171,11 +167,7 @@ def _scale(model: Model, unit: str, scale: float | None) -> float:
 
 
 def require_closed(frame: Frame) -> None:
-    """Refuse a map that is not the same after a turn of a rotary axis.
-
-    Raises:
-        ValueError: a period does not go into the turn a whole number of times.
-    """
+    """Refuse a map that is not the same after a turn of a rotary axis."""
     if frame.turn == 0.0:
         return
     for period in frame.periods:

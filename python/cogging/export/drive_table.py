@@ -116,9 +116,6 @@ def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int 
         law: how it reads its table.
         quantum: of an entry, in the drive's unit; 0 = rounded to 24 bits; None = not rounded.
         steps: where entries are whole numbers from -steps to steps and a factor of 24 bits: that number.
-
-    Raises:
-        ValueError: an entry is too large for the drive's numbers.
     """
     values = folded(frame, law, law.places)
     if steps:

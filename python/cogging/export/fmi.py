@@ -75,11 +75,6 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
 
     Returns:
         The unit, a zip archive, and what it takes of the model.
-
-    Raises:
-        FieldError: there is neither a controller nor a sample rate, or an effect is of the user's own.
-        ValueError: the name or the sample rate cannot be used.
-        InputError: the package is without the unit's library.
     """
     require_name(name)
     rate = _rate(model, sample_rate)
@@ -113,11 +108,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
 
 
 def find_library() -> Path:
-    """The library for units that was built with this package.
-
-    Raises:
-        InputError: there is none: a source tree in which it was not built.
-    """
+    """The library for units that was built with this package."""
     file = LIBRARY + SUFFIXES[_system()]
     built = sorted((SOURCES.parent / "build").glob(f"*/cpp/fmi/{file}"), key=lambda path: path.stat().st_mtime)
     for path in (*(folder / file for folder in installed("share/fmi")), *reversed(built)):

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.files import InputError
 from cogging.first_model.column_guess import ColumnGuesses
@@ -24,6 +23,7 @@ from cogging.log_check.recovery import recover_controller
 from cogging.log_check.time_base import on_its_clock
 from cogging.logs.log import Log, read_log, require_sizes, units_beside
 from cogging.model.units import UNIT_KEYS, Units
+from cogging.resources import on_one_blas_thread
 
 FILE = Kind((Log, *PATH), "a Log or the path of a log file")
 ROWS_OF_CONTROLLER = 50_000  # in which its gains are sought

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging.arrays import FloatArray, IntArray, real_array
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import did_you_mean, takes
 from cogging.friction.law import FrictionParameter, Law, steady_friction
 from cogging.model.units import UNITS, Units
+from cogging.resources import on_one_blas_thread
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 

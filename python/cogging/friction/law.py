@@ -8,10 +8,9 @@ import numpy as np
 
 from cogging._core import smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, least_squares
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
-from cogging.linear import least_squares
 from cogging.model.units import Units
 from cogging.values import ByValue
 

@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.log_check.controller import ControllerCheck, check_controller
 from cogging.log_check.encoder_quantum import encoder_quantum
 from cogging.log_check.outliers import find_outliers
 from cogging.logs.log import READ_WITH, Log, require_sizes
-from cogging.memory import require_rows
 from cogging.model.model import Model
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread, require_rows
 from cogging.simulation.arguments import LOG, MODEL_OR_NONE
 from cogging.values import ByValue
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.log_check.command_comparison import Compared, compared, root_mean_square
 from cogging.log_check.controller_gains import fit_gains, linear_regressors
@@ -16,6 +15,7 @@ from cogging.log_check.controller_samples import LONG
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 

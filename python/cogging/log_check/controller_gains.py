@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import replay_controller
-from cogging.arrays import FloatArray, Mask
-from cogging.linear import least_squares
+from cogging.arrays import FloatArray, Mask, least_squares
 from cogging.log_check.command_comparison import Compared, doubted_commands, root_mean_square
 from cogging.log_check.controller_samples import Samples
 from cogging.model.model import CONTROLLERS, Model

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray, IntArray, Mask
-from cogging.correlation import cross_correlation
+from cogging.arrays import FloatArray, IntArray, Mask, cross_correlation
 from cogging.logs.log import Log
 
 WINDOW = 500  # rows that are looked at together

@@ -58,10 +58,6 @@ def read_columns(
 
     Returns:
         The columns by name, each (n,).
-
-    Raises:
-        InputError: a missing column, text in a number, a NaN, no rows, columns of different lengths, a broken file, a
-            library that is not installed; names file, line or row, column, and the value.
     """
     request = _request(path, names, optional, columns, scale, rows, progress)
     kind = format_of(path)
@@ -80,11 +76,7 @@ def read_columns(
 
 
 def survey_columns(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
-    """The names of all columns of a file of any format, each with the unit that the file states apart from it or "".
-
-    Raises:
-        InputError: the file cannot be read, or is a text table without a header row.
-    """
+    """The names of all columns of a file of any format, each with the unit that the file states apart from it or ""."""
     request = Request(path, (), survey=[])
     kind = format_of(path)
     if kind is None:
@@ -119,11 +111,7 @@ def _request(
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
-    """What a file is, by its first bytes: a key of FORMATS, or None for text.
-
-    Raises:
-        InputError: it cannot be read, is no file, is empty of what its suffix promises, or is of a known other kind.
-    """
+    """What a file is, by its first bytes: a key of FORMATS, or None for text."""
     try:
         require_file(path)
         with open(path, "rb") as file:

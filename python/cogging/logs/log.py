@@ -18,12 +18,12 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import format_rows
 from cogging.arrays import FloatArray, no_number_in
-from cogging.calls import PATHS, takes, told_constructor
+from cogging.calls import PATHS, check_arguments, check_constructor
 from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
-from cogging.memory import require_table
 from cogging.model.units import Units
 from cogging.outputs import Checksum, checksum_of, sidecar, target_of, to_toml, write_files
+from cogging.resources import require_table
 from cogging.shown import quoted
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
@@ -46,7 +46,7 @@ COLUMN_UNITS |= {"reference_velocity": "m/s", "reference_acceleration": "m/s^2"}
 COLUMN_UNITS |= {"true_position": "m", "true_velocity": "m/s"}
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Log(ByValue):
     """One run of an axis, measured or simulated: one row a sample.
@@ -247,11 +247,7 @@ class Log(ByValue):
 
 
 def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:
-    """A column as a read-only float64 array; a view of what is one already.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """A column as a read-only float64 array; a view of what is one already."""
     array = given if type(given) is np.ndarray and given.dtype.kind != "O" else _array(name, given)
     if isinstance(given, list | tuple) and (found := no_number_in(given)):
         raise ValueError(f"{name}: must be real numbers, got {found[0]!r} among them")
@@ -309,7 +305,7 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-@takes(path=PATHS)
+@check_arguments(path=PATHS)
 def read_log(
     path: str | os.PathLike[str],
     *,
@@ -356,20 +352,12 @@ def read_log(
 
 
 def units_beside(path: str | os.PathLike[str]) -> Units | None:
-    """Labels of command and position that the metadata beside a log tell; None where there are none.
-
-    Raises:
-        InputError: the file beside it cannot be used.
-    """
+    """Labels of command and position that the metadata beside a log tell; None where there are none."""
     return _units_told(_metadata_beside(path))
 
 
 def _metadata_beside(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The metadata beside a log; its checksum, where one stands there, is compared and left out.
-
-    Raises:
-        InputError: the file cannot be used, or was written beside another log.
-    """
+    """The metadata beside a log; its checksum, where one stands there, is compared and left out."""
     beside = Path(sidecar(path))
     metadata = read_toml(beside) if beside.exists() else {}
     expected, found = metadata.pop(CHECKSUM, None), None
@@ -403,12 +391,7 @@ def _require_sidecar(path: str) -> None:
 
 
 def require_sizes(log: Log) -> None:
-    """Refuse a log whose numbers cannot be squared and divided: of no machine, but of a file that went wrong.
-
-    Raises:
-        ValueError: a column above LARGEST in size; a position or command that is not constant or zero but below
-            SMALLEST; rows closer than SHORTEST on average. Names column, rule and value.
-    """
+    """Refuse a log whose numbers cannot be squared and divided: of no machine, but of a file that went wrong."""
     for name, values in log.columns().items():
         size = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
         if size > LARGEST:

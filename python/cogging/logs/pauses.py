@@ -19,9 +19,6 @@ def running_time(time: FloatArray) -> FloatArray:
     """The time of rows without what their pauses have beyond CUT, s, (n,); `time` itself where pauses do not matter.
 
     They do where rows at the median step would be more than SPARSE times the rows there are: a pause of a day.
-
-    Raises:
-        ValueError: even then the rows fill hardly any of the time.
     """
     steps = np.diff(time)
     step = float(np.median(steps))
@@ -38,11 +35,7 @@ def running_time(time: FloatArray) -> FloatArray:
 
 
 def without_pauses(log: Log) -> tuple[Log, str]:
-    """The log with its pauses cut (see running_time), and what is to be said of that; the log itself and "" if none is.
-
-    Raises:
-        ValueError: its rows fill hardly any of the time.
-    """
+    """The log with its pauses cut (see running_time), and what is to be said of that; the log itself and "" if none is."""
     running = running_time(log.time)
     if running is log.time:
         return log, ""

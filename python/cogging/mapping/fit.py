@@ -8,7 +8,6 @@ import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.mapping.direction import MOST_TERMS as MOST_DIRECTION_TERMS
 from cogging.mapping.direction import find_direction_lines
@@ -19,6 +18,7 @@ from cogging.mapping.scan import Scan, read_scan
 from cogging.mapping.spectrum import HarmonicSpectrum, Line
 from cogging.mapping.spline_fit import FOLDS, SplineFit, cross_validate, fit_splines
 from cogging.model.units import UNITS, Units
+from cogging.resources import on_one_blas_thread
 
 ORDERS = (0, 1, 2, 3, 4)  # compared where none is given; 0 = periodic
 MOST_TERMS = 32  # of SplineHarmonics

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from cogging._core import SplineHarmonics, require_memory
 from cogging.arrays import FloatArray
 from cogging.mapping.spline_fit import normal_equations, predict
-from cogging.memory import POINT
+from cogging.resources import POINT
 
 Lines = npt.NDArray[np.bool_]
 

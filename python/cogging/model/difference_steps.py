@@ -24,11 +24,7 @@ class DifferenceStep:
 
 
 def central(model: Model, parameter: Parameter, step: float) -> DifferenceStep:
-    """A step to either side; to one side alone where the other breaks the rule of the parameter's field.
-
-    Raises:
-        ValueError: both break it.
-    """
+    """A step to either side; to one side alone where the other breaks the rule of the parameter's field."""
     ends = []
     for value in (parameter.value + step, parameter.value - step):
         try:
@@ -42,11 +38,7 @@ def central(model: Model, parameter: Parameter, step: float) -> DifferenceStep:
 
 
 def one_sided(model: Model, parameter: Parameter, step: float) -> DifferenceStep:
-    """A step up from the model, or down where up breaks the rule of the parameter's field: enough for what is linear.
-
-    Raises:
-        ValueError: both break it.
-    """
+    """A step up from the model, or down where up breaks the rule of the parameter's field: enough for what is linear."""
     for signed in (step, -step):
         try:
             return DifferenceStep(with_values(model, {parameter.path: parameter.value + signed}), model, signed)

@@ -47,9 +47,6 @@ class Intervals:
             model: with or without `[bounds]`.
             default: by parameter path or its beginning (`"cogging"`, `"cogging.sine"`); the longest that fits counts.
             beside: keys of `default` that are not for parameters.
-
-        Raises:
-            ValueError: a path that the model has not, a default that is not a finite interval.
         """
         self.model = model
         self._parameters = parameters_of(model)
@@ -89,11 +86,7 @@ class Intervals:
         return self._parameters[path].value
 
     def of(self, path: str) -> Interval | None:
-        """The finite 95 % interval of a parameter, or None where nothing says that it is not exact.
-
-        Raises:
-            ValueError: the interval is infinite and no default is given, or it does not hold the model's value.
-        """
+        """The finite 95 % interval of a parameter, or None where nothing says that it is not exact."""
         value = self.value(path)
         fallback = self._fallback(path)
         if path in self.model.intervals:

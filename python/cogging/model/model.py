@@ -21,8 +21,7 @@ from cogging._core import (
     Plant,
     SplineHarmonics,
 )
-from cogging.calls import told_constructor
-from cogging.core_values import line_of
+from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
@@ -32,7 +31,7 @@ from cogging.outputs import to_toml, write_files, write_text
 from cogging.plot.results import whole_model
 from cogging.shown import nearest, quoted
 from cogging.tables import html_table
-from cogging.values import ByValue
+from cogging.values import ByValue, line_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,7 +52,7 @@ STEPS_MAX = 10_000  # a sample, of those that may be asked for
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Model(ByValue):
     """An axis as a model file describes it: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects.
@@ -326,11 +325,7 @@ class Model(ByValue):
 
 
 def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurrence: int = 0) -> Any:
-    """Make a C++ parameter struct from a section, with the struct's own defaults and rules.
-
-    Raises:
-        FieldError: an unknown key, a value of the wrong type, or one that breaks the struct's rule.
-    """
+    """Make a C++ parameter struct from a section, with the struct's own defaults and rules."""
     try:
         refuse_unknown_keys(section, struct.FIELDS, name)
         defaults = struct().to_dict()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import AxisParameters, CoggingModel
-from cogging.calls import Kind, takes
+from cogging.calls import Kind, check_arguments
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.model.model import Model
 from cogging.model.units import Units
@@ -124,7 +124,7 @@ class Scales:
         return 1e-3 * max(size, 0.1 * self.of(parameter.dimension))
 
 
-@takes(model=Kind((Model,), "a Model"))
+@check_arguments(model=Kind((Model,), "a Model"))
 def parameters_of(model: Model, *, together: bool = False) -> dict[str, Parameter]:
     """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects.
 
@@ -187,11 +187,7 @@ def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
 
 
 def effect_at(model: Model, path: str) -> Effect:
-    """The effect to which a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]` belongs.
-
-    Raises:
-        ValueError: the model has no effect with a field of this path.
-    """
+    """The effect to which a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]` belongs."""
     prefix, field = _effect_and_field(path)
     effect = dict(effect_paths(model.effects)).get(prefix)
     if effect is None or field not in effect.FIELDS:
@@ -200,11 +196,7 @@ def effect_at(model: Model, path: str) -> Effect:
 
 
 def role_at(model: Model, path: str) -> Mapping[str, Any]:
-    """What the core says of a field of an effect: its entry of ROLES (see cogging.effects).
-
-    Raises:
-        ValueError: the model has no effect with a field of this path.
-    """
+    """What the core says of a field of an effect: its entry of ROLES (see cogging.effects)."""
     return effect_at(model, path).ROLES[_effect_and_field(path)[1]]
 
 
@@ -217,11 +209,7 @@ def role_of(model: Model, path: str) -> str:
 
 
 def with_values(model: Model, values: Mapping[str, float]) -> Model:
-    """A copy of the model with the numbers at these paths changed.
-
-    Raises:
-        ValueError: a path that the model has not, or a value that breaks its field's rule.
-    """
+    """A copy of the model with the numbers at these paths changed."""
     axis: dict[str, float] = {}
     tables: dict[str, Any] = {}
     effects: dict[int, dict[str, Any]] = {}

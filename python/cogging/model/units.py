@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cogging.calls import Kind, told_constructor
+from cogging.calls import Kind, check_constructor
 from cogging.files import FieldError, refuse_unknown_keys
 from cogging.shown import quoted
 from cogging.values import ByValue
@@ -19,7 +19,7 @@ LABEL = r"[^\W\d_][\w^*/.()%-]{0,11}|%"
 WORD = re.compile(r"(?<![A-Za-z*·])([kmunµ]?)([Vm])(?![A-Za-z])")
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Units(ByValue):
     """Labels of the command's and the position's unit, `[units]` of a model file: numbers stay as they are.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cogging.calls import described, takes
+from cogging.calls import check_arguments, described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,18 +52,14 @@ def styled() -> Iterator[None]:
 
 
 def drawn(function: F) -> F:
-    """Draw in the style of this package, and refuse a mistyped keyword in one line (a decorator).
-
-    Raises:
-        TypeError: when the function is called so.
-    """
+    """Draw in the style of this package, and refuse a mistyped keyword in one line (a decorator)."""
 
     @functools.wraps(function)
     def asked(*given: Any, **named: Any) -> Any:
         with styled():
             return function(*given, **named)
 
-    return takes()(asked)  # type: ignore[return-value]
+    return check_arguments()(asked)  # type: ignore[return-value]
 
 
 def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
@@ -87,11 +83,7 @@ def _has_windows(pyplot: Any) -> bool:
 
 
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
-    """The axes that are given, or those of a new figure.
-
-    Raises:
-        TypeError: `ax` is something else.
-    """
+    """The axes that are given, or those of a new figure."""
     if ax is None:
         return grid_of(None, 1, 1, size=size)[0]
     from matplotlib.axes import Axes
@@ -111,12 +103,7 @@ def grid_of(
     sharex: bool = False,
     window: bool = True,
 ) -> Panels:
-    """The axes that are given, rows times columns of them in any shape, or those of a new figure.
-
-    Raises:
-        TypeError: `ax` is something else.
-        ValueError: of another number.
-    """
+    """The axes that are given, rows times columns of them in any shape, or those of a new figure."""
     if ax is None:
         from cogging.plot.shown_figure import ShownAxes
 

@@ -28,10 +28,6 @@ def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
     Returns:
         Parts in the order in which they were found: `retuned`, one `effect` each, the `rest` that nothing explains, and
         the `floor` that noise and quantiser leave. A share below 0 made the gap larger.
-
-    Raises:
-        TypeError: it is something else.
-        ValueError: it has no gap.
     """
     gap, steps = getattr(diagnosis, "gap", None), getattr(diagnosis, "ledger", None)
     if gap is None or steps is None:

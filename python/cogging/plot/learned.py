@@ -133,10 +133,6 @@ def estimates_of(stated: Any, count: int, names: Sequence[str] | None = None, un
         count: of columns.
         names: of the columns, or None.
         units: labels of command and position, or None.
-
-    Raises:
-        ValueError: another number of names or bounds.
-        TypeError: `stated` is something else.
     """
     fields = _fields(stated)
     own = [Estimate(f"[{i}]", "1") for i in range(count)] if fields is None else _of_controller(fields, count, units)

@@ -91,12 +91,7 @@ def cogging_map(
 
 
 def model_of(thing: Any) -> CoggingModel:
-    """The cogging model that a thing is or has.
-
-    Raises:
-        ValueError: a model without one.
-        TypeError: it is something else.
-    """
+    """The cogging model that a thing is or has."""
     found = thing if isinstance(thing, CoggingModel) else getattr(thing, "cogging", thing)
     if found is None:
         raise ValueError("cogging: must be in the model to be drawn, got a model without [cogging]")

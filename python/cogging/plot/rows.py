@@ -31,9 +31,6 @@ def numbers(name: str, values: npt.ArrayLike, length: int | None = None) -> Floa
         name: of the argument.
         values: (n,).
         length: n, or None.
-
-    Raises:
-        ValueError: they are something else.
     """
     try:
         array = np.asarray(values, dtype=np.float64)
@@ -63,11 +60,7 @@ def names_of(log: Any) -> list[str]:
 
 
 def column(log: Any, name: str, argument: str = "columns") -> FloatArray:
-    """A column by name; `error` is position minus reference.
-
-    Raises:
-        ValueError: there is no such column.
-    """
+    """A column by name; `error` is position minus reference."""
     known = names_of(log)
     if name != "time" and name not in known:
         raise ValueError(f"{argument}: must be columns of the log, got {name!r}: {did_you_mean(name, known)}")
@@ -79,21 +72,13 @@ def column(log: Any, name: str, argument: str = "columns") -> FloatArray:
 
 
 def require_table(log: Any, argument: str = "log") -> None:
-    """Refuse what has no columns over time.
-
-    Raises:
-        TypeError: it is something else.
-    """
+    """Refuse what has no columns over time."""
     if not is_table(log):
         raise TypeError(f"{argument}: must be a Log, or columns by name with `time`, got {described(log)}")
 
 
 def several(logs: Any) -> dict[str, Any]:
-    """Logs by name: of one log, of several in a row, or of a mapping from names to logs.
-
-    Raises:
-        TypeError: they are something else.
-    """
+    """Logs by name: of one log, of several in a row, or of a mapping from names to logs."""
     if is_table(logs):
         return {"": logs}
     if isinstance(logs, Mapping):

@@ -46,9 +46,6 @@ def scale_of(unit: str, *values: npt.ArrayLike | None, units: Any = None) -> Sca
         unit: of the values, in the terms of this package: "m", "V", "V/(m/s)"; "1" of a pure number.
         values: arrays of any shape; None and what is not finite count for nothing.
         units: labels of the model (cogging.Units), or None.
-
-    Raises:
-        TypeError: `units` is something else.
     """
     label = labelled(unit, units)
     if unit == "1":
@@ -66,11 +63,7 @@ def scale_of(unit: str, *values: npt.ArrayLike | None, units: Any = None) -> Sca
 
 
 def labelled(unit: str, units: Any) -> str:
-    """A unit of this package in the labels of a model (cogging.Units), or as it is without any.
-
-    Raises:
-        TypeError: `units` is something else.
-    """
+    """A unit of this package in the labels of a model (cogging.Units), or as it is without any."""
     if units is None:
         return unit
     if not callable(getattr(units, "of", None)):

@@ -12,7 +12,7 @@ import numpy as np
 from cogging import _core, plot
 from cogging._core import DivergedError, Plant, Reference
 from cogging.arrays import FloatArray
-from cogging.calls import described, takes
+from cogging.calls import check_arguments, described
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.model.units import UNITS, Units
@@ -181,7 +181,7 @@ class Batch(ByValue, Sequence[Log]):
         )
 
 
-@takes(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER, units=UNITS)
+@check_arguments(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER, units=UNITS)
 def closed_loop_batch(
     plants: Sequence[Plant],
     controllers: Sequence[AnyController],

@@ -7,13 +7,13 @@ import numpy.typing as npt
 from cogging import _core
 from cogging._core import Plant, Reference
 from cogging.arrays import real_array
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.simulation.arguments import MOTION, PLANT
 
 
-@takes(plant=PLANT, reference=MOTION)
+@check_arguments(plant=PLANT, reference=MOTION)
 def closed_loop(
     plant: Plant,
     controller: AnyController,

@@ -68,11 +68,7 @@ class _Description:
         self._met: dict[Any, tuple[int, Any]] = {}  # kept alive, so that no other gets their place
 
     def of(self, value: Any) -> Any:
-        """A value.
-
-        Raises:
-            Exception: it cannot be said what the value is made of.
-        """
+        """A value."""
         kind = type(value)
         if kind in PLAIN:
             return [kind.__name__, repr(value)]
@@ -140,11 +136,7 @@ class _Description:
 
 
 def _reference(value: Any, name: str) -> list[str]:
-    """What a library or a compiled module holds, by its name there.
-
-    Raises:
-        LookupError: it is no such thing.
-    """
+    """What a library or a compiled module holds, by its name there."""
     module = sys.modules[getattr(value, "__module__", None) or pickle.whichmodule(value, name)]  # type: ignore[attr-defined]
     found: Any = module
     for part in name.split("."):

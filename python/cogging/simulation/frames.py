@@ -18,11 +18,7 @@ from cogging.tables import frame_of, library
 
 
 def to_pandas(table: Mapping[str, Any]) -> Any:
-    """A pandas DataFrame of columns by name.
-
-    Raises:
-        ImportError: pandas is not there; names the extra.
-    """
+    """A pandas DataFrame of columns by name."""
     return library("pandas").DataFrame(dict(table))
 
 
@@ -32,9 +28,6 @@ def to_frame(table: Mapping[str, Any], units: Mapping[str, str] = types.MappingP
     Args:
         table: arrays by name, (runs,).
         units: by name, beside those of `unit_of`.
-
-    Raises:
-        ImportError: pandas is not there; names the extra.
     """
     return frame_of(table, _units(table, units))
 
@@ -52,9 +45,6 @@ def to_xarray(
         table: arrays by name, (runs,).
         columns: arrays by name, one a run.
         units: by name, beside those of `unit_of`.
-
-    Raises:
-        ImportError: xarray is not there; names the extra.
     """
     xarray = library("xarray")
     variables: dict[str, Any] = {name: ("run", np.asarray(values)) for name, values in table.items() if name != "run"}
@@ -74,12 +64,7 @@ def write_frame(
     table: Mapping[str, Any],
     units: Mapping[str, str] = types.MappingProxyType({}),
 ) -> None:
-    """Write a table, whole or not at all: Parquet where the name ends so, with `units` of its columns, else CSV.
-
-    Raises:
-        InputError: the file cannot be written.
-        ImportError: pyarrow is not there; names the extra.
-    """
+    """Write a table, whole or not at all: Parquet where the name ends so, with `units` of its columns, else CSV."""
     write_bytes(path, frame_bytes(path, table, units))
 
 
@@ -89,11 +74,7 @@ def is_parquet(path: str | os.PathLike[str]) -> bool:
 
 
 def frame_bytes(path: str | os.PathLike[str], table: Mapping[str, Any], units: Mapping[str, str]) -> bytes:
-    """A table as the file of this name holds it.
-
-    Raises:
-        ImportError: pyarrow is not there; names the extra.
-    """
+    """A table as the file of this name holds it."""
     if is_parquet(path):
         pyarrow, parquet = library("pyarrow"), library("pyarrow", "parquet")
         sink, known = io.BytesIO(), _units(table, units)

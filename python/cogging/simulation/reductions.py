@@ -72,11 +72,7 @@ class Kept(NamedTuple):
 
 
 def reduction(name: str) -> tuple[str, str, float]:
-    """Quantity, kind and number of a reduction by its name, such as `error_quantile(0.95)`.
-
-    Raises:
-        ValueError: no such reduction.
-    """
+    """Quantity, kind and number of a reduction by its name, such as `error_quantile(0.95)`."""
     found = NAMED.fullmatch(name)
     if found is None:
         known = [f"{quantity}_{kind}" for quantity in QUANTITIES for kind in PLAIN]
@@ -105,11 +101,7 @@ def unit_of(name: str) -> str:
 
 
 def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
-    """The names of all that is kept of a run: the indexes, then what else was asked for.
-
-    Raises:
-        ValueError: a reduction that is none, or one that was asked for twice.
-    """
+    """The names of all that is kept of a run: the indexes, then what else was asked for."""
     names = (*INDEXES, *(name for name in reductions if name not in INDEXES))
     for name in names:
         if names.count(name) > 1:
@@ -118,11 +110,7 @@ def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
 
 
 def require_reductions(names: Sequence[str]) -> None:
-    """Refuse names that are no reductions before anything runs.
-
-    Raises:
-        ValueError: names the first, with the nearest.
-    """
+    """Refuse names that are no reductions before anything runs."""
     for name in names_of(names)[len(INDEXES) :]:
         reduction(name)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from cogging import _core
 from cogging._core import Reference, Sampled
-from cogging.calls import PATHS, takes
+from cogging.calls import PATHS, check_arguments
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
@@ -27,7 +27,7 @@ REFERENCES: dict[str, tuple[Any, Any]] = {
 SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
 
 
-@takes(path=PATHS)
+@check_arguments(path=PATHS)
 def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
     """Read a reference file (TOML): the motion and its `duration` (s; 0 = the motion's own end).
 
@@ -54,21 +54,13 @@ def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
 
 
 def files_of_reference(path: str | os.PathLike[str]) -> list[str | os.PathLike[str]]:
-    """A reference file and the table of samples that it names, if it does.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
+    """A reference file and the table of samples that it names, if it does."""
     file = read_toml(path).get("file")
     return [path, Path(path).parent / file] if isinstance(file, str) else [path]
 
 
 def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> tuple[Reference, float]:
-    """Make a motion from the fields of a reference file; `file` of a sampled one is sought in `folder`.
-
-    Raises:
-        FieldError: a ValueError that names field, rule and value.
-    """
+    """Make a motion from the fields of a reference file; `file` of a sampled one is sought in `folder`."""
     fields = dict(document)
     refuse_mistyped(fields, "type", "")
     kind = fields.pop("type", None)
@@ -88,11 +80,7 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
 
 
 def reference_to_dict(reference: Reference) -> dict[str, Any]:
-    """The fields of a reference file for a motion: what reference_from reads. A sampled one has arrays.
-
-    Raises:
-        TypeError: a motion of a class that reference files do not know.
-    """
+    """The fields of a reference file for a motion: what reference_from reads. A sampled one has arrays."""
     if isinstance(reference, Sampled):
         return {"type": "sampled", **reference.samples}
     for kind, (_, motion) in REFERENCES.items():

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import Reference, closed_loop
 from cogging.arrays import real_array
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.effects.custom import Custom
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
@@ -19,7 +19,7 @@ from cogging.simulation.arguments import LOG, MODEL, REFERENCE
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
 
 
-@takes(model=MODEL, reference=REFERENCE)
+@check_arguments(model=MODEL, reference=REFERENCE)
 def simulate(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
@@ -112,7 +112,7 @@ def _stating(model: Model, controller: Any) -> tuple[Model, dict[str, Any]]:
     return model.replace(controller=None, controller_type=None), told
 
 
-@takes(log=LOG)
+@check_arguments(log=LOG)
 def repeat(log: Log, *, effects: Sequence[Custom] = ()) -> Log:
     """Run a simulated log again from what it carries: model, reference, seed; the same bits on the same version.
 

@@ -36,7 +36,7 @@ import numpy as np
 from cogging import plot
 from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
-from cogging.calls import Kind, takes
+from cogging.calls import Kind, check_arguments
 from cogging.files import InputError, require_file
 from cogging.model.model import Model
 from cogging.outputs import PART_FILE, target_of, write_bytes
@@ -170,7 +170,7 @@ class Piece(NamedTuple):
     reductions: tuple[str, ...]
 
 
-@takes(model=MODEL, reference=REFERENCE, executor=EXECUTOR)
+@check_arguments(model=MODEL, reference=REFERENCE, executor=EXECUTOR)
 def sweep(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
@@ -437,10 +437,6 @@ class Pieces:
         Args:
             out: the output beside which it stands.
             digest: of all that decides what the runs give.
-
-        Raises:
-            InputError: something else or another sweep's pieces stand there, another process is at it, or none can be
-                written.
         """
         target = target_of(out)
         self.folder = target.with_name(f"{target.name}.pieces")
@@ -508,11 +504,7 @@ class Pieces:
         self._lock.close()
 
     def keep(self, table: Table) -> None:
-        """Write a piece.
-
-        Raises:
-            InputError: it cannot be written, as on a full disk; those before it stand.
-        """
+        """Write a piece."""
         file = io.BytesIO()
         np.savez(file, **{name: _saved(values) for name, values in table.items()})  # type: ignore[arg-type]
         try:
@@ -638,9 +630,6 @@ def run_elsewhere(
         pieces: its arguments.
         executor: whose workers run it.
         stands: gives what to tell of finished work where the executor does not do its own, or nothing.
-
-    Raises:
-        InputError: the executor has died, no worker is left, or one lacks the package or has another version of it.
     """
     stop = StopFlag()
     waiting: set[Future[Any]] = set()

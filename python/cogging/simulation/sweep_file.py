@@ -36,11 +36,7 @@ NEEDED = ("model", "reference", "vary")
 
 
 def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The arguments of `sweep` that a sweep file gives, paths of other files as seen from here.
-
-    Raises:
-        InputError: the file cannot be used; names file, line, field, rule and value.
-    """
+    """The arguments of `sweep` that a sweep file gives, paths of other files as seen from here."""
     document = read_toml(path)
     try:
         _require(document)
@@ -58,20 +54,12 @@ def files_of_sweep(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -
 
 
 def run_sweep(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
-    """Run what read_sweep has read.
-
-    Raises:
-        InputError: what only the sweep itself can find; names the file, and the line where it stands in it.
-    """
+    """Run what read_sweep has read."""
     return run_job(path, sweep, arguments, options)
 
 
 def _require(document: Mapping[str, Any]) -> None:
-    """Refuse a document that is no sweep.
-
-    Raises:
-        FieldError: names field, rule and value.
-    """
+    """Refuse a document that is no sweep."""
     require_keys(document, KEYS, NEEDED)
     if document.get("method", "grid") not in METHODS:
         got = f"{quoted(document['method'])}{nearest(str(document['method']), METHODS)}"
@@ -89,22 +77,14 @@ def _require(document: Mapping[str, Any]) -> None:
 
 
 def _require_files(document: Mapping[str, Any], folder: Path) -> None:
-    """Refuse names that no file has.
-
-    Raises:
-        FieldError: names the first.
-    """
+    """Refuse names that no file has."""
     for key in ("model", "reference"):
         if not (folder / document[key]).exists() or not document[key]:
             raise FieldError("", key, f"must be a file beside the sweep file, got {quoted(document[key])}")
 
 
 def _by_path(vary: Mapping[str, Any]) -> dict[str, Any]:
-    """Variations by path.
-
-    Raises:
-        FieldError: one path has two.
-    """
+    """Variations by path."""
     found: dict[str, Any] = {}
     for path, told in _flat(vary):
         if path in found:
@@ -134,9 +114,6 @@ def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str
         document: of the file.
         keys: type and meaning of each.
         needed: those that must be given.
-
-    Raises:
-        FieldError: names field, rule and value.
     """
     refuse_unknown_keys(document, keys, "")
     for key in needed:
@@ -158,11 +135,7 @@ def files_of_job(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> 
 def run_job(
     path: str | os.PathLike[str], work: Callable[..., Result], arguments: Mapping[str, Any], options: Mapping[str, Any]
 ) -> Result:
-    """Call `work` with what the file gives and with further options.
-
-    Raises:
-        InputError: what only the work itself can find; names the file, and the line where it stands in it.
-    """
+    """Call `work` with what the file gives and with further options."""
     try:
         return work(**{**arguments, **options})
     except InputError:

@@ -13,11 +13,11 @@ from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.files import LARGEST, FieldError, refuse_unknown_keys
-from cogging.memory import require_table
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.model import CONTROLLERS, Model, is_number
 from cogging.model.parameters import parameters_of, with_values
 from cogging.model.units import Units
+from cogging.resources import require_table
 from cogging.shown import nearest, quoted
 from cogging.simulation.reductions import unit_of
 from cogging.simulation.reference import REFERENCES
@@ -70,11 +70,7 @@ def units_of(setup: Setup, paths: Iterable[str], indexes: Iterable[str] = ()) ->
 
 
 def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
-    """Refuse a path that the run has not, with the nearest that it has.
-
-    Raises:
-        FieldError: names it.
-    """
+    """Refuse a path that the run has not, with the nearest that it has."""
     known = numbers_of(setup)
     for path in paths:
         if path not in known:
@@ -83,11 +79,7 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
 
 
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
-    """The setup with the numbers at these paths changed, but for the seed.
-
-    Raises:
-        ValueError: a value that breaks its field's rule.
-    """
+    """The setup with the numbers at these paths changed, but for the seed."""
     model, reference = setup
     inside = {path: value for path, value in values.items() if path.split(".")[0] not in (*SECTIONS, "reference", SEED)}
     if inside:
@@ -104,11 +96,7 @@ def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
 
 
 def make_controller(model: Model) -> Any:
-    """The model's controller.
-
-    Raises:
-        ValueError: it has none.
-    """
+    """The model's controller."""
     if model.controller is None or model.controller_type not in CONTROLLERS:
         raise ValueError("controller: must be given to run the model, got none")
     return model.make_controller()
@@ -173,11 +161,7 @@ class Variation:
     sides: tuple[float, float] | None = None
 
     def grid(self) -> FloatArray:
-        """Its values on a grid.
-
-        Raises:
-            FieldError: it is a distribution without points.
-        """
+        """Its values on a grid."""
         if self.values:
             return np.array(self.values)
         if self.ends is None or not self.points:
@@ -206,11 +190,7 @@ class Variation:
 
 
 def variation_of(path: str, told: Any, model: Model) -> Variation:
-    """How a number is varied, as a sweep file says it: a list of values, a table of KEYS, or "bounds".
-
-    Raises:
-        FieldError: what is told breaks a rule.
-    """
+    """How a number is varied, as a sweep file says it: a list of values, a table of KEYS, or "bounds"."""
     if told == BOUNDS:
         return _bounds(path, model)
     table: Mapping[str, Any] = {"values": told} if isinstance(told, list | tuple) else told
@@ -245,9 +225,6 @@ def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any,
         duration: s; 0 = the motion's own end.
         window: start, stop and final window, s.
         threads: 0 = all.
-
-    Raises:
-        FieldError: names the first.
     """
     start, stop, final_window = window
     for name, value, least, most in (
@@ -271,11 +248,7 @@ def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any,
 
 
 def points_of(variations: list[Variation], method: str, runs: int, seed: int) -> FloatArray:
-    """The values of each run, (runs, variations). The same arguments give the same points.
-
-    Raises:
-        FieldError: a method that is none, more runs than RUNS_MAX, a grid with a distribution on it.
-    """
+    """The values of each run, (runs, variations). The same arguments give the same points."""
     if method == "grid":
         axes = [variation.grid() for variation in variations]
         total = math.prod(len(axis) for axis in axes)

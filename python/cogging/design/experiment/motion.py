@@ -11,7 +11,7 @@ from cogging._core import PointToPoint, PointToPointParameters, Sampled
 from cogging.arrays import FloatArray
 from cogging.design.experiment.limits import MotionLimits
 from cogging.logs.log import Log
-from cogging.memory import LOG_COLUMNS, require_table
+from cogging.resources import LOG_COLUMNS, require_table
 
 SHARE = 0.9  # of each limit, that a reference takes: its machine does a little more
 MARGIN = 0.02  # of the travel, kept from each end

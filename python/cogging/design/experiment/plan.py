@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging._core import PidParameters, Sampled
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.design.experiment.goals import Expectation, Found, detect, fit, separate
 from cogging.design.experiment.limits import MotionLimits
@@ -30,9 +29,9 @@ from cogging.model.units import Units
 from cogging.outputs import to_json, to_toml, write_files
 from cogging.plot.results import whole_plan
 from cogging.progress import Progress, steps
+from cogging.resources import on_one_blas_thread, on_threads
 from cogging.shown import nearest, quoted
 from cogging.simulation.arguments import MODEL
-from cogging.threads import on_threads
 from cogging.values import ByValue
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import numpy as np
 
 from cogging.design.drawn_machines import DRAWS_MAX
 from cogging.files import FieldError
-from cogging.memory import require_machines
 from cogging.model.intervals import Intervals
+from cogging.resources import require_machines
 from cogging.simulation.varied import BOUNDS, SEED, Setup, Variation, refuse_unknown_paths, variation_of, with_numbers
 
 

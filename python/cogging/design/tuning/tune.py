@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cogging._core import Reference
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import Kind, did_you_mean, takes
 from cogging.design.tuning.gains import Tuned, tuned_of_function, tuned_of_model
 from cogging.design.tuning.limits import ALL_END, asked_limits, excesses, limits_of
@@ -25,6 +24,7 @@ from cogging.files import FieldError
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
 from cogging.progress import Progress, steps
+from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of

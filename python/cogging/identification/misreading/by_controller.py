@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cogging.correlation import cross_correlation
+from cogging.arrays import cross_correlation
 from cogging.identification.misreading.by_columns import exchanged
 from cogging.identification.misreading.readings import REFERENCES, Reading, in_unit_of_command, in_unit_of_length, moved
 from cogging.log_check.command_comparison import compared

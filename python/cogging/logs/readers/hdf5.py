@@ -16,11 +16,7 @@ DEEPEST = 32  # links on the way to a dataset, and virtual datasets of virtual d
 
 
 def datasets(file: Any, request: Request) -> dict[str, Any]:
-    """The datasets of an open file by name, `group.dataset`, those behind links included that the request asks for.
-
-    Raises:
-        InputError: what is asked for stands behind a link to another file.
-    """
+    """The datasets of an open file by name, `group.dataset`, those behind links included that the request asks for."""
     import h5py
 
     present: dict[str, Any] = {}
@@ -40,12 +36,7 @@ def datasets(file: Any, request: Request) -> dict[str, Any]:
 
 
 def numbers_of(item: Any, name: str, request: Request, columns: int) -> npt.NDArray[Any]:
-    """The content of a dataset, one of so many columns; an empty array of its kind where that is none of numbers.
-
-    Raises:
-        InputError: it is a text, a cell or logical values of MATLAB, stands in another file, or is larger than a file
-            of this size may say.
-    """
+    """The content of a dataset, one of so many columns; an empty array of its kind where that is none of numbers."""
     if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell", b"logical"):
         raise request.refuse(f"{name}: must be real numbers, got {item.attrs['MATLAB_class'].decode()}")
     _require_own(item, name, request, DEEPEST)
@@ -71,11 +62,7 @@ def _require_own(item: Any, name: str, request: Request, depth: int) -> None:
 
 
 def _followed(file: Any, path: str, name: str, request: Request) -> Any:
-    """The item at a path, through links within the file; None if there is none.
-
-    Raises:
-        InputError: a link leads to another file, or links lead to each other.
-    """
+    """The item at a path, through links within the file; None if there is none."""
     import h5py
 
     for _ in range(DEEPEST):

@@ -82,11 +82,7 @@ def seconds_most(size: int) -> float:
 
 
 def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
-    """Read columns of finite real numbers of one length; `kind` is a key of FORMATS.
-
-    Raises:
-        InputError: the file cannot be used, or its reader fails in whatever way; the library is not installed.
-    """
+    """Read columns of finite real numbers of one length; `kind` is a key of FORMATS."""
     from cogging._core import memory_left  # which the process that reads does without
 
     what, size = FORMATS[kind][0], os.path.getsize(request.path)
@@ -163,11 +159,7 @@ def _started(job: Mapping[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, FloatArray] | None:
-    """Return the columns that serve() writes, or None if it ends before all are there.
-
-    Raises:
-        InputError: what serve() refuses.
-    """
+    """Return the columns that serve() writes, or None if it ends before all are there."""
     from cogging._core import require_memory
 
     stream = process.stdout

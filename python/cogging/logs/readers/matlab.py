@@ -12,11 +12,7 @@ from cogging.logs.readers.request import Request
 
 
 def read(request: Request) -> dict[str, Any]:
-    """Read variables of a version 4 to 7 file.
-
-    Raises:
-        InputError: a variable is missing. What a broken file raises is scipy's.
-    """
+    """Read variables of a version 4 to 7 file."""
     from scipy.io import loadmat, whosmat
 
     with warnings.catch_warnings():
@@ -56,12 +52,7 @@ def _fields(name: str, value: Any) -> dict[str, Any]:
 
 
 def read_hdf5(request: Request) -> dict[str, Any]:
-    """Read variables of a version 7.3 file, or datasets of another HDF5 file; groups are structs.
-
-    Raises:
-        ImportError: h5py is not installed.
-        InputError: a variable is missing, or its numbers stand in another file. What a broken file raises is h5py's.
-    """
+    """Read variables of a version 7.3 file, or datasets of another HDF5 file; groups are structs."""
     import h5py
 
     from cogging.logs.readers.hdf5 import datasets, numbers_of

@@ -68,10 +68,6 @@ def read(request: Request) -> dict[str, Any]:
     """Read channels of one channel group; `time` is its master channel unless a channel bears that name.
 
     A channel that stands in several groups is called `GROUP.CHANNEL`, the group by its number.
-
-    Raises:
-        ImportError: asammdf is not installed.
-        InputError: a channel is missing, or they stand in different groups. What a broken file raises is asammdf's.
     """
     formulas = Formulas()  # before the library takes them up
     from asammdf import MDF

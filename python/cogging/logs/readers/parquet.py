@@ -8,12 +8,7 @@ from cogging.logs.readers.request import Request
 
 
 def read(request: Request) -> dict[str, Any]:
-    """Read columns of a Parquet file; a unit may stand in the name or in the field's metadata `unit`.
-
-    Raises:
-        ImportError: pyarrow is not installed.
-        InputError: a column is missing or holds no numbers. What a broken file raises is pyarrow's.
-    """
+    """Read columns of a Parquet file; a unit may stand in the name or in the field's metadata `unit`."""
     import pyarrow as pa
     import pyarrow.parquet as parquet
 

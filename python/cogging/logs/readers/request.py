@@ -85,9 +85,6 @@ class Request:
             name: of what asks.
             rows: of it.
             numbers: that they take together, of 8 bytes each.
-
-        Raises:
-            InputError: names the size and what is asked.
         """
         size = os.path.getsize(self.path)
         if 8 * numbers > numbers_most(size):
@@ -105,10 +102,6 @@ class Request:
         A name matches a column's whole text or what stands before its unit, `position [mm]`. `units` are those that
         the file states apart from the names. Which of several columns is meant is asked, not guessed, unless `columns`
         says it: those that differ from the name by a unit or by capitals alone may all be meant.
-
-        Raises:
-            InputError: a column is missing or stands twice, several may be meant, or it has a unit that is not SI and
-                no factor was given.
         """
         if self.survey is not None:
             stated_apart = units or [""] * len(present)

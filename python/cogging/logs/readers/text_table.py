@@ -50,11 +50,7 @@ def read(request: Request) -> dict[str, FloatArray]:
 
 
 def survey(request: Request) -> None:
-    """Tell the request the names and units of all columns (Request.survey).
-
-    Raises:
-        InputError: the file cannot be read as a text table, or has no header row.
-    """
+    """Tell the request the names and units of all columns (Request.survey)."""
     try:
         with open(request.path, "rb", buffering=0) as file:
             head = _head(file, os.fstat(file.fileno()).st_size)
@@ -113,9 +109,6 @@ def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: in
     """The decimal mark of the wanted columns, as the rows at the file's beginning have it: a point or a comma.
 
     That a comma is no mark of thousands may be seen in any column.
-
-    Raises:
-        InputError: both stand there, or only commas that may part thousands as well.
     """
     comma = point = ""
     sure = False
