@@ -11,8 +11,8 @@ from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
 from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
 from cogging.model.units import LABEL
 from cogging.simulation.reference import REFERENCES
-from cogging.simulation.sweep_file import KEYS as SWEEP
-from cogging.simulation.sweep_file import NEEDED as SWEEP_NEEDED
+from cogging.simulation.sweep import KEYS as SWEEP
+from cogging.simulation.sweep import NEEDED as SWEEP_NEEDED
 from cogging.simulation.varied import METHODS
 
 NUMBER = {"type": "number"}

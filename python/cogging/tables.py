@@ -30,6 +30,11 @@ def library(name: str, submodule: str = "") -> Any:
         raise ImportError(f"{name} is needed for this and is not there: pip install 'cogging[{extra}]'") from error
 
 
+def to_pandas(table: Mapping[str, Any]) -> Any:
+    """Return columns by name as a pandas DataFrame."""
+    return library("pandas").DataFrame(dict(table))
+
+
 def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Mapping[str, str], **more: Any) -> Any:
     """Return a pandas DataFrame with the units of its columns in `attrs["units"]`.
 

@@ -27,7 +27,7 @@ WAITS = {
     "predict": "cogging.design.error_prediction.predict_error",
     "simulate": "cogging.cli.simulate.simulate",
 }
-SLOW_SWEEP = "cogging.simulation.sweep_file.run_sweep"
+SLOW_SWEEP = "cogging.simulation.sweep.run_sweep"
 BARS = ("identify", "reproduce", "sweep", "tune")  # which know how many steps there are, and show them at once
 #: A command that waits there for half a second, which counts as long; papers are done at once, and tell their steps.
 PROGRAM = """

@@ -8,7 +8,7 @@ import pytest
 from cogging.cli.main import main
 from cogging.files import parse_toml
 from cogging.outputs import to_toml
-from cogging.simulation.sweep_file import KEYS
+from cogging.simulation.sweep import KEYS
 from tests.fixtures.sweeps import DOCUMENT, MOVE
 
 FILES = 'model = "model.toml"\nreference = "move.toml"\n'

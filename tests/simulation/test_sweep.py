@@ -221,7 +221,9 @@ def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypat
         plain(path, content, **options)
 
     monkeypatch.setattr(sweeps, "write_bytes", fills)
-    text = r"No space left on device; finished runs stand in .*runs\.csv\.pieces, the same call goes on from there$"
+    text = (
+        r"No space left on device; finished runs are kept in .*runs\.csv\.pieces, the same call continues from there$"
+    )
     with pytest.raises(cogging.InputError, match=text):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
     assert len(list((tmp_path / "runs.csv.pieces").glob("*.npz"))) == 5
@@ -254,7 +256,7 @@ def test_a_disk_that_is_full_indeed(tmp_path):
     assert (status, left, again, whole) == ("2", "runs.csv.pieces", "0", "runs.csv")
     assert 3 < int(pieces) < 100
     first, second, *_, following = done.stderr.splitlines()
-    assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs stand in .*", first)
+    assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs are kept in .*", first)
     assert "800 runs over axis.mass" in second
     assert following.startswith("next: cogging ")
     cogging.sweep(SMALL, MOVE, MANY, **DRAWN).write(tmp_path / "alone.csv")

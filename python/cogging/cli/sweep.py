@@ -50,14 +50,14 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
-    from cogging.simulation.frames import is_parquet
-    from cogging.simulation.sweep_file import files_of_sweep, read_sweep, run_sweep
+    from cogging.simulation.runs_table import is_parquet
+    from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
     from cogging.tables import library
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments)}
-    check_outputs(outputs, files_of_sweep(asked, arguments.sweep))
+    check_outputs(outputs, files_of_job(asked, arguments.sweep))
     try:
         if is_parquet(arguments.out):
             library("pyarrow")

@@ -14,8 +14,7 @@ from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.model.intervals import Interval
 from cogging.model.units import Units
-from cogging.simulation.frames import to_pandas
-from cogging.tables import frame_of
+from cogging.tables import frame_of, to_pandas
 from cogging.values import ByValue
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from cogging.design.tuning.tuning import Tuning
 from cogging.file_schema import TUNE, TUNE_NEEDED
 from cogging.files import FieldError, read_text, read_toml
 from cogging.outputs import AnyPath
-from cogging.simulation.sweep_file import files_of_job, require_keys, run_job
+from cogging.simulation.sweep import files_of_job, require_keys, run_job
 
 
 def read_tune(path: str | os.PathLike[str]) -> dict[str, Any]:
