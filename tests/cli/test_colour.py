@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from cogging.cli.colour import PLAIN, VERDICTS, coloured, wants_colour
+from cogging.cli.terminal import PLAIN, VERDICTS, coloured, wants_colour
 from cogging.cli.main import main
 from tests.fixtures import command_files
 

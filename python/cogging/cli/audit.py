@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_command import after_an_audit
+from cogging.cli.next_command import after_audit
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.files import InputError
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "audit",
@@ -32,7 +32,7 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--model", metavar="MODEL.toml", help="whose controller and travel are compared")
     add_log_options(command)
-    add_answer_options(command.add_argument_group(COMES_OUT), json="what was found, one object a log,")
+    add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="what was found, one object a log,")
     command.set_defaults(run=run)
 
 
@@ -45,8 +45,8 @@ def run(arguments: argparse.Namespace) -> None:
     inputs = [*with_sidecars(arguments.logs), *([arguments.model] if arguments.model else [])]
     check_outputs({"--json": json_file(arguments)}, inputs)
     model = Model.read(arguments.model) if arguments.model else None
-    told, texts = [], []
-    with working(arguments, "audit") as begin:
+    documents, texts = [], []
+    with status_line(arguments, "audit") as begin:
         for path, log in zip(arguments.logs, read_logs(arguments, arguments.logs), strict=True):
             begin(printable(path))
             if model is not None:
@@ -55,6 +55,6 @@ def run(arguments: argparse.Namespace) -> None:
                 found = audit(log, model)
             except ValueError as error:
                 raise InputError(f"{path}: {error}") from None
-            told.append({"log": path, **found.to_dict()})
+            documents.append({"log": path, **found.to_dict()})
             texts.append(f"{printable(path)}\n{found.text()}\n")
-    give(arguments, "\n".join(texts), document=told, next_command=after_an_audit(arguments))
+    print_result(arguments, "\n".join(texts), document=documents, next_command=after_audit(arguments))

@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_diagnosis import after_a_diagnosis
+from cogging.cli.next_command import after_diagnose
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs, to_toml, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "diagnose",
@@ -36,7 +36,7 @@ def add_parser(commands: Commands) -> None:
         "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
     )
     add_log_options(command)
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
     group.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
     group.add_argument(
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
-    with working(arguments, "diagnose") as begin:
+    with status_line(arguments, "diagnose") as begin:
         result = diagnose(
             given,
             model,
@@ -70,14 +70,14 @@ def run(arguments: argparse.Namespace) -> None:
             progress=begin,
         )
         files = {}
-        following = after_a_diagnosis(arguments, result)
+        following = after_diagnose(arguments, result)
         if arguments.report:
             begin("writing the report")
             title = ", ".join(printable(Path(path).name) for path in arguments.logs)
             files[arguments.report] = [result.html(title=title, step=following).encode()]
         if arguments.out:
             files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
-    give(
+    print_result(
         arguments,
         result.text(verbose=arguments.verbose),
         document=result.to_dict(),

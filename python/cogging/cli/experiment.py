@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import command_line, files, log_options, option
-from cogging.cli.parser import Commands, add_command
-from cogging.cli.run_options import add_seed, require_seed
-from cogging.cli.working import working
+from cogging.cli.parser import Commands, add_command, add_seed, require_seed
+from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError, read_text
 from cogging.outputs import check_outputs, with_sidecars
 
@@ -22,7 +21,7 @@ LIMITS = """LIMITS.toml:
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "experiment",
@@ -49,7 +48,7 @@ def add_parser(commands: Commands) -> None:
         help=f"{PURPOSES} (default: separate where the result has alternatives, else detect)",
     )
     add_seed(command, of="the simulated noise")
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="REF.toml", help="where the reference is written")
     add_answer_options(group, json="the plan")
     command.set_defaults(run=run)
@@ -77,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
         "goal": arguments.goal,
         "seed": arguments.seed,
     }
-    with working(arguments, "experiment") as begin:
+    with status_line(arguments, "experiment") as begin:
         try:
             plan = plan_experiment(model, limits, progress=begin, **options)
         except FieldError as error:  # of the limits beside the model, or of the result
@@ -87,7 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
         except NoMotion as error:
             raise InputError(f"{arguments.limits} with {arguments.model}: {error.why}") from None
     again = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
-    give(
+    print_result(
         arguments,
         f"{plan.text()}\nrun this motion on the machine, and log it",
         document=plan.to_dict(),

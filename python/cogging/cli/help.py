@@ -8,7 +8,7 @@ from cogging.cli.parser import Commands, add_command, refuse_unknown
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "help",

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
-from cogging.cli.next_command import after_a_map
+from cogging.cli.next_command import after_map
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
@@ -18,7 +18,7 @@ from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "map",
@@ -43,7 +43,7 @@ def add_parser(commands: Commands) -> None:
         help="labels of the units of force and position",
     )
     add_log_options(command)
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
     add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> None:
     require_known(arguments, [arguments.scan])
     how, zero = options_of(arguments, arguments.scan)
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
-    with working(arguments, "map"):
+    with status_line(arguments, "map"):
         try:
             signed = {"force_sign": arguments.force_sign, "units": arguments.units}
             fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, **signed)
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.out:
         text += f"\nput [cogging] of {printable(arguments.out)} into a model, in place of what stands there"
     written = [arguments.out, str(figure)] if arguments.out else []
-    give(arguments, text, document=fit.to_dict(), written=written, next_command=after_a_map(arguments))
+    print_result(arguments, text, document=fit.to_dict(), written=written, next_command=after_map(arguments))
 
 
 def _units(text: str) -> Units:

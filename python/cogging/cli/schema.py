@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.screen import say
+from cogging.cli.terminal import print_text
 from cogging.outputs import to_json
 
 
@@ -26,4 +26,4 @@ def run(arguments: argparse.Namespace) -> None:
     """Print the schema."""
     from cogging.file_schema import schema
 
-    say(to_json(schema()).rstrip("\n"), plain=True)
+    print_text(to_json(schema()).rstrip("\n"), plain=True)

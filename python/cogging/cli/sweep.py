@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
 from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.files import InputError
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
-
-if TYPE_CHECKING:
-    from cogging.simulation.sweep import SweepRuns
 
 THREADS_MAX = 1024
 FILE = """SWEEP.toml:
@@ -29,7 +25,7 @@ FILE = """SWEEP.toml:
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "sweep",
@@ -42,7 +38,7 @@ def add_parser(commands: Commands) -> None:
     )
     command.add_argument("sweep", metavar="SWEEP.toml", help="which runs, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")
     add_answer_options(group, json="a summary of the runs")
     command.set_defaults(run=run)
@@ -65,16 +61,12 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError(f"--out: {error}") from None
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
     runs = run_sweep(arguments.sweep, asked, **options)
-    following = after_many_runs(asked["model"], asked["reference"])
-    text = f"{printable(arguments.out)}: {runs!r}"
-    give(arguments, text, document=_summary(runs, arguments.out), indent=2, next_command=following)
-
-
-def _summary(runs: SweepRuns, out: str) -> dict[str, Any]:
-    """How many runs there are, over what, and smallest, median and largest of each index."""
-    found = {}
+    indexes = {}
     for name in INDEXES:
         values = runs.table[name][np.isfinite(runs.table[name])]
         low, middle, high = np.quantile(values, (0.0, 0.5, 1.0)) if values.size else (np.nan,) * 3
-        found[name] = {"smallest": low, "median": middle, "largest": high}
-    return {"out": out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units), "indexes": found}
+        indexes[name] = {"smallest": low, "median": middle, "largest": high}
+    summary = {"out": arguments.out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units)}
+    following = after_many_runs(asked["model"], asked["reference"])
+    text = f"{printable(arguments.out)}: {runs!r}"
+    print_result(arguments, text, document={**summary, "indexes": indexes}, indent=2, next_command=following)

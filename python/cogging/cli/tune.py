@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
 from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.files import InputError
@@ -25,7 +25,7 @@ FILE = """TUNE.toml:
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "tune",
@@ -41,7 +41,7 @@ def add_parser(commands: Commands) -> None:
     )
     command.add_argument("tune", metavar="TUNE.toml", help="what is tuned, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument(
         "--out", default="tuned.toml", metavar="MODEL.toml", help="the model with the tuned gains (default: tuned.toml)"
     )
@@ -71,4 +71,4 @@ def run(arguments: argparse.Namespace) -> None:
         written.append(arguments.figure)
     text = tuning.text() if written or arguments.json else f"{tuning.text()}\nnothing written"
     following = after_many_runs(arguments.out if tuning.model is not None else asked["model"], asked["reference"])
-    give(arguments, text, document=tuning.to_dict(), indent=2, written=written, next_command=following)
+    print_result(arguments, text, document=tuning.to_dict(), indent=2, written=written, next_command=following)
