@@ -14,9 +14,8 @@ from cogging.estimation.jackknife import SINGULAR, jackknife
 from cogging.estimation.residuals import Residuals
 from cogging.estimation.statistics import student
 from cogging.estimation.whitening import Whitened, whitened
-from cogging.model.difference_steps import central
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
+from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
 
 @dataclass(frozen=True)

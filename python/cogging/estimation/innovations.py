@@ -13,9 +13,8 @@ from cogging.estimation.residuals import quiet_plant, steps_needed
 from cogging.estimation.rows_in_motion import SETTLED, START, settling, since
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
-from cogging.model.difference_steps import central, one_sided
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, Scales, effect_at
+from cogging.model.parameters import Parameter, Scales, central, effect_at, one_sided
 
 WIDE = 0.03  # of a parameter: the step of a difference quotient through contacts
 

@@ -19,9 +19,8 @@ from cogging.estimation.jackknife import shares_of_blocks, spread_of
 from cogging.estimation.rows_in_motion import START
 from cogging.identification.inverse_dynamics import InverseDynamics
 from cogging.logs.log import Log
-from cogging.model.difference_steps import central
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
+from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
 Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
 

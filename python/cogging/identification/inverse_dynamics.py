@@ -14,8 +14,8 @@ from cogging.effects.effect import laws_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.logs.log import Log
 from cogging.logs.pauses import running_time
-from cogging.model.difference_steps import DifferenceStep
 from cogging.model.model import Model
+from cogging.model.parameters import DifferenceStep
 
 JITTER = 0.01  # of the median step: logs that are evener than this take the command as it stands in the rows
 

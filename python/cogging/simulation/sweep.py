@@ -299,8 +299,7 @@ def _table(
     done = np.zeros(len(points), dtype=bool)
     for table in tables:
         done[table["run"]] = True
-    least = LANES * (common.threads or os.cpu_count() or 1)
-    size = least * math.ceil(min(max(1, PIECE_MOST // least), len(points) / PIECES / least))
+    size = piece_size(len(points), common.threads)
     pieces = [common._replace(points=points[runs], first=runs.start) for runs in missing(done, size)]
     with steps(progress, "sweep", len(pieces)) as step:
         if executor is None:
@@ -316,6 +315,12 @@ def _table(
             step(f"{count} of {len(points)} runs")
     tables.sort(key=lambda table: int(table["run"][0]))
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def piece_size(runs: int, threads: int) -> int:
+    """Return how many runs a piece has: those that fill the lanes of all threads, more in a large sweep."""
+    least = LANES * (threads or os.cpu_count() or 1)
+    return least * math.ceil(min(max(1, PIECE_MOST // least), runs / PIECES / least))
 
 
 def missing(done: np.ndarray[Any, Any], size: int) -> list[slice]:
