@@ -8,7 +8,7 @@ from cogging.logs.readers.request import Request
 
 
 def read(request: Request) -> dict[str, Any]:
-    """Read columns of a Parquet file; a unit may stand in the name or in the field's metadata `unit`."""
+    """Return columns of a Parquet file; a unit is in the name or in the field's metadata `unit`."""
     import pyarrow as pa
     import pyarrow.parquet as parquet
 
