@@ -17,11 +17,10 @@ from matplotlib.figure import Figure
 import cogging
 from cogging.diagnosis.entries import Gap, Step
 from cogging.plot.canvas import Panels
-from cogging.plot.gap_shares import shares
-from cogging.plot.rows import UNITS
+from cogging.plot.gaps import shares
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import COLOURS, look, marker, named
-from cogging.plot.traces import gaps, trace
+from cogging.plot.traces import UNITS, gaps, trace
 from tests.fixtures.covering import covering
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 

@@ -49,8 +49,8 @@ COLUMN_UNITS |= {"true_position": "m", "true_velocity": "m/s"}
 class Log(ByValue):
     """One run of an axis, measured or simulated: one row a sample.
 
-    Columns may be lists, pandas Series or arrays of real numbers. They are stored as read-only float64 arrays; a float64
-    array is not copied.
+    Columns may be lists, pandas Series or arrays of real numbers. They are stored as read-only float64 arrays, without
+    a copy of one that is float64 already.
 
     Attributes:
         time: s, strictly increasing, (n,).
