@@ -15,19 +15,12 @@ VARIABLE = "COGGING_DATA"  # the environment variable that names the folder of a
 
 @dataclass(frozen=True)
 class Source:
-    """A public data set.
+    """A public data set."""
 
-    Attributes:
-        name: of the set, and of its folder within the folder of all sets.
-        origin: where it is published.
-        licence: of the publication.
-        places: subfolders in which its files may be, as at the origin or in a flat copy.
-    """
-
-    name: str
-    origin: str
-    licence: str
-    places: tuple[str, ...] = (".",)
+    name: str  # of the set, and of its folder within the folder of all sets
+    origin: str  # where it is published
+    licence: str  # of the publication
+    places: tuple[str, ...] = (".",)  # subfolders in which its files may be, as at the origin or in a flat copy
 
     def folders(self, folder: str | os.PathLike[str] | None = None) -> list[Path]:
         """Return the folders to search: `folder` or that of COGGING_DATA, and the subfolder with the set's name."""

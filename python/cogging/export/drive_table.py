@@ -193,21 +193,13 @@ def looked_at(frame: Frame, span: float) -> FloatArray:
 
 @dataclass(frozen=True)
 class Law:
-    """How a drive reads its table at its position.
+    """How a drive reads its table at its position."""
 
-    Attributes:
-        entries: n.
-        start: the drive's position p at the first entry.
-        span: range of p.
-        wraps: whether the table repeats; otherwise the drive adds nothing outside.
-        between: "linear" interpolation, entry i at start + i step, or "hold" until the next entry.
-    """
-
-    entries: int
-    start: float
-    span: float
-    wraps: bool
-    between: str
+    entries: int  # n
+    start: float  # the drive's position p at the first entry
+    span: float  # range of p
+    wraps: bool  # whether the table repeats; otherwise the drive adds nothing outside
+    between: str  # "linear" interpolation, entry i at start + i step, or "hold" until the next entry
 
     def __post_init__(self) -> None:
         if self.between not in BETWEEN:
@@ -240,19 +232,12 @@ class Law:
 
 @dataclass(frozen=True)
 class Rest:
-    """What a drive leaves of the cogging, rms in the model's command unit.
+    """What a drive leaves of the cogging, rms in the model's command unit."""
 
-    Attributes:
-        cogging: of F_cogging itself.
-        left: F_cogging minus the compensation.
-        span: the part that differs between spans of the table, which no entry can remove.
-        entries: the rest, due to interpolation and quantisation of entries.
-    """
-
-    cogging: float
-    left: float
-    span: float
-    entries: float
+    cogging: float  # of F_cogging itself
+    left: float  # F_cogging minus the compensation
+    span: float  # the part that differs between spans of the table, which no entry can remove
+    entries: float  # the rest, due to interpolation and quantisation of entries
 
     @property
     def removed(self) -> float:
@@ -262,21 +247,13 @@ class Rest:
 
 @dataclass(frozen=True)
 class Table:
-    """Entries as stored in the drive.
+    """Entries as stored in the drive."""
 
-    Attributes:
-        frame: of the drive.
-        law: how it reads them.
-        values: rounded, in its unit, (n,).
-        quantum: of an entry, in its unit; 0 = 24-bit numbers; None = 53-bit.
-        rest: what it leaves of the cogging.
-    """
-
-    frame: Frame
-    law: Law
-    values: FloatArray
-    quantum: float | None
-    rest: Rest = field(compare=False)
+    frame: Frame  # of the drive
+    law: Law  # how it reads them
+    values: FloatArray  # rounded, in its unit, (n,)
+    quantum: float | None  # of an entry, in its unit; 0 = 24-bit numbers; None = 53-bit
+    rest: Rest = field(compare=False)  # what it leaves of the cogging
 
 
 def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int = 0) -> Table:

@@ -175,17 +175,11 @@ SMALLEST = 1e-6  # of the largest wave: smaller ones are numerical
 
 @dataclass(frozen=True)
 class Wave:
-    """One coefficient: r cos(n angle + phi), or sin.
+    """One coefficient: r cos(n angle + phi), or sin."""
 
-    Attributes:
-        times: n, a turn.
-        phase: phi, degrees, 0 to 360.
-        size: r, Nm.
-    """
-
-    times: int
-    phase: float
-    size: float
+    times: int  # n, a turn
+    phase: float  # phi, degrees, 0 to 360
+    size: float  # r, Nm
 
 
 def _waves_of(frame: Frame, wave: str) -> list[Wave]:

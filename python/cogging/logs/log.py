@@ -99,7 +99,7 @@ class Log(ByValue):
     def of(cls, columns: Mapping[str, FloatArray], metadata: Mapping[str, Any] | None = None) -> Log:
         """Return a log of columns by name."""
         required = {name: columns[name] for name in REQUIRED}
-        further = {name: columns.get(name) for name in (*OPTIONAL, *TRUE, "estimates")}
+        further: dict[str, Any] = {name: columns.get(name) for name in (*OPTIONAL, *TRUE, "estimates")}
         return cls(**required, **further, metadata=metadata or {})
 
     def __setstate__(self, state: dict[str, Any]) -> None:

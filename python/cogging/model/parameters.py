@@ -64,23 +64,14 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Scales:
-    """Magnitudes in a log, to which a parameter's step or error is compared.
+    """Magnitudes in a log, to which a parameter's step or error is compared."""
 
-    Attributes:
-        force: rms command, V.
-        position: travel, m.
-        velocity: largest speed, m/s.
-        acceleration: m/s^2, largest that lasts.
-        time: duration, s.
-        sample_time: s.
-    """
-
-    force: float
-    position: float
-    velocity: float
-    acceleration: float
-    time: float
-    sample_time: float
+    force: float  # rms command, V
+    position: float  # travel, m
+    velocity: float  # largest speed, m/s
+    acceleration: float  # m/s^2, largest that lasts
+    time: float  # duration, s
+    sample_time: float  # s
 
     @classmethod
     def largest(cls, several: Iterable[Scales]) -> Scales:
@@ -283,17 +274,11 @@ def _indexed(path: str, text: str, count: int) -> list[Any]:
 
 @dataclass(frozen=True)
 class DifferenceStep:
-    """Two models that differ in one parameter: df/dp is approximately (f(above) - f(below)) / span.
+    """Two models that differ in one parameter: df/dp is approximately (f(above) - f(below)) / span."""
 
-    Attributes:
-        above: the model on one side.
-        below: the model on the other side, or the given one.
-        span: difference of the parameter; negative if only a step down is allowed.
-    """
-
-    above: Model
-    below: Model
-    span: float
+    above: Model  # the model on one side
+    below: Model  # the model on the other side, or the given one
+    span: float  # difference of the parameter; negative if only a step down is allowed
 
 
 def central(model: Model, parameter: Parameter, step: float) -> DifferenceStep:

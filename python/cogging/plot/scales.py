@@ -20,15 +20,10 @@ MICRO = re.compile(r"(?<![A-Za-z])u(?=(?:m|rad|V|A|N|Nm|s)(?![A-Za-z]))")
 
 @dataclass(frozen=True)
 class Scale:
-    """Factor and unit of a plotted quantity.
+    """Factor and unit of a plotted quantity."""
 
-    Attributes:
-        factor: from values to `unit`.
-        unit: in a label; empty for a pure number.
-    """
-
-    factor: float
-    unit: str
+    factor: float  # from values to `unit`
+    unit: str  # in a label; empty for a pure number
 
     def __call__(self, values: npt.ArrayLike) -> FloatArray:
         """Return values in this unit."""

@@ -36,17 +36,11 @@ UNITS = {
 
 
 class Failed(NamedTuple):
-    """A run that failed.
+    """A run that failed."""
 
-    Attributes:
-        run: its number in the batch.
-        time: s, when it failed; NaN if it did not start.
-        reason: in one line.
-    """
-
-    run: int
-    time: float
-    reason: str
+    run: int  # its number in the batch
+    time: float  # s, when it failed; NaN if it did not start
+    reason: str  # in one line
 
 
 class Kept(NamedTuple):
