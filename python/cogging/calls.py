@@ -102,7 +102,7 @@ def check_arguments(**kinds: Kind) -> Callable[[F], F]:
             for word in named:
                 if word not in names and not open_ended:
                     known = [one for one in names if one != "self"]
-                    raise TypeError(f"{name}: {word}: is no argument of it; {did_you_mean(word, known)}")
+                    raise TypeError(f"{name}: {word}: is not an argument; {did_you_mean(word, known)}")
             for word, value in [*zip(names, given, strict=False), *named.items()]:
                 problem = kinds[word].problem(value) if word in kinds else ""
                 if problem:
@@ -189,7 +189,7 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
         return f"{call.name}: must be given {len(places)} arguments by position, got {count}; the rest by keyword"
     for word in named:
         if word not in call.parameters:
-            return f"{call.name}: {word}: is no argument of it; {did_you_mean(word, call.parameters)}"
+            return f"{call.name}: {word}: is not an argument; {did_you_mean(word, call.parameters)}"
     for word, value in call.arguments.items():
         rule = broken_rule(call.parameters[word].annotation, value)
         if rule:

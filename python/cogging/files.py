@@ -174,7 +174,7 @@ def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str
     known = list(known)
     for key in given:
         if key not in known:
-            raise FieldError(section, key, f"is not known here; {did_you_mean(key, known)}")
+            raise FieldError(section, key, f"is unknown; {did_you_mean(key, known)}")
 
 
 def refuse_mistyped(given: Iterable[str], key: str, section: str, occurrence: int = 0) -> None:
@@ -182,4 +182,4 @@ def refuse_mistyped(given: Iterable[str], key: str, section: str, occurrence: in
     given = list(given)
     near = None if key in given else nearest_name(key, given)
     if near is not None:
-        raise FieldError(section, near, f"is not known here; did you mean {key}?", occurrence)
+        raise FieldError(section, near, f"is unknown; did you mean {key}?", occurrence)

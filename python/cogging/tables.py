@@ -27,7 +27,7 @@ def library(name: str, submodule: str = "") -> Any:
         return importlib.import_module(f"{name}.{submodule}" if submodule else name)
     except ImportError as error:
         extra = EXTRAS[name]
-        raise ImportError(f"{name} is needed for this and is not there: pip install 'cogging[{extra}]'") from error
+        raise ImportError(f"{name} is needed but not installed: pip install 'cogging[{extra}]'") from error
 
 
 def to_pandas(table: Mapping[str, Any]) -> Any:

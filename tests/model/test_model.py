@@ -188,7 +188,7 @@ def test_every_effect_comes_back_from_a_file(name, tmp_path):
     assert again.to_dict() == model.to_dict()
     assert again.plant().effects == [made]
     document = {**model.to_dict(), "effects": [{"name": name, "unheard_of": 1.0}]}
-    with pytest.raises(ValueError, match=r"effects\.unheard_of: is not known here"):
+    with pytest.raises(ValueError, match=r"effects\.unheard_of: is unknown"):
         cogging.Model.from_dict(document)
 
 

@@ -426,7 +426,7 @@ def test_mistakes_are_told_in_one_line(name):
     function = getattr(cogging.plot, name)
     with pytest.raises(TypeError, match=r"ax: must be axes of matplotlib, as plt\.subplots\(\) gives them, got"):
         function(*PICTURES[name], ax="here")
-    with pytest.raises(TypeError, match=rf"{name}: axs: is no argument of it; did you mean ax\?"):
+    with pytest.raises(TypeError, match=rf"{name}: axs: is not an argument; did you mean ax\?"):
         function(*PICTURES[name], axs=None)
     if name != "ledger":
         with pytest.raises(TypeError, match=r"units: must be cogging\.Units\(.*\), got 'A'"):

@@ -108,7 +108,7 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
 @pytest.mark.parametrize(
     ("vary", "options", "text"),
     [
-        ({"axis.mas": [1]}, {}, r"^vary.axis.mas: is no number of this run; did you mean axis.mass\?"),
+        ({"axis.mas": [1]}, {}, r"^vary.axis.mas: is not a number of this run; did you mean axis.mass\?"),
         ({"controler.kp": [1]}, {}, r"did you mean controller.kp\?"),
         ({"reference.freqency": [1]}, {}, r"did you mean reference.frequency\?"),
         ({}, {}, r"vary: must give at least one number"),
@@ -117,7 +117,7 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
         ({"axis.mass": {"from": 2, "to": 1}}, {}, r"from: must be below to"),
         ({"axis.mass": {"from": 0, "to": 1, "scale": "log"}}, {}, r"above 0 on a logarithmic scale"),
         ({"axis.mass": {"from": 0}}, {}, r"must be values, or from and to, or mean and deviation"),
-        ({"axis.mass": {"mean": 1, "deviaton": 1}}, {}, r"deviaton: is not known here; did you mean deviation"),
+        ({"axis.mass": {"mean": 1, "deviaton": 1}}, {}, r"deviaton: is unknown; did you mean deviation"),
         ({"axis.mass": {"mean": 1, "deviation": 1}}, {}, r"must have values, or from, to and points, on a grid"),
         ({"axis.coulomb": "bounds"}, {}, r"axis.coulomb: "),
         ({"axis.mass": [0.1]}, {"method": "sobol", "runs": 0}, r"runs: must be from 1"),

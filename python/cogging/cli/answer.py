@@ -15,14 +15,14 @@ from cogging.outputs import to_json, write_files
 from cogging.shown import printable
 
 STANDARD_OUTPUT = "-"
-OUTPUT_GROUP = "what comes out"  # group of options in the help
+OUTPUT_GROUP = "output"  # group of options in the help
 
 
 def add_answer_options(group: argparse._ActionsContainer, *, json: str = "the result") -> None:
     """Add `--json` and `--quiet`; `json`: what `--json` writes, in words, "" for a command without it."""
     if json:
-        group.add_argument("--json", metavar="OUT", help=f"where {json} is written as JSON; - is standard output")
-    group.add_argument("-q", "--quiet", action="store_true", help="print errors alone, and what --json - asks for")
+        group.add_argument("--json", metavar="OUT", help=f"write {json} as JSON; - is standard output")
+    group.add_argument("-q", "--quiet", action="store_true", help="print only errors, and the result of --json -")
 
 
 def json_file(arguments: argparse.Namespace) -> str | None:

@@ -1,4 +1,4 @@
-"""`cogging audit`: what a log is like, and whether a stated controller made it."""
+"""`cogging audit`: check a log, and whether the stated controller produced it."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "audit",
-        help="what a log is like, and whether a stated controller made it",
-        description="Say of each log how many rows it has and how evenly they stand, where rows are missing, the step "
-        "of the encoder, travel, speed and command, and outliers. With a model, also whether its controller made the "
-        "log.",
+        help="check a log, and whether the stated controller produced it",
+        description="Report of each log the rows and their time steps, missing rows, the resolution of the encoder, "
+        "travel, speed and command, and outliers. With a model, also whether its controller produced the log.",
         examples=(
             "cogging audit log.csv",
             "cogging audit log.csv --model model.toml --json audit.json",
@@ -30,9 +29,9 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
-    command.add_argument("--model", metavar="MODEL.toml", help="whose controller and travel are compared")
+    command.add_argument("--model", metavar="MODEL.toml", help="model with the controller and travel to compare")
     add_log_options(command)
-    add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="what was found, one object a log,")
+    add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the findings, one object for each log,")
     command.set_defaults(run=run)
 
 

@@ -14,12 +14,12 @@ from cogging.files import InputError
 from cogging.papers.reproduction import PAPERS
 
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
-EXTRA = "the completion needs shtab, which the extra `completion` brings: pip install 'cogging[completion]'"
-INSTALLED = """once and for all:
+EXTRA = "the completion needs shtab: pip install 'cogging[completion]'"
+INSTALLED = """permanently:
   bash         cogging completion bash > ~/.local/share/bash-completion/completions/cogging
   zsh          cogging completion zsh > ~/.zfunc/_cogging      (with fpath+=~/.zfunc before compinit)
   fish         cogging completion fish > ~/.config/fish/completions/cogging.fish
-for this shell alone:
+for this shell:
   bash         eval "$(cogging completion bash)\""""
 
 
@@ -28,9 +28,9 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "completion",
-        help="print what lets a shell complete these commands",
-        description="Print a script for a shell that completes commands, options, their values and files with the TAB "
-        "key. It must be printed anew after an update.",
+        help="print a completion script for a shell",
+        description="Print a script with which a shell completes commands, options, their values and files. Print it "
+        "again after an update.",
         epilog=INSTALLED,
         examples=("cogging completion bash", "cogging completion zsh"),
     )

@@ -20,10 +20,10 @@ def add_parser(commands: Commands) -> None:
         commands,
         "diagnose",
         help="find, name and add the effect that a model lacks",
-        description="Re-tune the model to the logs, measure the gap that is left between what it says and what was "
-        "logged, find where it sits, and name the effect that explains it, with its parameters, how sure that is and "
-        "what else it could be. The first line is the verdict: no_gap, named, ambiguous, unlisted, data_mismatch, "
-        "controller_mismatch or insufficient_excitation; the exit status is 0 whichever it is.",
+        description="Re-tune the model to the logs, measure the gap that remains between model and logs, locate it, "
+        "and name the effect that explains it, with its parameters, the confidence and the alternatives. The first "
+        "line is the verdict: no_gap, named, ambiguous, unlisted, data_mismatch, controller_mismatch or "
+        "insufficient_excitation; the exit status is 0 whichever it is.",
         examples=(
             "cogging diagnose log.csv --model model.toml",
             "cogging diagnose log.csv --model model.toml --confirm other.csv --out patched.toml --report report.html",
@@ -31,20 +31,18 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
-    command.add_argument("--model", required=True, metavar="MODEL.toml", help="what is believed of the machine")
+    command.add_argument("--model", required=True, metavar="MODEL.toml", help="model of the machine")
     command.add_argument(
-        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
+        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check the result"
     )
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
-    group.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
+    group.add_argument("--report", metavar="OUT.html", help="write the report: one page with figures")
+    group.add_argument("--out", metavar="MODEL.toml", help="write the model with the missing effect")
     group.add_argument(
-        "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
+        "--empirical", action="store_true", help="add the unexplained force to that model, with any shape"
     )
-    group.add_argument(
-        "--verbose", action="store_true", help="print all that the result holds, not what to act on alone"
-    )
+    group.add_argument("--verbose", action="store_true", help="print the whole result, not only its conclusions")
     add_answer_options(group)
     command.set_defaults(run=run)
 

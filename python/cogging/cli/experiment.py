@@ -1,4 +1,4 @@
-"""`cogging experiment`: the motion that would tell most, computed."""
+"""`cogging experiment`: the most informative motion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError, read_text
 from cogging.outputs import check_outputs, with_sidecars
 
-PURPOSES = "separate: alternatives of the result stand apart; detect: small effects are seen; fit: intervals narrow"
+PURPOSES = "separate: alternatives of the result; detect: small effects; fit: narrow intervals"
 LIMITS = """LIMITS.toml:
   velocity = 0.3          # m/s
   acceleration = 5.0      # m/s^2
@@ -25,10 +25,10 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "experiment",
-        help="compute the motion that would tell alternatives apart",
-        description="Compute a motion within the machine's limits that best tells apart the alternatives of a result, "
-        "shows small effects, or narrows the intervals of a fit, and say what is to be expected of it. It writes the "
-        "reference (for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it.",
+        help="compute the motion that best separates alternatives",
+        description="Compute a motion within the machine's limits that best separates the alternatives of a result, "
+        "reveals small effects, or narrows the intervals of a fit, and predict its benefit. It writes the reference "
+        "(for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it.",
         epilog=LIMITS,
         examples=(
             "cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml",
@@ -38,10 +38,10 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model that the result is of")
     command.add_argument("--result", metavar="RESULT.json", help="what `diagnose --json` wrote")
     command.add_argument(
-        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result: their motion is not proposed again"
+        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result, whose motion is not proposed again"
     )
     add_log_options(command)
-    command.add_argument("--limits", required=True, metavar="LIMITS.toml", help="what the machine may do, as below")
+    command.add_argument("--limits", required=True, metavar="LIMITS.toml", help="limits of the machine, as below")
     command.add_argument(
         "--goal",
         choices=("separate", "detect", "fit"),
@@ -49,7 +49,7 @@ def add_parser(commands: Commands) -> None:
     )
     add_seed(command, of="the simulated noise")
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument("--out", required=True, metavar="REF.toml", help="where the reference is written")
+    group.add_argument("--out", required=True, metavar="REF.toml", help="write the reference")
     add_answer_options(group, json="the plan")
     command.set_defaults(run=run)
 

@@ -24,9 +24,9 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "export",
-        help="write a map as a drive takes it, a controller or the axis as code",
-        description="Write a model, or a part of it, in a form that another machine takes. Printed are what it will "
-        "take of it, what it cannot, and what is assumed of it.",
+        help="write a map for a drive, a controller or the axis as code",
+        description="Write a model, or a part of it, for another machine. The command prints what the machine uses, "
+        "what it cannot represent, and the assumptions.",
         examples=(
             "cogging export motor.toml --to csv --out map.csv",
             "cogging export motor.toml --to akd --scale 0.8 --out akd.csv",
@@ -45,8 +45,8 @@ def add_parser(commands: Commands) -> None:
             how: dict[str, Any] = {"choices": option.choices} if option.choices else {"metavar": option.metavar}
             command.add_argument(option_of(option.name), help=taken, type=option.kind, **how)
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument("--out", required=True, metavar="FILE", help="where it is written")
-    add_answer_options(group, json="what is printed")
+    group.add_argument("--out", required=True, metavar="FILE", help="write the file")
+    add_answer_options(group, json="the printed text")
     command.set_defaults(run=run)
 
 

@@ -19,8 +19,8 @@ def add_parser(commands: Commands) -> None:
         "identify",
         help="fit the parameters of a model to logs, with intervals",
         description="Fit mass, friction and the other parameters of a model to logs, by two methods that check each "
-        "other. Printed are what each log is like, what the logs can determine, each parameter with its 95 % interval, "
-        "and what the fitted model leaves unexplained.",
+        "other. The command prints a check of each log, what the logs can determine, each parameter with its 95 % "
+        "interval, and what the fitted model leaves unexplained.",
         examples=(
             "cogging identify log.csv --model model.toml --out fitted.toml",
             "cogging identify log.csv other.csv --model model.toml --free axis.mass,axis.viscous --json fit.json",
@@ -33,7 +33,7 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--cutoff", type=float, metavar="HZ", help="of the filter (default: found from the noise)")
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument("--out", metavar="MODEL.toml", help="where the fitted model is written, with [bounds]")
+    group.add_argument("--out", metavar="MODEL.toml", help="write the fitted model with [bounds]")
     add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
 

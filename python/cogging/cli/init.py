@@ -1,4 +1,4 @@
-"""`cogging init`: a commented model and reference from what a log shows."""
+"""`cogging init`: draft a commented model and reference from a log."""
 
 from __future__ import annotations
 
@@ -20,28 +20,27 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "init",
-        help="a commented model and reference from what a log shows",
-        description="Look at a log as its owner has it, find its columns, units, rate, quantum, travel and moves, and "
-        "write a model and a reference with comments that say where each number comes from and what is to be filled "
-        "in. Nothing that stands is replaced.",
+        help="draft a commented model and reference from a log",
+        description="Find the columns, units, rate, resolution, travel and moves of a log, and write a model and a "
+        "reference with comments on the origin of each number and on what to fill in. Existing files are not replaced.",
         examples=(
             "cogging init log.csv --out first.toml --reference moves.toml",
             "cogging init drive.csv --columns position=qm,command=vir --out drive.toml --reference drive_moves.toml",
         ),
     )
-    command.add_argument("log", metavar="LOG", help="as you have it: columns of any names and units")
+    command.add_argument("log", metavar="LOG", help="with columns of any names and units")
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument(
-        "--out", metavar="MODEL.toml", default="model.toml", help="where the model is written (default: model.toml)"
+        "--out", metavar="MODEL.toml", default="model.toml", help="write the model (default: model.toml)"
     )
     group.add_argument(
         "--reference",
         metavar="REF.toml",
         default="reference.toml",
-        help="where its motion is written (default: reference.toml)",
+        help="write its motion (default: reference.toml)",
     )
-    add_answer_options(group, json="all that was found")
+    add_answer_options(group, json="all findings")
     command.set_defaults(run=run)
 
 

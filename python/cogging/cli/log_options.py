@@ -24,12 +24,18 @@ OPTIONS = ("columns", "scale", "zero", "rows")
 
 def add_log_options(command: argparse.ArgumentParser) -> None:
     """Add the options `--columns`, `--scale`, `--zero` and `--rows`."""
-    group = command.add_argument_group("how files are read")
+    group = command.add_argument_group("reading files")
     for option, kind, metavar, text, example in (
-        ("--columns", _names, "NAME=IN_FILE,...", "what columns are called in the file", "a.csv:position=qm"),
+        ("--columns", _names, "NAME=IN_FILE,...", "names of columns in the file", "a.csv:position=qm"),
         ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", "a.csv:command=35,b.csv:command=2"),
-        ("--zero", _zeros, "NAME=VALUE,...", "what is taken off columns, after the factors", "a.csv:position=0.012"),
-        ("--rows", _rows, "FIRST:END", "the data rows to take, from 0", "a.csv:0:500,b.csv:100:"),
+        (
+            "--zero",
+            _zeros,
+            "NAME=VALUE,...",
+            "values subtracted from columns, after the factors",
+            "a.csv:position=0.012",
+        ),
+        ("--rows", _rows, "FIRST:END", "the data rows to read, from 0", "a.csv:0:500,b.csv:100:"),
     ):
         group.add_argument(
             option,

@@ -44,12 +44,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         message = str(error)
     except (ArithmeticError, RecursionError, LinAlgError) as error:  # the last resort, where no rule applies
-        message = f"these files lead to numbers that cannot be computed with: {error}"
+        message = f"these files lead to a numerical error: {error}"
     except (ValueError, OSError, _core.DivergedError, ImportError) as error:
         message = " ".join(str(error).split())
     except MemoryError as error:
         reason = "" if "std::" in str(error) else str(error)  # of another library's C++
-        message = f"needs more memory than there is: {reason or 'a smaller file or fewer samples may do'}"
+        message = f"not enough memory: {reason or 'a smaller file or fewer samples may do'}"
     print_error(f"cogging: {message}")
     return 2
 

@@ -24,7 +24,7 @@ def add_parser(commands: Commands) -> None:
         "map",
         help="fit the cogging model to a force-against-position scan",
         description="Find the harmonics of the magnet pitch in a scan of the force that holds the axis at each "
-        "position, fit their amplitudes, constant or changing along the travel, and say what the map explains. The "
+        "position, fit their amplitudes, constant or varying along the travel, and report what the map explains. The "
         "scan has the columns position (m or rad) and force (the command's unit).",
         examples=(
             "cogging map scan.csv --pitch 0.05 --out map.toml",
@@ -34,7 +34,11 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("scan", metavar="SCAN", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m or rad")
     command.add_argument(
-        "--force-sign", type=int, default=1, metavar="S", help="-1: the sensor reads the motor's push (default: 1)"
+        "--force-sign",
+        type=int,
+        default=1,
+        metavar="S",
+        help="-1: the sensor reads the force of the motor (default: 1)",
     )
     command.add_argument(
         "--units",
@@ -44,7 +48,7 @@ def add_parser(commands: Commands) -> None:
     )
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
+    group.add_argument("--out", metavar="MODEL.toml", help="write the [cogging] section, and a figure beside it")
     add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
 
@@ -69,7 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
             fit.write(arguments.out)
     text = fit.text()
     if arguments.out:
-        text += f"\nput [cogging] of {printable(arguments.out)} into a model, in place of what stands there"
+        text += f"\nreplace the [cogging] section of a model by that of {printable(arguments.out)}"
     written = [arguments.out, str(figure)] if arguments.out else []
     print_result(arguments, text, document=fit.to_dict(), written=written, next_command=after_map(arguments))
 

@@ -128,7 +128,7 @@ def refuse_unknown(kind: str, name: str, known: Sequence[str]) -> None:
 def add_run_files(command: argparse.ArgumentParser) -> None:
     """Add the model and the reference of a command that simulates."""
     command.add_argument("model", metavar="MODEL.toml", help="the machine and its controller")
-    command.add_argument("--reference", required=True, metavar="REF.toml", help="the motion that is asked for")
+    command.add_argument("--reference", required=True, metavar="REF.toml", help="the reference motion")
 
 
 def add_seed(command: argparse.ArgumentParser, of: str) -> None:

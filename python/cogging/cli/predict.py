@@ -1,4 +1,4 @@
-"""`cogging predict`: the tracking error of each controller, before the machine moves."""
+"""`cogging predict`: predict the tracking error of each controller."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "predict",
-        help="the tracking error of each controller, before the machine moves",
-        description="Draw machines from the intervals of the model, run the model's own controller and those that can "
-        "be designed for it along the reference, and print rms and largest error of each with its 95 % interval.",
+        help="predict the tracking error of each controller",
+        description="Draw machines from the intervals of the model, simulate its controller and those that can be "
+        "designed for it along the reference, and print rms and largest error of each with its 95 % interval.",
         examples=(
             "cogging predict model.toml --reference ref.toml",
             "cogging predict model.toml --reference ref.toml --samples 200 --json errors.json",

@@ -1,4 +1,4 @@
-"""`cogging reproduce`: the published experiments beside the papers' numbers."""
+"""`cogging reproduce`: the published experiments compared with the papers."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "reproduce",
-        help="the published experiments beside the papers' numbers",
-        description="Run the experiments of a paper and print its tables beside ours, each number with whether it was "
-        "calibrated or predicted. The tables (PAPER.json) and the figures (PNG) go into a folder.",
+        help="the published experiments compared with the papers",
+        description="Run the experiments of a paper and print its tables beside the simulated ones, each number "
+        "marked as calibrated or predicted. Tables (PAPER.json) and figures (PNG) are written into a folder.",
         examples=(
             "cogging reproduce lu2008",
             "cogging reproduce malaize2009 xu2001 --out results",
@@ -30,7 +30,7 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
     command.add_argument("--compare", action="store_true", help="all papers' controllers on one axis")
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument("--all", action="store_true", help="show the tables that are in no paper, too")
+    group.add_argument("--all", action="store_true", help="also show tables that are in no paper")
     group.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
     add_answer_options(group, json="the tables, one object a paper,")
     command.set_defaults(run=run)

@@ -15,8 +15,8 @@ def add_parser(commands: Commands) -> None:
         commands,
         "schema",
         help="print the JSON Schema of model, reference, limits and sweep files",
-        description="Print the JSON Schema by which an editor completes and checks model, reference, limits and sweep "
-        "files.",
+        description="Print the JSON Schema with which an editor completes and checks model, reference, limits and "
+        "sweep files.",
         examples=("cogging schema",),
     )
     command.set_defaults(run=run)

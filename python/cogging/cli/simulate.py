@@ -22,10 +22,10 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "simulate",
-        help="one closed-loop run",
-        description="Run the model under its controller along the reference and write the log: time, reading, command, "
-        "reference and the true motion, with the model and the seed beside it (LOG.csv.toml). Printed are rows, "
-        "seconds and the largest error.",
+        help="simulate one closed-loop run",
+        description="Simulate the model with its controller along the reference and write the log: time, reading, "
+        "command, reference and the true motion, with the model and the seed in LOG.csv.toml. The command prints "
+        "rows, duration and the largest error.",
         examples=(
             "cogging simulate model.toml --reference ref.toml --out run.csv",
             "cogging simulate model.toml --reference ref.toml --seed 7 --out run.parquet --json run.json",
@@ -34,7 +34,10 @@ def add_parser(commands: Commands) -> None:
     add_run_files(command)
     add_seed(command, of="the noise")
     command.add_argument(
-        "--steps-per-sample", type=int, metavar="N", help="fewest integration steps a sample (default: the model's)"
+        "--steps-per-sample",
+        type=int,
+        metavar="N",
+        help="least number of integration steps per sample (default: the model's)",
     )
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="LOG.csv", help="also .mat and .parquet")

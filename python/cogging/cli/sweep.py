@@ -1,4 +1,4 @@
-"""`cogging sweep`: many runs of a model, each with other numbers."""
+"""`cogging sweep`: simulate a model many times with other numbers."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "sweep",
-        help="many runs of a model, each with other numbers",
-        description="Run the model along the reference once for each set of numbers, and write a table: a row a run, "
-        "with its numbers, its errors and its command. Ended before its time it keeps what is done, and the same "
-        "command goes on from there.",
+        help="simulate a model many times with other numbers",
+        description="Simulate the model along the reference for each set of numbers, and write a table: one row a "
+        "run, with its numbers, errors and command. If it is interrupted, finished runs are kept, and the same "
+        "command continues from there.",
         epilog=FILE,
         examples=("cogging sweep sweep.toml --out runs.csv", "cogging sweep sweep.toml --out runs.parquet --threads 2"),
     )
-    command.add_argument("sweep", metavar="SWEEP.toml", help="which runs, as below")
+    command.add_argument("sweep", metavar="SWEEP.toml", help="the runs, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")

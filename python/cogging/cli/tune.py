@@ -1,4 +1,4 @@
-"""`cogging tune`: the gains of a controller for an uncertain machine."""
+"""`cogging tune`: tune the gains of a controller for an uncertain machine."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "tune",
-        help="the gains of a controller for an uncertain machine",
-        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, within "
-        "limits on command, chatter and robustness, and say what they cost. Ended before its time, it writes the best "
-        "so far, and the same command goes on from there.",
+        help="tune the gains of a controller for an uncertain machine",
+        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, "
+        "within limits on command, chatter and robustness, and report what they cost. If it is interrupted, it writes "
+        "the best gains so far, and the same command continues from there.",
         epilog=FILE,
         examples=(
             "cogging tune tune.toml --out tuned.toml",
             "cogging tune tune.toml --figure tuned.png --json tuned.json",
         ),
     )
-    command.add_argument("tune", metavar="TUNE.toml", help="what is tuned, as below")
+    command.add_argument("tune", metavar="TUNE.toml", help="the tuning, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument(
         "--out", default="tuned.toml", metavar="MODEL.toml", help="the model with the tuned gains (default: tuned.toml)"
     )
-    group.add_argument("--figure", metavar="OUT.png", help="where the trade-off is drawn")
+    group.add_argument("--figure", metavar="OUT.png", help="plot the trade-off")
     add_answer_options(group, json="the tuning")
     command.set_defaults(run=run)
 

@@ -137,7 +137,7 @@ def to_control(
     try:
         control = importlib.import_module("control")
     except ImportError as error:
-        need = "python-control is needed for this and is not there: pip install 'cogging[control]'"
+        need = "python-control is needed but not installed: pip install 'cogging[control]'"
         raise ImportError(need) from error
     if sample_rate is None:
         if model.controller is None:

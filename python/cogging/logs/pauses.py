@@ -43,6 +43,6 @@ def without_pauses(log: Log) -> tuple[Log, str]:
     pauses, longest = int(np.sum(steps > max(CUT, CUT_STEPS * float(np.median(steps))))), int(np.argmax(steps))
     said = (
         f"{pauses} pause{'s' if pauses > 1 else ''} in the rows, the longest of {steps[longest]:.4g} s after row "
-        f"{longest}: cut to {np.diff(running)[longest]:.3g} s, and all times here count without the rest"
+        f"{longest}: cut to {np.diff(running)[longest]:.3g} s, and all times here exclude what was cut"
     )
     return replace(log, time=running), said

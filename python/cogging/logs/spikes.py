@@ -54,4 +54,4 @@ def repaired(log: Log, readings: Mask, commands: Mask) -> tuple[Log, str]:
         position=between(log.position, log.time, readings),
         command=between(log.command, log.time, commands),
     )
-    return whole, f"{' and '.join(said)}, that leave and return at once: put between their neighbours"
+    return whole, f"{' and '.join(said)}, that jump away and return at once: replaced by interpolation"

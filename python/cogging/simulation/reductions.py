@@ -58,7 +58,7 @@ def reduction(name: str) -> tuple[str, str, float]:
     if found is None:
         known = [f"{quantity}_{kind}" for quantity in QUANTITIES for kind in PLAIN]
         known += [f"{quantity}_{kind}(number)" for quantity in QUANTITIES for kind in NUMBERED]
-        raise ValueError(f"reductions: {quoted(name)} is none; {did_you_mean(name, known)}")
+        raise ValueError(f"reductions: {quoted(name)} is unknown; {did_you_mean(name, known)}")
     quantity, plain, numbered, text = found.groups()
     try:
         number = float(text) if text else 0.0

@@ -88,7 +88,7 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
     for path in paths:
         if path not in known:
             section = [name for name in known if name.split(".")[0] == path.split(".")[0]]
-            raise FieldError("vary", path, f"is no number of this run; {did_you_mean(path, section or known)}")
+            raise FieldError("vary", path, f"is not a number of this run; {did_you_mean(path, section or known)}")
 
 
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
