@@ -57,8 +57,8 @@ print(json.dumps(told))
     assert told["verdict"] == "no_gap"
     pause, replay = told["notes"]
     assert pause == (
-        "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 3999: cut to 0.5 s, and all times here exclude "
-        "what was cut"
+        "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 3999: cut to 0.5 s, and all times here "
+        "exclude what was cut"
     )
     assert replay.startswith("time: must be evenly spaced")
     assert replay.endswith("the gap is that of the force balance")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cogging.first_model.headers import Header
 from cogging.first_model.units import Unit
-from cogging.logs.readers.request import is_si, split_unit
+from cogging.logs.readers.column_request import is_si, split_unit
 from cogging.shown import printable
 
 

@@ -25,7 +25,7 @@ from cogging.first_model.units import (
     unit_of_time,
 )
 from cogging.logs.columns import read_columns, survey_columns
-from cogging.logs.readers.request import listed
+from cogging.logs.readers.column_request import listed
 from cogging.model.units import UNIT_KEYS, Units
 from cogging.shown import nearest, printable
 

@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from cogging.logs.readers.request import bracketed, split_unit
+from cogging.logs.readers.column_request import bracketed, split_unit
 
 #: Words of a column's name by what it holds, the surer ones first; of English and German drives and loggers.
 NAMES = {

@@ -11,8 +11,8 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.files import InputError, require_file
 from cogging.logs.readers import text_table
+from cogging.logs.readers.column_request import Request
 from cogging.logs.readers.isolate import FORMATS, read_isolated
-from cogging.logs.readers.request import Request
 from cogging.shown import nearest
 
 SUFFIXES = {".mat": "matlab", ".mf4": "mdf", ".mdf": "mdf", ".parquet": "parquet"}

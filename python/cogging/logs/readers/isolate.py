@@ -27,7 +27,7 @@ import numpy.typing as npt
 from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.logs.readers import matlab, mdf, parquet
-from cogging.logs.readers.request import MIB, Request, numbers_most
+from cogging.logs.readers.column_request import MIB, Request, numbers_most
 
 #: Description, extra that installs the library, and reader of each format.
 FORMATS: dict[str, tuple[str, str, Callable[[Request], dict[str, Any]]]] = {

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging.logs.readers.request import Request
+from cogging.logs.readers.column_request import Request
 
 NUMBERS = "fiub"  # numpy kinds
 DEEPEST = 32  # links on the way to a dataset, and nested virtual datasets

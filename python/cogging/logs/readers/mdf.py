@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from cogging.files import InputError
-from cogging.logs.readers.request import Request
+from cogging.logs.readers.column_request import Request
 
 #: Conversions of numbers to numbers, by the library's codes. Those of value ranges to texts may contain others.
 NUMBERS = {3: (65535, 0, 1, 2, 6, 7, 8, 9), 4: (0, 1, 2, 4, 5)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cogging.logs.readers.request import Request
+from cogging.logs.readers.column_request import Request
 
 
 def read(request: Request) -> dict[str, Any]:

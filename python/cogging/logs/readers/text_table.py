@@ -14,7 +14,7 @@ from tqdm import tqdm
 from cogging._core import NumberReader, require_memory
 from cogging.arrays import FloatArray
 from cogging.files import InputError
-from cogging.logs.readers.request import Request, split_unit
+from cogging.logs.readers.column_request import Request, split_unit
 
 HEADER = 1 << 18  # bytes that contain the header row
 BLOCK = 1 << 22  # bytes read at once
