@@ -11,6 +11,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]  # which rows, or entries, count
 DEEPEST = 4  # nested lists that are searched
+SIGMAS_95 = 1.959963984540054  # half width of a 95 % interval of a normal variable, in standard deviations
 
 
 def no_number_in(values: Any, depth: int = DEEPEST) -> list[Any]:

@@ -23,6 +23,7 @@ from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
 from cogging.outputs import Checksum, checksum_of, sidecar, target_of, to_toml, write_files
+from cogging.plot.traces import UNITS
 from cogging.resources import require_table
 from cogging.shown import quoted
 from cogging.tables import frame_of, html_table
@@ -39,9 +40,7 @@ READ_WITH = "read_with"  # key of the metadata: notes of the reader
 CHECKSUM = "log_checksum"  # key of a sidecar: checksum of its log
 TRUE = ("true_position", "true_velocity")
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
-COLUMN_UNITS = {"time": "s", "position": "m", "command": "V", "reference": "m", "error": "m"}
-COLUMN_UNITS |= {"reference_velocity": "m/s", "reference_acceleration": "m/s^2"}
-COLUMN_UNITS |= {"true_position": "m", "true_velocity": "m/s"}
+COLUMN_UNITS = {"time": "s", **UNITS}
 
 
 @check_constructor

@@ -92,8 +92,11 @@ def _shared_rows(log: Log, other: Log) -> Mask:
         edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
         for start, stop in zip(edges[::2], edges[1::2], strict=True):
             rows = slice(first + int(start), first + int(stop))
-            if stop - start >= STRETCH and _count_different(log, rows, spread) >= STRETCH_DIFFERENT:
-                found[rows] = True
+            if stop - start < STRETCH:
+                continue
+            with np.errstate(over="ignore"):
+                different = len(np.unique(_rounded(log.position[rows], log.command[rows], spread)))
+            found[rows] |= different >= STRETCH_DIFFERENT
     if found.any():
         return found
     with np.errstate(over="ignore"):
@@ -200,11 +203,6 @@ def _offsets(log: Log, other: Log, spread: Spread) -> list[int]:
         return []
     values, votes = np.unique(np.concatenate(offsets), return_counts=True)
     return [int(value) for value in values[np.argsort(-votes, kind="stable")][:OFFSETS]]
-
-
-def _count_different(log: Log, rows: slice, spread: Spread) -> int:
-    with np.errstate(over="ignore"):
-        return len(np.unique(_rounded(log.position[rows], log.command[rows], spread)))
 
 
 def _in_order(mine: npt.NDArray[np.uint64], its: npt.NDArray[np.uint64]) -> Mask:

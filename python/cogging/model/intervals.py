@@ -6,14 +6,12 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from cogging.arrays import SIGMAS_95 as SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 from cogging.shown import nearest
 
 Interval = tuple[float, float]
-
-#: Half width of a 95 % interval of a normal distribution, in standard deviations.
-SIGMAS_95 = 1.959963984540054
 
 #: What identifies a parameter, by the beginning of its path.
 MEASUREMENTS = {

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging._core import CoggingModel, smooth_sign
-from cogging.arrays import FloatArray
+from cogging.arrays import SIGMAS_95, FloatArray
 from cogging.calls import described
 from cogging.effects.effect import laws_of
 from cogging.plot.canvas import drawn, legend, one_of
@@ -19,7 +19,6 @@ from cogging.plot.traces import numbers
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIGMAS_95 = 1.959963984540054  # half width of a 95 % interval of a normal variable, in deviations
 POINTS_PER_WAVE = 24  # of the shortest period
 FEWEST, MOST = 401, 20_001  # points of a map
 DIRECTIONS = ((1.0, "forward"), (-1.0, "backward"))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray, IntArray
+from cogging.arrays import SIGMAS_95, FloatArray, IntArray
 from cogging.calls import described, did_you_mean
 from cogging.plot.canvas import Panels, drawn, grid_of, legend, one_of
 from cogging.plot.scales import scale_of, units_of
@@ -18,7 +18,6 @@ from cogging.plot.traces import numbers
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIGMAS_95 = 1.959963984540054  # half width of a 95 % interval of a normal variable, in deviations
 COORDINATES = {"position": "m", "velocity": "m/s", "time": "s", "command": "V", "acceleration": "m/s^2"}
 USUAL = ("position", "velocity", "time", "command")
 BINS = 40

@@ -85,19 +85,17 @@ def simulate(
     metadata |= {name: value for name, (value, default) in start.items() if value != default}
     metadata["reference"] = reference_to_dict(motion) | ({"duration": duration} if duration else {})
     metadata["model"] = model.to_dict()
-    columns = _core.closed_loop(
-        model.plant(),
-        model.make_controller() if controller is None else controller,
-        motion,
-        duration=duration,
-        seed=seed,
-        steps_per_sample=steps_per_sample,
-        record_estimates=record_estimates,
-        initial_position=initial_position,
-        initial_velocity=initial_velocity,
-        added_command=None if added_command is None else real_array("added_command", added_command),
-    )
-    return Log.of(columns, metadata)
+    own: Any = model.make_controller() if controller is None else controller
+    options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
+    options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
+    return _run(model.plant(), own, motion, metadata, added_command, options | {"record_estimates": record_estimates})
+
+
+def _run(
+    plant: Plant, controller: Any, motion: Reference, metadata: dict[str, Any], added: Any, options: dict[str, Any]
+) -> Log:
+    added_command = None if added is None else real_array("added_command", added)
+    return Log.of(_core.closed_loop(plant, controller, motion, added_command=added_command, **options), metadata)
 
 
 @check_arguments(plant=PLANT, reference=MOTION)
@@ -149,19 +147,9 @@ def closed_loop(
         >>> print(f"{len(log)} rows, largest error {1e6 * abs(log.error).max():.0f} um")
         2501 rows, largest error 209 um
     """
-    columns = _core.closed_loop(
-        plant,
-        controller,
-        reference,
-        duration=duration,
-        seed=seed,
-        steps_per_sample=steps_per_sample,
-        record_estimates=record_estimates,
-        initial_position=initial_position,
-        initial_velocity=initial_velocity,
-        added_command=None if added_command is None else real_array("added_command", added_command),
-    )
-    return Log.of(columns)
+    options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
+    options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
+    return _run(plant, controller, reference, {}, added_command, options | {"record_estimates": record_estimates})
 
 
 @check_arguments(log=LOG)

@@ -593,7 +593,8 @@ def run_elsewhere(
             if not waiting:
                 return
             done = wait(waiting, LOOK_EVERY, return_when=FIRST_COMPLETED).done
-            for future in sorted(done, key=_has_failed):  # failed ones last
+            failed_last = {one: one.cancelled() or one.exception() is not None or bool(one.result()[0]) for one in done}
+            for future in sorted(done, key=failed_last.__getitem__):
                 waiting.remove(future)
                 refused, found = future.result()
                 if refused:
@@ -634,10 +635,6 @@ def _submitted(function: Callable[[Any], Any], piece: Any, executor: Executor, s
         "call": uuid.uuid4().hex,  # Dask answers a repeated call with its earlier result, errors too
     }
     return executor.submit(eval, CALL, given)
-
-
-def _has_failed(future: Future[Any]) -> bool:
-    return future.cancelled() or future.exception() is not None or bool(future.result()[0])
 
 
 class _Workers:
