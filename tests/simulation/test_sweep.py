@@ -122,7 +122,7 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
         ({"axis.coulomb": "bounds"}, {}, r"axis.coulomb: "),
         ({"axis.mass": [0.1]}, {"method": "sobol", "runs": 0}, r"runs: must be from 1"),
         ({"axis.mass": [0.1]}, {"method": "gird"}, r"method: must be one of grid, random"),
-        ({"axis.mass": [0.1]}, {"reductions": ["rms"]}, r"reductions: 'rms' is none"),
+        ({"axis.mass": [0.1]}, {"reductions": ["rms"]}, r"reductions: 'rms' is unknown"),
     ],
 )
 def test_a_wrong_sweep_is_answered_in_one_line(vary, options, text):
