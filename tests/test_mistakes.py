@@ -21,7 +21,7 @@ MISTAKES = {
     ),
     "a keyword": (
         lambda: cogging.simulate(MODEL, MOVE, sed=1),
-        r"simulate: sed: is not an argument .* did you mean seed",
+        r"simulate: sed: is not an argument.* did you mean seed",
     ),
     "swapped": (lambda: cogging.diagnose(MODEL, LOG), r"diagnose: logs: .* a Model: the log stands before"),
     "no model": (lambda: cogging.identify(LOG), r"identify\(\) missing 1 required positional argument: 'model'"),
@@ -36,7 +36,7 @@ MISTAKES = {
         lambda: cogging.Model.from_dict({"axis": {"mas": 1, "mass": 1}}),
         r"axis\.mas: is unknown; did you mean mass\?",
     ),
-    "an unknown section": (lambda: cogging.Model.from_dict({"axes": {}}), r"axes: is unknown .* mean axis\?"),
+    "an unknown section": (lambda: cogging.Model.from_dict({"axes": {}}), r"axes: is unknown.* mean axis\?"),
     "a field of a class": (
         lambda: cogging.Model(axis=MODEL.axis, efects=[]),
         r"Model: efects: is not an argument; did you mean effects\?",
